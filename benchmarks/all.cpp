@@ -1,8 +1,7 @@
-// Everything that has a benchmark of its own, small, in a few minutes: has anything become slower?
-//
-// Each task is timed in turns with a yardstick that knows nothing of Batten (a dense factorization,
-// a sweep through memory, a sort), and what is compared with baseline.json is the ratio of the two:
-// it depends little on the machine. Peers and accuracy are the business of the other benchmarks.
+// The tasks of all other benchmarks at small sizes, in a few minutes, to detect slowdowns.
+// Each task alternates with a reference computation that is independent of Batten (a dense
+// factorization, a pass through memory, a sort). The ratio of both is compared with baseline.json:
+// it depends little on the machine. Peers and accuracy belong to the other benchmarks.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -43,7 +42,7 @@ namespace fs = std::filesystem;
 using namespace batten;
 using namespace batten::bench;
 
-// A few milliseconds of what computers do: arithmetic in the cache, memory, branches.
+// Reference computation of a few milliseconds: arithmetic in the cache, memory traffic, branches.
 void calibration() {
   static const MatX A = [] {
     MatX a = MatX::Random(160, 160);
@@ -69,10 +68,10 @@ struct Task {
 };
 
 struct Measured {
-  double seconds, ratio;  ///< medians; ratio: over the yardstick's seconds
+  double seconds, ratio;  ///< medians; ratio: seconds over those of the reference computation
 };
 
-// Short tasks are repeated, so that the clock has something to measure.
+// Short tasks are repeated, for the resolution of the clock.
 Measured measure(const Task& task) {
   constexpr double worth_timing = 0.03;
   constexpr int rounds = 7;
@@ -164,19 +163,18 @@ void add_skin_tasks(std::vector<Task>& tasks) {
     tasks.push_back({"fill: " + c.name, [c] {
                        ModelLayout({c.name, lines_of(c), edges(c.edge_length)}).minimize_energy({});
                      }});
-  tasks.push_back({"skin: door with embedded lines",
+  tasks.push_back({"skin: door with embedded curves",
                    [] { ModelLayout(batten_test::door_layout(27, 0.1)).minimize_energy({}); }});
   const auto door = std::make_shared<ModelLayout>(batten_test::door_layout(27, 0.1));
   const auto dofs = std::make_shared<Points>(door->minimize_energy({}));
-  tasks.push_back(
-      {"skin: measures of the door", [=] { batten::measure(door->skinned(0, *dofs)); }});
+  tasks.push_back({"skin: quality of the door", [=] { batten::measure(door->skinned(0, *dofs)); }});
   const auto lines = std::make_shared<std::vector<CharacterLine>>(wavy_grid(9, 9));
   const auto network = std::make_shared<CurveNetwork>(*lines);
   const auto found = std::make_shared<FoundRegions>(find_regions(*network));
-  tasks.push_back({"network: contacts and arcs of 20 lines", [=] { CurveNetwork n(*lines); }});
-  tasks.push_back({"network: search for 81 regions", [=] { find_regions(*network); }});
+  tasks.push_back({"network: contacts and edges of 20 curves", [=] { CurveNetwork n(*lines); }});
+  tasks.push_back({"network: search for 81 faces", [=] { find_regions(*network); }});
   for (const bool smooth : {false, true})
-    tasks.push_back({std::string("network: 81 regions, ") + (smooth ? "smooth" : "creases"), [=] {
+    tasks.push_back({std::string("network: 81 faces, ") + (smooth ? "smooth" : "creases"), [=] {
                        ModelOptions options;
                        options.skin.edge_length = 0.03;
                        options.crease_angle_deg = smooth ? 180 : -1;
@@ -187,7 +185,7 @@ void add_skin_tasks(std::vector<Task>& tasks) {
 void add_drag_tasks(std::vector<Task>& tasks) {
   const auto layout =
       std::make_shared<RegionLayout>("plate", arched_plate(), batten_test::skin(0.0222, 1e-4));
-  tasks.push_back({"drag: first answer and frame, 18,000 unknowns", [=] {
+  tasks.push_back({"drag: first update and frame, 18,000 unknowns", [=] {
                      SculptingSession session(*layout, SessionOptions());
                      session.frame();
                    }});
@@ -230,7 +228,7 @@ void add_deform_tasks(std::vector<Task>& tasks) {
   move.translation = {0, 0, 60};
   const auto edit = std::make_shared<DeformEdit>();
   edit->handles = {move};
-  tasks.push_back({"deform: first answer, 3,457 vertices",
+  tasks.push_back({"deform: first update, 3,457 vertices",
                    [=] { FormFeatureDeformer(*mesh, problem).deform(*edit); }});
   const auto deformer = std::make_shared<FormFeatureDeformer>(*mesh, problem);
   tasks.push_back({"deform: edit", [=, k = 0]() mutable {
@@ -267,7 +265,7 @@ void add_file_tasks(std::vector<Task>& tasks, const fs::path& folder) {
                      write_calculix(folder / "door.inp", {door.get()}, deck);
                    }});
   if (!std::getenv("DISPLAY")) {
-    std::printf("no display: pictures are left out\n");
+    std::printf("no display: pictures are skipped\n");
     return;
   }
   tasks.push_back({"files: picture of a pentagon", [=] {
@@ -284,8 +282,8 @@ nlohmann::json read_baseline(const std::string& file) {
 
 }  // namespace
 
-// bench_all BASELINE [WORD]: compares with the file; --new-baseline BASELINE writes it. WORD: only
-// tasks whose name begins so.
+// bench_all BASELINE [PREFIX]: compares with the file; --new-baseline BASELINE writes it. PREFIX:
+// only tasks whose name begins with it.
 int main(int argc, char** argv) {
   one_thread();
   const bool renew = argc > 1 && std::string(argv[1]) == "--new-baseline";
@@ -306,8 +304,8 @@ int main(int argc, char** argv) {
   nlohmann::json baseline = read_baseline(file);
   Checks checks;
   Table table;
-  table.add({"task", "ms", "yardsticks", "of the baseline"});
-  constexpr double most = 1.15;  // a virtual machine's own unrest is a few percent
+  table.add({"task", "ms", "relative time", "over baseline"});
+  constexpr double most = 1.15;  // the variation on a virtual machine is a few percent
   for (const Task& task : tasks) {
     if (task.name.rfind(word, 0) != 0) continue;
     const Measured m = measure(task);
@@ -318,7 +316,7 @@ int main(int argc, char** argv) {
     if (renew)
       baseline[task.name] = std::round(m.ratio * 1e4) / 1e4;
     else
-      checks.at_most(task.name + ": time over the baseline's", change, most);
+      checks.at_most(task.name + ": time over the baseline", change, most);
   }
   table.print();
   fs::remove_all(folder);

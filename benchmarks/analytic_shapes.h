@@ -1,4 +1,5 @@
-// Surfaces with a formula, and lines on them, to see what lines alone make of them.
+// Surfaces given by formulas, and curves on them, as exact references for surfaces built from the
+// curves alone.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace batten::bench {
 
-/// A number with its first two derivatives along a line.
+/// A number with its first two derivatives along a curve.
 struct Jet {
   double x = 0, d = 0, dd = 0;
   Jet(double value = 0, double first = 0, double second = 0) : x(value), d(first), dd(second) {}
@@ -21,7 +22,7 @@ struct Jet {
   friend Jet operator*(const Jet& a, const Jet& b) {
     return {a.x * b.x, a.d * b.x + a.x * b.d, a.dd * b.x + 2 * a.d * b.d + a.x * b.dd};
   }
-  /// f(a) from f, f', f'' at a.
+  /// f(a) from f, f' and f''.
   static Jet chain(const Jet& a, double f, double f1, double f2) {
     return {f, f1 * a.d, f1 * a.dd + f2 * a.d * a.d};
   }
@@ -33,7 +34,7 @@ struct Jet {
   }
 };
 
-/// x(s, t), regular on the unit square and a little beyond.
+/// x(s, t), regular on the unit square and slightly beyond.
 struct Formula {
   using Space = std::array<Jet, 3>;
   using At = std::function<Space(const Jet& s, const Jet& t)>;
@@ -48,7 +49,7 @@ struct Formula {
     double distance = 0;
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
   };
-  /// The nearest point: samples, then Gauss and Newton's steps.
+  /// The closest point: samples, then Gauss-Newton and Newton steps.
   FootPoint closest(const Vec3& p) const {
     constexpr int n = 24;
     if (starts_.empty())
@@ -89,7 +90,7 @@ struct Formula {
   mutable std::vector<Start> starts_;
 };
 
-/// The line x(s(q), t(q)), q from 0 to 1.
+/// The curve x(s(q), t(q)) for q from 0 to 1.
 inline CharacterLine line_on(const std::string& name, const Formula& f,
                              const std::function<std::array<Jet, 2>(const Jet& q)>& path,
                              CharacterLine::Role role) {
@@ -147,7 +148,7 @@ struct AnalyticShape {
                               CharacterLine::Role::Outline));
     return lines;
   }
-  /// n slightly waving lines along s that end a little inside.
+  /// n slightly wavy curves along s that end shortly before the boundary.
   std::vector<CharacterLine> inner(int n) const {
     std::vector<CharacterLine> lines;
     for (int k = 1; k <= n; ++k) {

@@ -1,4 +1,4 @@
-// What every benchmark needs: a clock, medians, a table for people, promises for programs.
+// Shared by all benchmarks: clocks, medians, tables, checks.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,22 @@
 
 #include "batten/core/parallel.h"
 
-// Present when BLAS is OpenBLAS, which the peers' factorizations share, and when one of them uses
-// OpenMP: CHOLMOD asks for four threads whatever OMP_NUM_THREADS says.
+// Present if BLAS is OpenBLAS (used by the peers' factorizations), and if a peer uses OpenMP:
+// CHOLMOD requests four threads whatever the value of OMP_NUM_THREADS.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
 
 namespace batten::bench {
 
-/// One thread for everybody.
+/// One thread for all sides.
 inline void one_thread() {
   set_thread_count(1);
   if (openblas_set_num_threads) openblas_set_num_threads(1);
   if (omp_set_max_active_levels) omp_set_max_active_levels(0);
 }
 
-/// Processor seconds of this process. On one thread that is the time on the clock of an idle
-/// machine, and it stays so when others use the machine.
+/// Processor seconds of this process: on one thread, the wall-clock time of an idle machine, also
+/// if others use the machine.
 inline double seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -40,22 +40,22 @@ inline double cpu_seconds_of(const std::function<void()>& work) {
   return seconds() - start;
 }
 
-/// Seconds on the clock, of work on several threads or in another process.
+/// Wall-clock seconds, for work on several threads or in another process.
 inline double wall_seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The middle value; the mean of the two middle ones for an even count.
+/// For an even count, the mean of the two middle values.
 inline double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const size_t n = values.size();
   return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/// Median time of each of `works`, in seconds. They take turns, so that a slow minute of the
-/// machine hits all of them; one round before the first is not counted.
+/// Median time of each of `works`, in seconds. They alternate, so that a slow phase of the machine
+/// affects all of them; one warm-up round is not counted.
 inline std::vector<double> side_by_side(int rounds,
                                         const std::vector<std::function<void()>>& works) {
   std::vector<std::vector<double>> times(works.size());
@@ -69,7 +69,7 @@ inline std::vector<double> side_by_side(int rounds,
   return medians;
 }
 
-/// printf into a string.
+/// sprintf into a string.
 template <class... Values>
 std::string text(const char* format, Values... values) {
   std::vector<char> buffer(static_cast<size_t>(std::snprintf(nullptr, 0, format, values...)) + 1);
@@ -77,7 +77,7 @@ std::string text(const char* format, Values... values) {
   return buffer.data();
 }
 
-/// Rows of words, printed in columns as wide as they need; the first row is the head.
+/// A table printed in columns of the required width; the first row is the header.
 class Table {
  public:
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
@@ -104,8 +104,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// What the benchmark claims, each with the number that was measured. A number that could not be
-/// measured (a peer is missing) is a promise not kept.
+/// The checks of a benchmark: measured values against targets. A check without a value (the peer is
+/// missing) fails.
 class Checks {
  public:
   void at_least(const std::string& name, std::optional<double> value, double target) {
@@ -115,10 +115,10 @@ class Checks {
     list_.push_back({name, "at most", value, target, value && *value <= target});
   }
 
-  /// A table, and one JSON object on the last line.
+  /// Prints a table, and one JSON object on the last line.
   void print(const std::string& bench) const {
     Table table;
-    table.add({"promise", "measured", "", "target", ""});
+    table.add({"check", "measured", "", "target", ""});
     for (const auto& p : list_)
       table.add({p.name, p.value ? text("%.4g", *p.value) : "none", p.sense, text("%g", p.target),
                  p.ok ? "ok" : "MISSED"});

@@ -1,4 +1,4 @@
-// Lines that several benchmarks skin.
+// Curves that several benchmarks skin.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ inline Vec3 cubic_point(const Cubic& c, double t) {
   return s * s * s * c[0] + 3 * s * s * t * c[1] + 3 * s * t * t * c[2] + t * t * t * c[3];
 }
 
-/// A loop of cubics, and cubics across it.
+/// A loop of cubics, and inner cubics.
 struct CurvedLoop {
   std::string name;
   std::vector<Cubic> outline, inner;
@@ -40,7 +40,7 @@ inline CurvedLoop pentagon() {
 
 inline CurvedLoop patch() {
   const Vec3 corner[] = {{0, 0, 0}, {2, 0, 0.1}, {2.1, 1.5, 0}, {-0.1, 1.4, 0.2}};
-  CurvedLoop c{"patch with a line across",
+  CurvedLoop c{"patch with an inner curve",
                {{corner[0], {0.7, -0.1, 0.4}, {1.4, 0.05, 0.3}, corner[1]},
                 {corner[1], {2.1, 0.5, 0.3}, {2.15, 1, 0.2}, corner[2]},
                 {corner[2], {1.4, 1.6, 0.4}, {0.6, 1.3, 0.5}, corner[3]},
@@ -78,8 +78,8 @@ inline double wave(double x, double y) {
   return 0.15 * std::sin(2.1 * x + 0.3) * std::cos(1.7 * y);
 }
 
-/// Lines over the unit square with the height of wave(), `columns` × `rows` cells. They cross where
-/// their points agree only roughly: a network joins them within its tolerance.
+/// Curves over the unit square with the height of wave(), `columns` × `rows` cells. Their
+/// intersections agree only approximately: a network joins them within its tolerance.
 inline std::vector<CharacterLine> wavy_grid(int columns, int rows) {
   const auto line = [](const std::string& name, bool along_x, double at) -> CharacterLine {
     constexpr int pieces = 12;

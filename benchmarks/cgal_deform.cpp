@@ -22,8 +22,8 @@ using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Vertex = Mesh::Vertex_index;
 using GeneralMatrix = CGAL::Eigen_sparse_matrix<double>;
 
-/// A solver class for CGAL that factors the symmetric part of its matrix: rows and columns of the
-/// vertices that are not held.
+/// Solver class for CGAL that factors the symmetric part of its matrix: rows and columns of the
+/// free vertices.
 template <class Factor>
 class FreeVerticesSolver {
  public:
@@ -34,7 +34,7 @@ class FreeVerticesSolver {
 
   bool factor(const Matrix& A, NT& D) {
     D = 1;
-    const auto& all = A.eigen_object();  // by columns
+    const auto& all = A.eigen_object();  // column-major
     const auto n = static_cast<int>(all.rows());
     std::vector<int> row_size(n, 0);
     const auto each = [&](const auto& use) {
@@ -64,7 +64,7 @@ class FreeVerticesSolver {
   }
 
   bool linear_solver(const Vector& B, Vector& X) {
-    const VecX& b = B.eigen_object();  // where a vertex is held: its position
+    const VecX& b = B.eigen_object();  // for fixed vertices: the position
     VecX rest = -(held_ * b);
     for (size_t i = 0; i < number_.size(); ++i)
       if (number_[i] >= 0) rest[number_[i]] += b[static_cast<Index>(i)];
@@ -76,12 +76,12 @@ class FreeVerticesSolver {
 
  private:
   Factor factor_;
-  SparseMatrix held_;        // columns of held vertices
-  std::vector<int> number_;  // among the free vertices, or -1
+  SparseMatrix held_;        // columns of fixed vertices
+  std::vector<int> number_;  // index among the free vertices, or -1
   int count_ = 0;
 };
 
-/// One of CGAL's deformations, whatever its template arguments.
+/// One of CGAL's deformations, for any template arguments.
 class Deformation {
  public:
   virtual ~Deformation() = default;

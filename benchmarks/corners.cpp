@@ -1,5 +1,5 @@
-// Corners of lines given by points: 300 lines at random whose corners are known, beside the rule
-// that every turn of more than 20 degrees is one.
+// Corners of curves given by points: 300 random curves with known corners, compared with the rule
+// that every turn of more than 20 degrees is a corner.
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -18,7 +18,7 @@ using namespace batten::bench;
 
 struct Line {
   std::string kind;
-  double noise = 0;  // over the size
+  double noise = 0;  // as a fraction of the size
   std::vector<Vec3> points = {};
   std::vector<int> corners = {};
 };
@@ -51,7 +51,7 @@ class Lines {
   double between(double a, double b) { return a + (b - a) * uniform_(random_); }
   int whole(int below) { return std::min(below - 1, static_cast<int>(below * uniform_(random_))); }
 
-  // Fractions from 0 to 1, even or with steps that differ by up to 1.3 : 0.7.
+  // Fractions from 0 to 1, uniform or with a ratio of steps up to 1.3 : 0.7.
   std::vector<double> steps(int count) {
     const double uneven = whole(2) * 0.3;
     std::vector<double> at{0};
@@ -68,7 +68,7 @@ class Lines {
     return line;
   }
 
-  // Its direction is a sum of three waves; it turns by less than 50 degrees from point to point.
+  // Its direction is a sum of three waves; it changes by less than 50 degrees between points.
   Line bow(int count) {
     for (;;) {
       double height[3], waves[3], phase[3];
@@ -99,7 +99,7 @@ class Lines {
     }
   }
 
-  // Two to five sides of two chords or more, straight or bent by up to 34 degrees, 12 a chord.
+  // Two to five sides of at least two chords, straight or bent by up to 34 degrees, 12 per chord.
   Line polyline(int count, double noise) {
     for (;;) {
       const int sides = 1 + std::max(1, std::min(1 + whole(4), (count - 1) / 2 - 1));
@@ -131,8 +131,8 @@ class Lines {
     }
   }
 
-  // A corner is one that can be seen: it turns by twenty standard errors of the direction of the line
-  // through the points of either side, and by 20 degrees in a list of less than 12 points.
+  // Only detectable corners count: they turn by twenty standard errors of the direction of the line
+  // through the points on either side, and by 20 degrees in a list of fewer than 12 points.
   static bool corners_detectable(const std::vector<double>& turning_angles,
                                  const std::vector<int>& chords, const std::vector<double>& step,
                                  double sigma, int count) {
@@ -166,7 +166,7 @@ struct Score {
   double recall() const { return correct + missed > 0 ? 1.0 * correct / (correct + missed) : 1; }
 };
 
-// A corner is found at its point, or in noise up to 3 % of all points away.
+// A corner must be found at its point; with noise, up to 3 % of all points away.
 Score score_of(const Line& line, const std::vector<int>& found) {
   const int near = line.noise > 0 ? std::max(1, isize(line.points) * 3 / 100) : 0;
   Score score;
@@ -210,7 +210,7 @@ int main(int argc, char** argv) {
     const Score now[2] = {score_of(line, found), score_of(line, every_kink(line.points))};
     const std::string length = line.points.size() < 12 ? "below 12 points, " : "12 to 200 points, ";
     for (const std::string& row :
-         {line.kind, length + (line.noise > 0 ? "noisy" : "exact"), std::string("in all")})
+         {line.kind, length + (line.noise > 0 ? "noisy" : "exact"), std::string("total")})
       for (size_t heading = 0; heading < 2; ++heading) {
         scores[row][heading].correct += now[heading].correct;
         scores[row][heading].wrong += now[heading].wrong;
@@ -222,15 +222,15 @@ int main(int argc, char** argv) {
                   words_of(found).c_str());
   }
   Table table;
-  table.add({"lines", "corners", "precision", "recall", "every turn: precision", "recall"});
+  table.add({"curves", "corners", "precision", "recall", "every turn: precision", "recall"});
   for (const auto& [name, both] : scores)
     table.add({name, std::to_string(both[0].correct + both[0].missed),
                text("%.3f", both[0].precision()), text("%.3f", both[0].recall()),
                text("%.3f", both[1].precision()), text("%.3f", both[1].recall())});
   table.print();
-  std::printf("Slowest line: %.1f ms.\n\n", 1e3 * slowest);
+  std::printf("Slowest curve: %.1f ms.\n\n", 1e3 * slowest);
   Checks checks;
-  checks.at_least("precision on 300 lines", scores["in all"][0].precision(), 0.97);
-  checks.at_least("recall on 300 lines", scores["in all"][0].recall(), 0.97);
+  checks.at_least("precision on 300 curves", scores["total"][0].precision(), 0.97);
+  checks.at_least("recall on 300 curves", scores["total"][0].recall(), 0.97);
   checks.print("corners");
 }

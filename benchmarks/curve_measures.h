@@ -1,4 +1,5 @@
-// What the benchmarks of curves share: distances that know nothing of the fits, true curves, SciPy.
+// Shared by the benchmarks of curves: distances computed independently of the fits, exact curves,
+// SciPy.
 #pragma once
 
 #include <algorithm>
@@ -24,18 +25,18 @@ inline double size_of(const Stroke& points) {
   return box.diagonal().norm();
 }
 
-// ---- measuring, the same for every side: no code of the fits --------------------------------
+// ---- measurement, the same for all sides and independent of the fits --------------------------
 
-constexpr int kSamplesPerSpan = 64, kNewtonSteps = 6;  // as in curves_peer.py
-constexpr double kLongestGap = 1 / 300.0;              // between samples, of the size
+constexpr int kSamplesPerSpan = 64, kNewtonSteps = 6;  // as in scipy_curves.py
+constexpr double kLongestGap = 1 / 300.0;              // between samples, as a fraction of the size
 
-// Anything with a position and derivatives, and samples of it.
+// A curve with derivatives, and its samples.
 struct Sampled {
   std::function<Vec3(double, int)> at;
   std::vector<double> u;
   Stroke x;
 
-  // Parameters need not run evenly along a curve: gaps between samples are cut until they are
+  // Parameters may be uneven along a curve: gaps between samples are subdivided until they are
   // short.
   Sampled(std::function<Vec3(double, int)> curve, const std::vector<double>& knots)
       : at(std::move(curve)) {
@@ -60,7 +61,7 @@ struct Sampled {
     }
   }
 
-  // From the nearest sample Newton's method, not past its neighbours.
+  // Newton's method from the nearest sample, limited to the interval of its neighbours.
   double distance(const Vec3& p) const {
     size_t nearest = 0;
     double best = 1e300;
@@ -85,7 +86,8 @@ struct Sampled {
     for (const Vec3& p : points) largest = std::max(largest, distance(p));
     return largest;
   }
-  // Of the curve from the polyline through the points: loops and bulges between them.
+  // Distance of the curve from the polyline through the points: reveals loops and bulges between
+  // points.
   double max_polyline_distance(const Stroke& points) const {
     double largest = 0;
     for (const Vec3& p : x) {
@@ -123,12 +125,12 @@ struct Sampled {
 inline Sampled sampled(const HermiteCurve& curve) {
   return {[&curve](double u, int order) { return curve.evaluate(u, order); }, curve.parameters()};
 }
-// ---- SciPy, in a process of its own ----------------------------------------------------------
+// ---- SciPy, in a separate process -----------------------------------------------------------
 
 class Scipy {
  public:
   Scipy() {
-    // A python3 found first may be one without SciPy.
+    // The first python3 in PATH may be without SciPy.
     for (const char* python : {"python3", "/usr/bin/python3"}) {
       python_ = python;
       version_ = output("version");
@@ -139,7 +141,7 @@ class Scipy {
   ~Scipy() { std::filesystem::remove_all(folder_.parent_path()); }
   const std::string& version() const { return version_; }
 
-  /// What the script makes of rows of doubles; nothing when it fails.
+  /// Output of the script for rows of doubles; nothing if it fails.
   std::vector<double> run(const std::string& work, const std::vector<double>& in) const {
     if (version_.empty()) return {};
     const std::filesystem::path from = folder_ / "in", to = folder_ / "out";
@@ -178,13 +180,13 @@ inline void append(std::vector<double>& row, const Stroke& points) {
   for (const Vec3& p : points) row.insert(row.end(), {p.x(), p.y(), p.z()});
 }
 
-// ---- true curves ---------------------------------------------------------------------------
+// ---- exact curves -----------------------------------------------------------------------------
 
 constexpr int kNoisyPoints = 200, seeds = 20, kNoiseSamples = 500;
 
 struct TrueCurve {
   std::string name;
-  std::function<Vec3(double)> at;  // of [0, 1]
+  std::function<Vec3(double)> at;  // for parameters in [0, 1]
 };
 
 inline std::vector<TrueCurve> true_curves() {
@@ -197,7 +199,7 @@ inline std::vector<TrueCurve> true_curves() {
     return Vec3(s * s * s * Vec3(0, 0, 0) + 3 * s * s * t * Vec3(0.4, 1.1, 0.3) +
                 3 * s * t * t * Vec3(1.4, -0.6, 0.9) + t * t * t * Vec3(2, 0.5, 0.2));
   };
-  // Windscreen, roof and rear: a soft minimum of three arcs, in metres, a little out of plane.
+  // Windscreen, roof and rear window: a soft minimum of three arcs, in metres, slightly non-planar.
   const auto roof = [](double t) {
     const double x = 3.2 * t, sharp = 14;
     const double screen = 0.05 + 0.62 * x - 0.06 * x * x,
@@ -211,7 +213,7 @@ inline std::vector<TrueCurve> true_curves() {
   return {{"helix, 1.75 turns", helix}, {"space cubic", cubic}, {"roof line", roof}};
 }
 
-// Derivatives by differences are enough: they only steer Newton's method.
+// Finite differences are sufficient: the derivatives are only used by Newton's method.
 inline Sampled sampled(const TrueCurve& curve) {
   std::vector<double> knots;
   for (int i = 0; i <= 32; ++i) knots.push_back(i / 32.0);
@@ -224,7 +226,7 @@ inline Sampled sampled(const TrueCurve& curve) {
           knots};
 }
 
-// With its own slopes.
+// Hermite interpolation with the slopes of the curve itself.
 inline HermiteCurve hermite(const Sampled& curve) {
   constexpr int nodes = 401;
   std::vector<double> u;

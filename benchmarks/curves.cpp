@@ -1,8 +1,7 @@
-// Curves through points: Batten's fit and fairing beside SciPy's and OpenCASCADE's.
-//
-// Noise: how much nearer to the true curve the faired one is than the points were. Sketches: how
-// many segments and how long a fit to a tolerance takes. Strokes: what fit and fairing make of
-// every stroke of every sketch.
+// Curves through points: Batten's fit and fairing compared with SciPy and OpenCASCADE.
+// Noise: how much closer the faired curve is to the exact one than the points. Sketches: number of
+// segments and time of a fit to a tolerance. Strokes: fit and fairing of every stroke of every
+// sketch.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -31,7 +30,8 @@ Sampled sampled(const OccCurveFit& fit) {
   return {[&fit](double u, int order) { return fit.evaluate(u, order); }, fit.knots()};
 }
 
-// On the wall, as the clock of the Python side; medians of single calls, which others seldom hit.
+// Wall-clock time, as measured by the Python side; medians of single calls, robust against other
+// load.
 double call_time(const std::function<void()>& call) {
   const auto start = std::chrono::steady_clock::now();
   call();
@@ -76,7 +76,7 @@ void noise_table(const Scipy& scipy, Checks& checks) {
   const std::vector<double> theirs = scipy.run("noise", in);
   const bool has_scipy = theirs.size() == problems.size() * 2 * kNoiseSamples * 3;
 
-  // Tol3D: three standard deviations of a coordinate.
+  // Tol3D is three standard deviations of a coordinate.
   std::vector<std::pair<std::string, OccCurveFitSettings>> occ;
   if (!occ_curves_version().empty())
     for (const char* name : {"OCC approximation", "OCC variational"}) {
@@ -112,15 +112,16 @@ void noise_table(const Scipy& scipy, Checks& checks) {
   }
 
   std::printf(
-      "Noise: %d points, %d seeds. rms distance of the faired curve from the true one over that of "
-      "the points,\nmedian (worst). splprep is told the true sigma; GCV is "
+      "Noise: %d points, %d seeds. rms distance of the faired curve from the exact one over that "
+      "of "
+      "the points,\nmedian (worst). splprep gets the true sigma; GCV is "
       "make_smoothing_spline.\n\n",
       kNoisyPoints, seeds);
   const std::vector<std::string> methods = {"Batten", "splprep", "GCV", "OCC approximation",
                                             "OCC variational"};
   Table table;
   table.add({"curve", "sigma/size", "Batten", "SciPy splprep", "SciPy GCV", "OCC approximation",
-             "OCC variational", "curvature extrema: as given", "faired", "true"});
+             "OCC variational", "curvature extrema: input", "faired", "exact"});
   double largest_median = 0, largest = 0;
   for (size_t first = 0; first < problems.size(); first += seeds) {
     const size_t c = problems[first].curve;
@@ -155,7 +156,7 @@ void noise_table(const Scipy& scipy, Checks& checks) {
   }
   table.print();
   checks.at_most("noise: largest median of rms after over before", largest_median, 0.5);
-  checks.at_most("noise: largest of all", largest, 1);
+  checks.at_most("noise: largest ratio", largest, 1);
 }
 
 // ---- sketches --------------------------------------------------------------------------------
@@ -176,8 +177,8 @@ std::vector<Stroke> read_strokes(const fs::path& path) {
   return strokes;
 }
 
-// Drawn by nobody: arcs, waves and straight strokes of 2 to 40 points, unevenly spaced, shaking by
-// half a percent.
+// Synthetic strokes: arcs, waves and straight strokes of 2 to 40 unevenly spaced points, with a
+// jitter of half a percent.
 std::vector<Stroke> synthetic_strokes(int count, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> even(-1, 1);
@@ -202,7 +203,7 @@ std::vector<Stroke> synthetic_strokes(int count, unsigned seed) {
   return strokes;
 }
 
-// SciPy refuses points that repeat the one before.
+// SciPy rejects points that repeat their predecessor.
 Stroke distinct(const Stroke& points) {
   Stroke kept;
   for (const Vec3& p : points)
@@ -212,9 +213,9 @@ Stroke distinct(const Stroke& points) {
 
 struct Total {
   std::string name;
-  int spans = 0, over = 0, failed = 0;  // over: strokes not within the tolerance
+  int spans = 0, over = 0, failed = 0;  // over: strokes outside the tolerance
   double seconds = 0, largest = 0;      // deviation over tolerance
-  double max_polyline_distance = 0;     // over the size
+  double max_polyline_distance = 0;     // as a fraction of the size
   int far = 0;                          // strokes that stray by more than a tenth of the size
   void add(int stroke_spans, double deviation, double stroke_straying, double stroke_seconds) {
     spans += stroke_spans;
@@ -232,7 +233,7 @@ void time_rounds(const std::vector<std::function<void()>>& calls, int rounds,
   seconds.resize(calls.size());
   for (int round = -1; round < rounds; ++round)
     for (size_t k = 0; k < calls.size(); ++k) {
-      call_time(calls[k]);  // brings code and points back into the caches, as in a row of calls
+      call_time(calls[k]);  // brings code and points back into the caches, as in successive calls
       const double t = call_time(calls[k]);
       if (round >= 0) seconds[k].push_back(t);
     }
@@ -240,7 +241,7 @@ void time_rounds(const std::vector<std::function<void()>>& calls, int rounds,
 
 struct SketchResult {
   double over_scipy_spans = 0, over_occ_spans = 0;
-  double scipy_time = 0, occ_time = 0;  // over Batten's
+  double scipy_time = 0, occ_time = 0;  // relative to Batten's
   double deviation = 0;
 };
 
@@ -266,7 +267,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
   std::vector<std::vector<double>> seconds, corner_seconds;
   time_rounds(calls, rounds, seconds);
 
-  // SciPy between the two halves of Batten's rounds.
+  // SciPy runs between the two halves of Batten's rounds.
   std::vector<double> in = {static_cast<double>(n)};
   for (size_t k = 0; k < n; ++k) {
     reached[k] =
@@ -295,7 +296,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
   SketchResult result;
   result.deviation = std::max(ours.largest, with_corners.largest);
   if (theirs.size() == 8 * n) {
-    Total scipy_tolerance{"SciPy"}, scipy_equal{"SciPy, to Batten's own deviations"};
+    Total scipy_tolerance{"SciPy"}, scipy_equal{"SciPy, to Batten's deviations"};
     for (size_t k = 0; k < n; ++k) {
       const double* row = &theirs[8 * k];
       const double size = size_of(strokes[k]);
@@ -317,7 +318,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
     for (size_t k = 0; k < n; ++k) {
       settings[k].tolerance = smooth[k].tolerance;
       settings[k].continuity = continuity;
-      // Where it misses its tolerance it is asked for more.
+      // If it misses its tolerance, a tighter one is requested.
       for (int tries = 0; tries < 12; ++tries) {
         const OccCurveFit fit(strokes[k], settings[k]);
         if (!fit.done() ||
@@ -346,7 +347,7 @@ SketchResult fit_sketch(const std::string& name, const std::vector<Stroke>& all,
 
   Table table;
   table.add({text("%s, %.1f %%, %zu strokes", name.c_str(), 100 * part, n), "segments",
-             "milliseconds", "largest deviation/tolerance", "strokes over it", "straying/size",
+             "milliseconds", "largest deviation/tolerance", "strokes outside", "straying/size",
              "strokes over 10 %", "failed"});
   for (const Total& t : totals)
     table.add({t.name, std::to_string(t.spans), text("%.2f", 1e3 * t.seconds),
@@ -364,7 +365,7 @@ void stroke_table(const std::vector<std::pair<std::string, std::vector<Stroke>>>
   std::printf(
       "Every stroke: fitted to 0.5 %% of its size, and faired with default options. Times are "
       "means "
-      "a stroke.\n\n");
+      "per stroke.\n\n");
   Table table;
   table.add({"sketch", "strokes", "points", "segments", "deviation/size", "fit us", "fair us",
              "extrema before", "after", "inflections before", "after", "straying", "failed"});
@@ -423,7 +424,7 @@ void stroke_table(const std::vector<std::pair<std::string, std::vector<Stroke>>>
                std::to_string(inflections[1]), std::to_string(stray), std::to_string(failed)});
   }
   table.print();
-  std::printf("Strokes without two distinct points, passed over: %zu.", single.size());
+  std::printf("Strokes without two distinct points, skipped: %zu.", single.size());
   for (const std::string& s : single) std::printf(" %s", s.c_str());
   std::printf("\n\n");
   checks.at_most("strokes that fail", failures, 0);
@@ -453,13 +454,13 @@ int main() {
       if (s.first == "guitar" || s.first == "vintage_car") drawn.push_back(s);
   }
   if (drawn.size() < 2) {
-    std::printf("The sketches are not there (BATTEN_TEST_DATA): strokes of our own instead.\n\n");
+    std::printf("No sketches (BATTEN_TEST_DATA): synthetic strokes instead.\n\n");
     drawn = {{"synthetic 1", synthetic_strokes(150, 1)},
              {"synthetic 2", synthetic_strokes(150, 2)}};
     sketches = drawn;
   }
   std::printf(
-      "Sketches: open, without corners, degree 3. SciPy: splprep with the largest s that keeps the "
+      "Sketches: open, without corners, degree 3. SciPy: splprep with the largest s within the "
       "tolerance.\nStraying: of the curve from the polyline through the points.\n\n");
   SketchResult worst{0, 0, 1e300, 1e300, 0};
   bool has_scipy = !scipy.version().empty();

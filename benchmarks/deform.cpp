@@ -1,5 +1,6 @@
-// Deforming a panel with 16 flanged holes: the time to a first answer, the time of an edit, and
-// what becomes of the holes; beside CGAL's Surface_mesh_deformation and the saddle point twin.
+// Deforming a panel with 16 flanged holes: time to the first update, time of an edit, and
+// distortion of the holes, compared with CGAL's Surface_mesh_deformation and the KKT reference
+// solver.
 #include <Eigen/Geometry>
 #include <memory>
 #include <numbers>
@@ -18,12 +19,12 @@ using namespace batten::bench;
 
 namespace {
 
-/// The panel's patch in the middle is lifted and turned, its two strips are held.
+/// The patch in the middle of the panel is lifted and rotated; two strips are fixed.
 struct Edit {
   batten_test::MeshModel model;
   TriangleMesh mesh;
-  std::vector<int> region;  // all vertices that are not held
-  Points targets;           // of the handle's vertices
+  std::vector<int> region;  // all free vertices
+  Points targets;           // of the vertices of the handle
 
   explicit Edit(int vertices)
       : model(batten_test::holed_panel(vertices)), mesh(prepare(model.shells).mesh) {
@@ -42,7 +43,7 @@ struct Edit {
               .transpose();
   }
 
-  /// Largest distance of the handle's and the held vertices from where they should be.
+  /// Largest distance of the handle's and the fixed vertices from their targets.
   double target_error(const Points& deformed) const {
     double worst = 0;
     for (size_t i = 0; i < model.handle.size(); ++i)
@@ -53,8 +54,8 @@ struct Edit {
     return worst;
   }
 
-  /// Largest distance of a hole's rim from its original after the best motion without scaling,
-  /// over the radius; the worst hole.
+  /// Largest distance of a hole's boundary from its original after the best-fit rigid motion,
+  /// relative to the radius; the worst hole.
   double hole_drift(const Points& deformed) const {
     double worst = 0;
     for (const auto& rim : model.rims) {
@@ -75,14 +76,14 @@ struct Edit {
   }
 };
 
-/// A way to deform: what is done once, what each edit costs.
+/// A method: set-up, and the cost of each edit.
 struct DeformMethod {
   std::string name;
   std::function<void()> prepare;
   std::function<Points()> edit;
 };
 
-/// What Masuda et al. 2006 printed for set-up and factorization, on a 1.5 GHz Pentium M.
+/// Set-up and factorization as printed by Masuda et al. 2006, on a 1.5 GHz Pentium M.
 struct PublishedTime {
   int vertices;
   double seconds;
@@ -129,7 +130,8 @@ std::vector<DeformMethod> peers(const Edit& e) {
   std::vector<DeformMethod> methods;
   for (const auto& [energy_name, energy] : energies)
     for (const auto& [solver_name, solver] : solvers) {
-      // The factor does not know the energy: one energy shows what other solvers do.
+      // The factor does not depend on the energy: one energy suffices for the comparison of
+      // solvers.
       if (!cgal_has(solver) ||
           (solver != CgalSolver::SparseLu && energy != CgalEnergy::SpokesAndRims))
         continue;
@@ -149,7 +151,7 @@ void compare(int vertices, int rounds, Checks& checks) {
     const auto b = std::make_shared<FormFeatureEdit>(e, rigid_features);
     own.push_back(b);
     methods.push_back({std::string("Batten, ") +
-                           (rigid_features == RigidFeatures::Flanges ? "flanges" : "rims") +
+                           (rigid_features == RigidFeatures::Flanges ? "flanges" : "boundaries") +
                            " kept",
                        [b, &e] {
                          b->deformer = std::make_unique<FormFeatureDeformer>(e.mesh, b->problem);
@@ -167,33 +169,33 @@ void compare(int vertices, int rounds, Checks& checks) {
     edits.push_back([&, w] { results[w] = methods[w].edit(); });
   }
   const auto preparation = side_by_side(rounds, preparations);
-  for (size_t w = 0; w < methods.size(); ++w) edits[w]();  // from rest
+  for (size_t w = 0; w < methods.size(); ++w) edits[w]();  // starting from rest
   const std::vector<Points> first = results;
   const auto edit = side_by_side(rounds, edits);
 
-  std::printf("%d vertices, %zu held, %zu in the handle, %zu holes; CGAL: 5 iterations an edit\n",
+  std::printf("%d vertices, %zu fixed, %zu in the handle, %zu holes; CGAL: 5 iterations per edit\n",
               e.mesh.vertex_count(), e.model.fixed.size(), e.model.handle.size(),
               e.model.rims.size());
   const auto c = own[0]->deformer->counts();
-  std::printf("flanges kept: %d feature rows, %d unknowns, %ld entries of the factor\n\n",
+  std::printf("flanges kept: %d feature equations, %d unknowns, %ld entries of the factor\n\n",
               c.feature_constraints, c.unknowns, c.factor_entries);
   Table table;
-  table.add({"ms", "preparation", "an edit", "holes out of shape", "handle missed by"});
+  table.add({"ms", "set-up", "edit", "hole distortion", "handle error"});
   for (size_t w = 0; w < methods.size(); ++w)
     table.add({methods[w].name,
-               text("%.1f", 1e3 * preparation[w]) + (w < first_peer ? " with first answer" : ""),
+               text("%.1f", 1e3 * preparation[w]) + (w < first_peer ? " with first update" : ""),
                text("%.2f", 1e3 * edit[w]), text("%.2g of the radius", e.hole_drift(first[w])),
                text("%.0e", e.target_error(first[w]))});
   {
-    // Its own statement of the edit is part of its time.
+    // The set-up of its equations is part of its time.
     Points expected;
     const double t =
         cpu_seconds_of([&] { expected = deform_by_kkt(*own[0]->deformer, own[0]->edit); });
     own[0]->deformer->correct();
-    table.add({"saddle point twin, flanges", text("%.1f with first answer", 1e3 * t), "",
+    table.add({"KKT reference solver, flanges", text("%.1f with first update", 1e3 * t), "",
                text("%.2g of the radius", e.hole_drift(expected)),
                text("%.0e", e.target_error(expected))});
-    checks.at_most(text("%d vertices: saddle point twin differs, of the size", vertices),
+    checks.at_most(text("%d vertices: difference from the KKT solver over the size", vertices),
                    (expected - own[0]->deformer->positions()).cwiseAbs().maxCoeff() / e.mesh.size(),
                    1e-9);
   }
@@ -203,7 +205,7 @@ void compare(int vertices, int rounds, Checks& checks) {
                  text("%.0f without solve", 1e3 * p.seconds), "", "", ""});
   table.print();
 
-  // CGAL's ORIGINAL_ARAP with the solver that its manual uses comes first.
+  // First CGAL's ORIGINAL_ARAP with the solver of its manual.
   const bool peer = methods.size() > first_peer;
   const auto ratio = [&](const std::vector<double>& times, bool inverse) {
     std::optional<double> worst;
@@ -215,14 +217,14 @@ void compare(int vertices, int rounds, Checks& checks) {
   };
   if (vertices > 10000) {
     const bool large = vertices > 100000;
-    checks.at_most(text("%d vertices: first answer over CGAL's preparation", vertices),
+    checks.at_most(text("%d vertices: first update over CGAL's set-up", vertices),
                    ratio(preparation, false), large ? 2.5 : 2);
-    checks.at_least(text("%d vertices: edits, times as fast as CGAL's", vertices),
+    checks.at_least(text("%d vertices: edits, CGAL's time over Batten's", vertices),
                     ratio(edit, true), large ? 10 : 20);
   }
   double error = 0;
   for (const auto& b : own) error = std::max(error, b->rigid_error(e));
-  checks.at_most(text("%d vertices: features' rigid error", vertices), error, 1e-12);
+  checks.at_most(text("%d vertices: rigidity error of features", vertices), error, 1e-12);
 }
 
 }  // namespace

@@ -1,9 +1,7 @@
-// What a slider costs: from a new value to points and normals on the screen, in a sculpting
-// session.
-//
-// A drag of a point constraint has any right-hand side at all. Beside it, on the session's own
-// matrix: the bare triangular solves for three columns, CHOLMOD's, and the memory bound (16 bytes
-// for each entry of the factor over the speed of a triad, as in solve.cpp).
+// Latency of a slider in a sculpting session: from a new value to points and normals on the screen.
+// A drag of a point constraint changes the right-hand side arbitrarily. For comparison, on the
+// session's own matrix: the triangular solves for three columns, those of CHOLMOD, and the memory
+// bound (16 bytes per entry of the factor, divided by the bandwidth of a triad, as in solve.cpp).
 #include <cmath>
 
 #include "batten/constraints/constrained_solver.h"
@@ -26,7 +24,7 @@ using namespace batten;
 using namespace batten::bench;
 using namespace batten_test;
 
-// Bytes a second of a = b + s c in arrays far larger than any cache: the best of some passes.
+// Bytes per second of a = b + s c in arrays far larger than any cache: the best of several passes.
 double triad_bandwidth() {
   constexpr size_t n = 8 << 20;
   static std::vector<double> a(n, 1), b(n, 2), c(n, 3);
@@ -40,10 +38,10 @@ double triad_bandwidth() {
 
 std::string milliseconds(double seconds) { return text("%.3g", 1e3 * seconds); }
 
-// Delaunay mesh.
+// With a Delaunay mesh.
 RegionLayout plate(double edge) { return {"plate", arched_plate(), skin(edge, 1e-4)}; }
 
-// The factor that a session of this layout has.
+// The factor of a session of this layout.
 struct SessionFactor {
   std::shared_ptr<const AffineReduction> reduction;
   SparseMatrix K;
@@ -57,7 +55,8 @@ struct SessionFactor {
             std::make_unique<ReusableFactorization>(reduction, K, dof_vertices(*layout.mesh()))) {}
 };
 
-// Static shape with one point held, by a reduction of all rows together: nothing of the session.
+// Static shape with one fixed point, by a reduction of all constraint equations together,
+// independently of the session.
 Points solve_from_scratch(const RegionLayout& layout, const Location& where, const Vec3& goal,
                           const SparseMatrix& K) {
   ConstraintSet set = layout.line_constraints();
@@ -73,11 +72,11 @@ Points solve_from_scratch(const RegionLayout& layout, const Location& where, con
 
 struct DragTimes {
   double answer = 0, frame = 0;  // medians, seconds
-  double iterations = 0;         // mean of an answer
+  double iterations = 0;         // mean per update
   double whole() const { return answer + frame; }
 };
 
-// `set` moves sliders for event n; each is answered once, and drawn.
+// `set` moves sliders for event n; each event is solved once and displayed.
 DragTimes dragged(SculptingSession& session, int events, const std::function<void(int)>& set) {
   std::vector<double> answers, frames;
   DragTimes drag;
@@ -117,7 +116,7 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
              entries = peer.system->factor().factor_entries();
   const int events = entries > 3000000 ? 11 : 41;
 
-  // The point.
+  // Point.
   const Surface rest(layout->mesh(), layout->element(), session->dofs(), layout->trim());
   const auto foot = rest.closest_point({0.43, 0.57, 0});
   const Vec3 at = rest.position(foot.where);
@@ -143,25 +142,25 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
   cholmod.analyze();
   cholmod.factorize();
 #endif
-  // In turns, so that a slow minute hits all of them.
+  // They alternate, so that a slow phase of the machine affects all of them.
   std::vector<double> answers, frames, solves, theirs;
   for (int k = -2; k < events; ++k) {
-    // A burst each, the first of it before the clock runs: a factor that fits in a cache is there,
-    // as in a drag.
+    // A burst of each; the first solve precedes the timing, so that a factor that fits in a cache
+    // is there, as in a drag.
     constexpr int burst = 4;
     SolveReport answer;
     double a = 0, f = 0;
     for (int i = burst; i >= 0; --i) {
       const double answered = cpu_seconds_of([&] {
         drag_point(k + 100 * i);
-        answer = session->answer();
+        answer = session->solve_preview();
       });
       const double shown = cpu_seconds_of([&] { session->frame(); });
       if (i == burst) continue;
       a += answered / burst;
       f += shown / burst;
     }
-    if (answer.iterations != 1) std::printf("WRONG: %d iterations\n", answer.iterations);
+    if (answer.iterations != 1) std::printf("ERROR: %d iterations\n", answer.iterations);
     const int repeats = entries < 100000 ? 20 : burst;
     const auto warm = [&](const std::function<void()>& work) {
       work();
@@ -194,11 +193,11 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
        theirs.empty() ? "none" : milliseconds(median(theirs)), text("%.2f", whole / solve),
        text("%.0f %%", 100 * bound / solve), text("%.0f %%", 100 * bound / whole),
        theirs.empty() ? "none" : text("%.1f", median(theirs) / whole), text("%.0e", error)});
-  checks.at_most(name + ": drag of a point over its solve", whole / solve, 1.5);
+  checks.at_most(name + ": drag of a point over its solves", whole / solve, 1.5);
   checks.at_most(name + ": difference from a direct solution, over the size", error, 1e-9);
   checks.at_most(name + ": residual over the size", session->residual(), 1e-10);
   if (name != "1k")
-    checks.at_least(name + ": share of the memory bound, solve", bound / solve,
+    checks.at_least(name + ": fraction of the memory bound, solve", bound / solve,
                     name == "14k" ? 0.5 : 0.35);
 
   // Other sliders.
@@ -216,11 +215,11 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
   row("superposed loads, two sliders", superposed);
   const Points quick = session->dofs();
   session->solve_to_equilibrium();
-  checks.at_most(name + ": superposed loads from a solve, over the size",
+  checks.at_most(name + ": superposed loads, difference from a solve over the size",
                  difference(quick, session->dofs()) / size, 1e-12);
   const DragTimes material =
       dragged(*session, std::min(events, 7), [&](int k) { session->set(beta, 2 + 0.1 * k); });
-  row("beta: other numbers in the factor", material);
+  row("beta: new values in the factor", material);
   session->set(beta, 1);
   session->solve_to_equilibrium();
   session->add(Load{"pressure", Load::Pressure{}});
@@ -228,10 +227,10 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
   double p = 5;
   const DragTimes following =
       dragged(*session, events, [&](int) { session->set(pressure, p += 0.2); });
-  row("pressure that follows", following);
+  row("follower pressure", following);
   const Points warm_shape = session->dofs();
   session->solve_to_equilibrium();
-  checks.at_most(name + ": pressure, last answer of the drag from the settled one",
+  checks.at_most(name + ": pressure, last update of the drag, distance from convergence",
                  difference(warm_shape, session->dofs()) / size, 1e-4);
   session->set(pressure, 0);
   session->solve_to_equilibrium();
@@ -249,17 +248,17 @@ void measure(const std::string& name, double edge, Tables& tables, Checks& check
                     milliseconds(material.answer)});
 }
 
-// A model under three sliders at once: a pressure, a line that moves, a point that is held.
+// A model with three sliders at once: a pressure, a curve that moves, a fixed point.
 struct DragCase {
   const char* name;
   std::string line;
   double fade;
-  Vec3 pin;     // a place near which a point is held
-  Vec3 up;      // the axis that it is moved along
-  double step;  // model units an event
+  Vec3 pin;     // a position close to the fixed point
+  Vec3 up;      // the axis along which it moves
+  double step;  // model units per event
 };
 
-// Answers a second.
+// Updates per second.
 double measure_drag(const DragCase& drag_case, const ModelLayout& layout, double layout_time,
                     Checks& checks) {
   const int triangles = layout.mesh()->triangle_count();
@@ -285,7 +284,7 @@ double measure_drag(const DragCase& drag_case, const ModelLayout& layout, double
     session->set(raise, 0.5 * drag_case.step * k);
     session->set(pin, start + drag_case.step * k);
   });
-  // The bare solves on the session's own matrix.
+  // The triangular solves alone, on the session's own matrix.
   const auto reduction = std::make_shared<AffineReduction>(layout.line_constraints(),
                                                            AffineReduction::RhsMode::Deferred);
   const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
@@ -306,26 +305,26 @@ double measure_drag(const DragCase& drag_case, const ModelLayout& layout, double
   const std::string name = drag_case.name;
   Table table;
   table.add({"the " + name + ", three sliders at once", ""});
-  table.add({"regions", std::to_string(layout.region_count())});
+  table.add({"faces", std::to_string(layout.region_count())});
   table.add({"triangles", std::to_string(triangles)});
-  table.add({"unknowns a coordinate", std::to_string(system.free_count())});
+  table.add({"unknowns per coordinate", std::to_string(system.free_count())});
   table.add({"entries of the factor, M",
              text("%.2f", 1e-6 * static_cast<double>(system.factor().factor_entries()))});
   table.add({"display points", text("%zu", session->frame().points.size() / 3)});
   table.add({"layout, ms", milliseconds(layout_time)});
-  table.add({"first answer and frame, ms", milliseconds(session_time)});
+  table.add({"first update and frame, ms", milliseconds(session_time)});
   table.add({"one pair of solves, ms", milliseconds(median(solves))});
-  table.add({"answer, ms", milliseconds(drag.answer)});
+  table.add({"update, ms", milliseconds(drag.answer)});
   table.add({"display, ms", milliseconds(drag.frame)});
-  table.add({"iterations an answer", text("%.2f", drag.iterations)});
-  table.add({"answers a second", text("%.1f", answers_a_second)});
-  table.add({"last answer from the settled one, over the size", text("%.1e", missed)});
-  table.add({"iterations to settle it", std::to_string(settled.iterations)});
+  table.add({"iterations per update", text("%.2f", drag.iterations)});
+  table.add({"updates per second", text("%.1f", answers_a_second)});
+  table.add({"last update, distance from convergence over the size", text("%.1e", missed)});
+  table.add({"iterations to convergence", std::to_string(settled.iterations)});
   table.print();
   checks.at_least(name + ": triangles", triangles, 20000);
   checks.at_most(name + ": residual over the size", residual, 1e-10);
-  checks.at_most(name + ": last answer of the drag from the settled one, over the size", missed,
-                 1e-4);
+  checks.at_most(name + ": last update of the drag, distance from convergence over the size",
+                 missed, 1e-4);
   return answers_a_second;
 }
 
@@ -334,11 +333,11 @@ void measure_models(Checks& checks) {
   const double door_time = cpu_seconds_of([&] { door.emplace(door_layout(7.3, 0.1)); });
   const double of_door = measure_drag({"door", "rib", 0.2, {250, 40, -60}, Vec3::UnitY(), 0.2},
                                       *door, door_time, checks);
-  checks.at_least("door: answers a second, three sliders", of_door, 60);
+  checks.at_least("door: updates per second, three sliders", of_door, 60);
   const double mouse_time = cpu_seconds_of([&] { whole_mouse.emplace(*mouse(1.22).model.layout); });
   const double of_mouse = measure_drag({"mouse", "spine.2", 0.3, {12, 25, 33}, Vec3::UnitZ(), 0.02},
                                        *whole_mouse, mouse_time, checks);
-  checks.at_least("mouse: answers a second over the door's", of_mouse / of_door, 0.6);
+  checks.at_least("mouse: updates per second over the door's", of_mouse / of_door, 0.6);
 }
 
 }  // namespace
@@ -347,12 +346,12 @@ int main() {
   one_thread();
   Checks checks;
   Tables tables;
-  tables.drag.add({"a point, ms", "n", "entries (M)", "answer", "display", "points", "whole",
-                   "solve", "CHOLMOD's", "whole/solve", "solve of the bound", "whole of the bound",
-                   "x CHOLMOD", "error"});
-  tables.sliders.add({"ms", "slider", "answer", "whole", "over a solve", "iterations"});
-  tables.first.add({"ms", "layout", "first answer and frame", "first point added", "one more",
-                    "taken away", "beside: full refactor"});
+  tables.drag.add({"point, ms", "n", "entries (M)", "update", "display", "points", "total", "solve",
+                   "CHOLMOD", "total/solve", "bound/solve", "bound/total", "CHOLMOD/total",
+                   "error"});
+  tables.sliders.add({"ms", "slider", "update", "total", "over a solve", "iterations"});
+  tables.first.add({"ms", "layout", "first update and frame", "first point added", "one more",
+                    "removed", "full refactorization"});
   double bandwidth = 0;
   try {
     measure("1k", 0.082, tables, checks, bandwidth);

@@ -31,7 +31,7 @@ struct Peer {
   }
 };
 
-/// The boundary loops of a region, and the other curves that lie on it.
+/// The boundary loops of a face, and the other curves on it.
 struct FaceCurves {
   std::vector<std::vector<HermiteCurve>> loops;
   std::vector<HermiteCurve> inner;
@@ -55,7 +55,7 @@ FaceCurves curves_of(const SkinnedRegion& region) {
   return curves;
 }
 
-/// One filling per face. It fails if one of them does.
+/// One filling per face. It fails if one of them fails.
 Peer filled(const SkinnedCurves& result, const ExpectedShape& shape) {
   Peer peer;
   if (occ_version().empty() || !result.made) return peer;
@@ -107,14 +107,14 @@ void compare_expected(Checks& checks) {
       std::filesystem::temp_directory_path() / ("batten_expected_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   Table table;
-  table.add({"expected shape", "tolerance", "Batten", "area", "volume", "exit", "s", "right",
+  table.add({"expected shape", "tolerance", "Batten", "area", "volume", "exit", "s", "correct",
              "OpenCASCADE filling", "s", "loft", "s"});
   int correct = 0, silent = 0, filling_within = 0, loft_within = 0;
   for (const ExpectedShape& shape : batten_test::expected_shapes()) {
     std::ofstream(folder / "curves.csv") << shape.csv();
     SkinnedCurves result;
     double seconds = 0;
-    // Once without the STEP file for the time, which is the shape's alone, once with all checks.
+    // Once without the STEP file, for the time of the shape alone; once with all checks.
     seconds = cpu_seconds_of(
         [&] { batten_test::skin_curves(folder / "curves.csv", folder / "out", false); });
     result = batten_test::skin_curves(folder / "curves.csv", folder / "out", true);
@@ -145,8 +145,8 @@ void compare_expected(Checks& checks) {
   std::filesystem::remove_all(folder);
   table.print();
   std::printf("Within the tolerance: fillings %d, lofts %d.\n\n", filling_within, loft_within);
-  checks.at_least("expected shapes right", correct, 35);
-  checks.at_most("expected shapes wrong without a word", silent, 0);
+  checks.at_least("correct expected shapes", correct, 35);
+  checks.at_most("wrong expected shapes without a message", silent, 0);
 }
 
 }  // namespace batten::bench
@@ -157,7 +157,7 @@ namespace batten::bench {
 
 void compare_expected(Checks& checks) {
   std::printf("Built without the commands: no table of expected shapes.\n\n");
-  checks.at_least("expected shapes right", {}, 35);
+  checks.at_least("correct expected shapes", {}, 35);
 }
 
 }  // namespace batten::bench

@@ -33,7 +33,7 @@ double farthest(const AnalyticShape& shape, const Surface& surface) {
   return worst;
 }
 
-// The bilinearly blended patch of the four sides: what many programs make of them.
+// Bilinearly blended Coons patch of the four sides, as built by many programs.
 double coons_distance(const AnalyticShape& shape) {
   const Formula& x = shape.surface;
   constexpr int n = 24;
@@ -81,10 +81,11 @@ void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Checks& c
   for (AnalyticShape& shape : more_shapes())
     if (!only || shape.name.find(only) != std::string::npos) shapes.push_back(std::move(shape));
   std::printf(
-      "Boundary lines alone, fair = \"variation\": distance to the formula over the size.\n\n");
+      "Boundary curves alone, fair = \"variation\": distance from the exact surface over the "
+      "size.\n\n");
   Table table;
   table.add({"fair shape", "triangles", "bending", "variation", "Coons", "factorizations",
-             "seconds", "change of curvature"});
+             "seconds", "curvature variation"});
   for (const AnalyticShape& shape : shapes) {
     double fair_at_500 = 0, bending_at_500 = 0;
     for (int g = 0; g < 4; ++g) {
@@ -111,10 +112,10 @@ void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Checks& c
                  text("%.2e", fair.start_functional) + " -> " + text("%.2e", fair.functional)});
     }
     if (is_cyclide(shape))
-      checks.at_most(shape.name + ": fair shape's distance to the formula over the size",
+      checks.at_most(shape.name + ": fair shape's distance from the exact surface over the size",
                      fair_at_500, shape.domain == AnalyticShape::Domain::Annulus ? 5e-3 : 1e-3);
     else
-      checks.at_most(shape.name + ": fair shape's distance over that of least bending",
+      checks.at_most(shape.name + ": fair shape's distance over that of bending energy",
                      fair_at_500 / bending_at_500, 1);
   }
   table.print();
@@ -206,7 +207,7 @@ std::vector<Joined> joined_shapes(double h) {
 }  // namespace
 
 void compare_joined(Checks& checks) {
-  std::printf("Several regions with smooth joins: radius 1, jump of curvature in 1/radius.\n\n");
+  std::printf("Several faces with smooth edges: radius 1, curvature jump in 1/radius.\n\n");
   Table table;
   table.add({"joined", "triangles", "bending", "variation", "angle", "jump, bending",
              "jump, variation", "factorizations", "seconds"});
@@ -240,8 +241,8 @@ void compare_joined(Checks& checks) {
     table.add({shape.name, std::to_string(model.mesh()->triangle_count()), text("%.1e", bending),
                text("%.1e", varied), text("%.4f", angle), text("%.2e", jump_before),
                text("%.2e", jump), std::to_string(fair.factorizations), text("%.3f", t)});
-    checks.at_most(shape.name + ": distance to the formula over the radius", varied, 1e-3);
-    checks.at_most(shape.name + ": angle at smooth joins, degrees", angle, 0.1);
+    checks.at_most(shape.name + ": distance from the exact surface over the radius", varied, 1e-3);
+    checks.at_most(shape.name + ": angle at smooth edges, degrees", angle, 0.1);
   }
   table.print();
 }
@@ -265,7 +266,7 @@ CharacterLine circle(const std::string& name, double radius, double z) {
   return line_through(name, points);
 }
 
-// Between a side and flat caps over circles in z = 0 and z = h.
+// Volume between the surface and flat caps over circles in z = 0 and z = h.
 double volume_of(const Surface& surface, double cap, double h) {
   const SurfaceAssembler assembler(surface.mesh(), surface.kind(), surface.trim());
   const double side =
@@ -273,8 +274,8 @@ double volume_of(const Surface& surface, double cap, double h) {
   return std::abs(side) + pi * cap * cap * h / 3;
 }
 
-// A ring between two circles: the worst error of the radius, over the larger one, and the volume
-// over that of the formula.
+// An annulus between two circles: the largest error of the radius, relative to the larger one, and
+// the volume relative to the exact one.
 void compare_annulus(const char* name, double r0, double r1, double h, double edge,
                      double (*radius_at)(double z), const std::vector<CharacterLine>& more,
                      double target, Table& table, Checks& checks) {
@@ -311,7 +312,8 @@ void compare_annulus(const char* name, double r0, double r1, double h, double ed
   checks.at_most(std::string(name) + ": error of the volume", std::abs(fraction - 1), target);
 }
 
-// NACA 0012, chords of 100 and 60, 300 apart: upper half between two sections and two rails.
+// NACA 0012, chords of 100 and 60 at a distance of 300: upper half between two sections and two
+// rails.
 void compare_wing(Table& table, Checks& checks) {
   const auto section = [](double chord, double sweep, double y) {
     std::vector<Vec3> points;
@@ -342,7 +344,7 @@ void compare_wing(Table& table, Checks& checks) {
     });
     return height;
   };
-  const double ruled = 0.06 * 80;  // of the section half way between
+  const double ruled = 0.06 * 80;  // of the section at half the span
   const double lofted = crown(*loft.layout, loft.dofs);
   table.add({"wing, crown at mid-span", std::to_string(loft.layout->mesh()->triangle_count()),
              text("%.2f", crown(*layout, start)), text("%.2f (loft)", lofted), "", "1",
@@ -355,7 +357,7 @@ void compare_wing(Table& table, Checks& checks) {
 void compare_sections(Checks& checks) {
   std::printf("Sections: largest error of the radius, over the radius.\n\n");
   Table table;
-  table.add({"sections", "triangles", "bending", "variation", "volume over the formula's, both",
+  table.add({"sections", "triangles", "bending", "variation", "volume over the exact one, both",
              "factorizations", "seconds"});
   compare_annulus(
       "can", 33, 33, 120, 12, [](double) { return 33.0; }, {}, 5e-3, table, checks);
@@ -391,7 +393,7 @@ void compare_random(Checks& checks) {
       layout = std::make_shared<const ModelLayout>(RegionLayout("random", lines, {}));
       start = layout->minimize_energy({});
     } catch (const Error&) {
-      continue;  // no surface: what it says is the business of other tests
+      continue;  // no surface: its message is checked by other tests
     }
     ++skinned;
     SurfaceModel model;
@@ -425,8 +427,8 @@ void compare_random(Checks& checks) {
   }
   std::printf(
       "%d random outlines with holes and ribs: %d have a surface, %d are faired (%.2f s for 1,000 "
-      "triangles on the average, %.2f at most), %d move by more than a tenth of the size (at most "
-      "%.2f), %d turn over that did not\n",
+      "triangles on average, %.2f at most), %d move by more than a tenth of the size (at most "
+      "%.2f), %d become inverted\n",
       outlines, skinned, faired, 1000 * seconds / triangles, slowest, far, worst_move, spoiled);
   int unnamed = 0;
   for (const auto& [why, count] : failed) {
@@ -434,9 +436,9 @@ void compare_random(Checks& checks) {
     unnamed += why.empty() ? count : 0;
   }
   std::printf("\n");
-  checks.at_most("random outlines: largest move over the size", worst_move, 0.5);
+  checks.at_most("random outlines: largest displacement over the size", worst_move, 0.5);
   checks.at_most("random outlines: largest residual over the size", worst_residual, 1e-10);
-  checks.at_most("random outlines: surfaces that turn over and did not", spoiled, 0);
+  checks.at_most("random outlines: surfaces that become inverted", spoiled, 0);
   checks.at_most("random outlines: failures without a reason", unnamed, 0);
   checks.at_most("random outlines: seconds for 1,000 triangles at most", slowest, 10);
 }

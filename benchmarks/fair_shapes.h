@@ -1,4 +1,4 @@
-// What fair = "variation" and fair = "loft" make of lines alone, beside least bending.
+// Surfaces of fair = "variation" and fair = "loft" from curves alone, compared with bending energy.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace batten::bench {
 
-/// Single regions at four meshes: distance to the formula beside least bending and Coons patches.
-/// `only`: only of those added shapes whose names hold it; null: all.
+/// Single faces on four meshes: distance from the exact surface, compared with bending energy and
+/// Coons patches. `only`: limits the added shapes to names that contain it; null: all.
 void compare_fair(std::vector<AnalyticShape> shapes, const char* only, Checks& checks);
-/// Several regions with smooth joins: distance to the formula, and the jump of curvature there.
+/// Several faces with smooth edges: distance from the exact surface, and the curvature jump there.
 void compare_joined(Checks& checks);
-/// Rings and wings: sections as designers give them.
+/// Annular faces, and wings from the sections that designers use.
 void compare_sections(Checks& checks);
 
-/// 300 random outlines with holes and ribs: none runs away, every failure says why.
+/// 300 random outlines with holes and ribs: no solve diverges, and every failure gives a reason.
 void compare_random(Checks& checks);
 
 }  // namespace batten::bench

@@ -1,4 +1,4 @@
-// What fairing makes of lines as people have them: waves of curvature, outliers, tremor, airfoils.
+// Fairing of typical user curves: waves of curvature, outliers, jitter, airfoils.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -16,7 +16,7 @@ using namespace batten::bench;
 
 using Random = std::mt19937_64;
 using std::numbers::pi;
-const std::vector<double> parts = {0.001, 0.003, 0.01};  // noise over the size
+const std::vector<double> parts = {0.001, 0.003, 0.01};  // noise as a fraction of the size
 
 Stroke points_on(const TrueCurve& curve) {
   Stroke points;
@@ -46,7 +46,7 @@ void waves_table(Checks& checks) {
   std::vector<TrueCurve> curves = true_curves();
   curves.push_back(sine);
   Table table;
-  table.add({"extrema of curvature", "sigma/size", "as given", "faired", "true"});
+  table.add({"curvature extrema", "sigma/size", "input", "faired", "exact"});
   double worst = 0;
   for (const TrueCurve& curve : curves) {
     const int truth = fairness(hermite(sampled(curve))).extrema;
@@ -65,18 +65,18 @@ void waves_table(Checks& checks) {
       }
       table.add({curve.name, text("%.1f %%", 100 * part), text("%.0f", median(given)),
                  text("%.0f", median(faired)), text("%d", truth)});
-      // A helix has none: every wave of noise is one too many.
+      // A helix has no waves: every wave found in noise is a false positive.
       if (truth > 0 && curve.name != true_curves().front().name)
         worst = std::max(worst, median(faired) / truth);
     }
   }
   table.print();
-  checks.at_most("extrema of curvature over the true ones (sine, cubic, roof line)", worst, 2);
+  checks.at_most("curvature extrema over the exact ones (sine, cubic, roof line)", worst, 2);
 }
 
-// ---- outliers and tremor ---------------------------------------------------------------------
+// ---- outliers and jitter ---------------------------------------------------------------------
 
-// Three in a hundred are off by ten standard deviations more, in any direction.
+// 3 % of the points are displaced by another ten standard deviations, in random directions.
 Stroke with_outliers(const TrueCurve& curve, double part, Random& random) {
   Stroke points = points_on(curve);
   const double sigma = part * size_of(points);
@@ -89,7 +89,7 @@ Stroke with_outliers(const TrueCurve& curve, double part, Random& random) {
   return points;
 }
 
-// Eight waves in each coordinate, a fortieth to a twentieth of the line long.
+// Eight waves per coordinate, with wavelengths of 1/40 to 1/20 of the curve's length.
 Stroke with_jitter(const TrueCurve& curve, double part, Random& random) {
   Stroke points = points_on(curve);
   const double sigma = part * size_of(points);
@@ -107,7 +107,7 @@ Stroke with_jitter(const TrueCurve& curve, double part, Random& random) {
 void robustness_table(Checks& checks) {
   Table table;
   table.add({"rms after over before", "sigma/size", "3 % outliers: median (worst)", "kept",
-             "tremor, its size stated", "its wavelength stated", "nothing stated"});
+             "jitter, noise level given", "wavelength given", "nothing given"});
   std::map<std::string, double> worst;
   for (const TrueCurve& curve : true_curves()) {
     const Sampled real = sampled(curve);
@@ -149,8 +149,8 @@ void robustness_table(Checks& checks) {
   }
   table.print();
   checks.at_most("outliers: largest median of rms after over before", worst["outliers"], 0.5);
-  checks.at_most("tremor of stated size: likewise", worst["size"], 0.5);
-  checks.at_most("tremor of stated wavelength: likewise", worst["wavelength"], 0.5);
+  checks.at_most("jitter, given noise level: the same ratio", worst["size"], 0.5);
+  checks.at_most("jitter, given wavelength: the same ratio", worst["wavelength"], 0.5);
 }
 
 // ---- airfoils --------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ void robustness_table(Checks& checks) {
 // NACA's four-digit section of chord 1, from the trailing edge over the upper side and back.
 struct Section {
   double camber, at, thickness;
-  int side;  // points of either side
+  int side;  // points per side
   Vec3 point(double t) const {
     const double x = 0.5 * (1 + std::cos(2 * pi * t)), root = std::abs(std::cos(pi * t));
     const double y =
@@ -176,7 +176,7 @@ struct Section {
     all.back() = all.front();
     return all;
   }
-  // Of the parabola that it begins as, at right angles to the mean line.
+  // Radius of curvature of the parabola at the nose, perpendicular to the mean line.
   double nose_radius() const {
     return 1.1019 * thickness * thickness / std::hypot(1, 2 * camber / at);
   }
@@ -194,7 +194,8 @@ std::vector<Section> sections() {
   return all;
 }
 
-// What an osculating circle at the foremost point says of the nose, over the true radius, less 1.
+// Relative error of the nose radius: osculating circle at the foremost point over the exact radius,
+// minus 1.
 double nose_error(const HermiteCurve& curve, const Section& section) {
   const CurvePoint nose = curve.closest_point(section.point(0.5));
   const Vec3 d = curve.evaluate(nose.u, 1), dd = curve.evaluate(nose.u, 2);
@@ -248,14 +249,14 @@ void airfoil_table(const Scipy& scipy, Checks& checks) {
     table.add({name, text(format, factor * median(v)), text(format, factor * percentile(v, 0.9)),
                text(format, factor * percentile(v, 1))});
   };
-  row("exact points move by, over the chord", moves, 1, "%.1e");
-  row("nose radius is off by, exact points", noses, 100, "%.1f %%");
-  row("nose radius is off by, noise of 0.05 %", noisy_noses, 100, "%.1f %%");
+  row("displacement of exact points over the chord", moves, 1, "%.1e");
+  row("error of the nose radius, exact points", noses, 100, "%.1f %%");
+  row("error of the nose radius, noise of 0.05 %", noisy_noses, 100, "%.1f %%");
   row("noise: rms after over before", ratios, 1, "%.2f");
-  if (!theirs.empty()) row("over that of SciPy's GCV spline", theirs, 1, "%.2f");
+  if (!theirs.empty()) row("noise: rms over that of SciPy's GCV spline", theirs, 1, "%.2f");
   table.print();
-  checks.at_most("airfoils: largest move of exact points over the chord", percentile(moves, 1),
-                 1e-4);
+  checks.at_most("airfoils: largest displacement of exact points over the chord",
+                 percentile(moves, 1), 1e-4);
   checks.at_most("airfoils: rms over that of SciPy's GCV spline, median",
                  theirs.empty() ? std::nullopt : std::optional(median(theirs)), 1);
   checks.at_most("airfoils: nose radius of exact points, median error", median(noses), 0.02);
@@ -267,7 +268,7 @@ void airfoil_table(const Scipy& scipy, Checks& checks) {
 int main() {
   one_thread();
   const Scipy scipy;
-  std::printf("%s. %d points a line, %d seeds.\n\n",
+  std::printf("%s. %d points per curve, %d seeds.\n\n",
               scipy.version().empty() ? "SciPy is missing" : ("SciPy " + scipy.version()).c_str(),
               kNoisyPoints, seeds);
   Checks checks;

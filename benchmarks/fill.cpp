@@ -1,9 +1,7 @@
-// A surface over a loop of cubics: Batten's skin beside OpenCASCADE's filling.
-//
-// Two regions, a curved pentagon and a four-sided patch with one cubic across. Time: from the
-// curves to the surface, meshing and everything included. Distance: the largest from a point of a
-// curve to the surface that was delivered, and from a point of the surface's line to the nearest
-// curve.
+// A surface over a loop of cubics: Batten's skin compared with OpenCASCADE's filling.
+// Two faces: a curved pentagon, and a four-sided patch with one inner cubic. Time: from the curves
+// to the surface, including meshing. Distance: the largest one from a point of a curve to the
+// resulting surface, and from a point of the surface's edge to the closest curve.
 #include <algorithm>
 #include <cmath>
 
@@ -82,8 +80,8 @@ double largest_distance(const std::vector<Cubic>& curves,
   return largest;
 }
 
-// Along its lines the surface's element edges are cubics: their control points from four positions
-// of the surface each, and points between these to check.
+// Along its curves the surface's element edges are cubics: their control points from four positions
+// of the surface each, and points between these for the check.
 struct SurfaceLines {
   std::vector<Cubic> edges;
   std::vector<Vec3> points;
@@ -114,7 +112,7 @@ int main() {
   one_thread();
   const std::string version = occ_version();
   if (version.empty())
-    std::printf("OpenCASCADE is missing from this build: its promises cannot be kept.\n\n");
+    std::printf("OpenCASCADE is missing from this build: its checks fail.\n\n");
   else
     std::printf("OpenCASCADE %s. Processor time on one thread, medians.\n\n", version.c_str());
 
@@ -163,12 +161,12 @@ int main() {
     }
     table.print();
     std::printf(
-        "Batten: inner normals jump by %.1e degrees at most, smallest Jacobian %.2f of the "
+        "Batten: largest jump of inner normals %.1e degrees, smallest Jacobian %.2f of the "
         "median.\n\n",
         quality.max_normal_jump_deg, quality.min_jacobian_ratio);
 
     checks.at_least(c.name + ": triangles", triangles, 1000);
-    checks.at_most(c.name + ": largest distance to the curves",
+    checks.at_most(c.name + ": largest distance from the curves",
                    std::max(ours, quality.max_line_deviation), 1e-10);
     const auto sixty = std::find_if(settings.begin(), settings.end(), [](const auto& s) {
       return s.tolerance == 1e-5 && s.max_segments == 60;
@@ -178,7 +176,7 @@ int main() {
                        ? std::optional(time[0] / time[1 + (sixty - settings.begin())])
                        : std::nullopt,
                    1);
-    checks.at_most(c.name + ": time over OpenCASCADE's at its most accurate",
+    checks.at_most(c.name + ": time over OpenCASCADE's at its most accurate setting",
                    accurate_time ? std::optional(time[0] / *accurate_time) : std::nullopt, 1);
   }
   checks.print("fill");

@@ -1,8 +1,8 @@
 """FreeCAD reads STEP files, counts their faces and checks them.
 
 usage: STEP_FILES=A.step:B.step freecadcmd freecad_step.py
-Prints a line a file: its name, shape type, faces, isValid, and what its check for Boolean operations finds
-within SECONDS (faces against each other: minutes for files of many poles).
+Prints one line per file: name, shape type, faces, isValid, and the findings of its check for
+Boolean operations within SECONDS (self-intersections: minutes for files with many poles).
 """
 import os
 import signal
@@ -14,7 +14,7 @@ SECONDS = int(os.environ.get("STEP_SECONDS", "20"))
 
 
 def checked(shape):
-    """What the check says, from a child: nothing else can stop it."""
+    """Findings of the check, run in a child process: it cannot be stopped otherwise."""
     ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:

@@ -37,7 +37,7 @@ const char* const squared_error =
     "pi*pi*sin(2*pi*X(1))*sin(2*pi*X(2))],[pi*pi*sin(2*pi*X(1))*sin(2*pi*X(2)),"
     "2*pi*pi*cos(2*pi*X(2))*sqr(sin(pi*X(1)))]])";
 
-// One pass of the weak-form language; order 2: matrix, 1: vector, 0: the integral itself.
+// One assembly in the weak-form language; order 2: matrix, 1: vector, 0: the integral itself.
 double evaluate(const std::string& expression, const getfem::mesh_im& mim,
                 const getfem::mesh_fem& mf, int order, const Vector& u, Matrix* K, Vector* F) {
   getfem::ga_workspace workspace;
@@ -89,8 +89,8 @@ void positive_solve(const Matrix& K, const dal::bit_vector& fixed, const Vector&
   dmumps_c(&mumps);
 }
 
-// Rows and columns of fixed dofs become those of the identity. (sub_matrix of gmm does the same ten
-// times slower at 25,000 dofs.)
+// Rows and columns of fixed dofs become those of the identity. (gmm's sub_matrix takes ten times as
+// long at 25,000 dofs.)
 void gmm_solve(Matrix& K, const dal::bit_vector& fixed, Vector& F, Vector& u) {
   for (size_t j = 0; j < F.size(); ++j)
     if (fixed.is_in(j)) {
@@ -112,7 +112,7 @@ struct GetfemHct::Data {
   getfem::mesh mesh;
   std::unique_ptr<getfem::mesh_fem> mf, quadratic, cubic;
   std::unique_ptr<getfem::mesh_im> degree2, degree4, degree6;
-  Vector b;  // the varying coefficient on the quadratic triangle, which holds it exactly
+  Vector b;  // the varying coefficient on the quadratic triangle, which represents it exactly
   Matrix K;
 };
 

@@ -1,6 +1,5 @@
-// GetFEM's HCT triangle, behind an interface that names none of its types.
-//
-// Without GetFEM the functions are there and say so: getfem_version() is "".
+// Wrapper of GetFEM's HCT triangle without GetFEM types in its interface.
+// In a build without GetFEM the functions exist, and getfem_version() is "".
 #pragma once
 
 #include <functional>
@@ -14,10 +13,10 @@ namespace batten::bench {
 /// "5.4.2", or "" in a build without GetFEM.
 std::string getfem_version();
 
-/// How GetFEM is asked to assemble.
+/// GetFEM's way of assembly.
 enum class GetfemAssemblyMode {
   Language,  ///< the weak-form language: "Hess_Test_u:Hess_Test2_u"
-  Classical  ///< tensor products by name, comp(Hess(#1).Hess(#1)): what asm_…bilaplacian… calls
+  Classical  ///< tensor products by name, comp(Hess(#1).Hess(#1)), as asm_…bilaplacian… does
 };
 
 /// Bending stiffness ∬ b w_ij w_ij on FEM_HCT_TRIANGLE with the composite rule: degree 2 on each
@@ -27,10 +26,10 @@ class GetfemHct {
   explicit GetfemHct(const ParametricMesh& mesh);
   ~GetfemHct();
 
-  /// b = 1, or b(u, v) = 1 + u²/2 + v, added up in a matrix that has its pattern already and is set
-  /// to zero first.
+  /// b = 1, or b(u, v) = 1 + u²/2 + v, assembled in a matrix that already has its sparsity pattern
+  /// and is set to zero first.
   void stiffness(GetfemAssemblyMode assembly_mode, bool varying);
-  /// qᵀKq of the matrix assembled last, where q are the dofs of a cubic polynomial, found by exact
+  /// qᵀKq of the last assembled matrix, with the dofs q of a cubic polynomial from an exact
   /// projection.
   double energy(const std::function<double(const Vec2&)>& cubic) const;
 
@@ -39,17 +38,18 @@ class GetfemHct {
   std::unique_ptr<Data> data_;
 };
 
-/// Seconds and H2 seminorm of the error of the clamped plate of plate.cpp.
+/// Seconds and H2 seminorm of the error for the clamped plate of plate.cpp.
 struct PlateRun {
-  double mesh = 0, stiffness = 0, load = 0, solve = 0;  ///< solve: conditions and factor included
+  double mesh = 0, stiffness = 0, load = 0;
+  double solve = 0;  ///< with boundary conditions and factor
   double h2_error = 0;
   int unknowns = 0;
   double total() const { return mesh + stiffness + load + solve; }
 };
 
 enum class GetfemSolver {
-  Gmm,      ///< gmm::MUMPS_solve on the symmetric matrix: what GetFEM's own solvers call
-  Positive  ///< MUMPS itself, told that the matrix is positive definite, with AMD ordering
+  Gmm,      ///< gmm::MUMPS_solve on the symmetric matrix, as GetFEM's own solvers
+  Positive  ///< MUMPS called directly, as positive definite, with AMD ordering
 };
 PlateRun getfem_plate(const ParametricMesh& mesh, GetfemAssemblyMode assembly_mode,
                       GetfemSolver solver);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Gmsh reads a STEP file, writes it as another, and meshes it.
+"""Gmsh reads a STEP file, writes it again, and meshes it.
 
 usage: gmsh_step.py IN.step OUT.step
-Prints processor seconds to read and to write, faces, triangles, and the count of Gmsh's warnings.
+Prints processor seconds to read and to write, faces, triangles, and the number of Gmsh's warnings.
 """
 import math
 import sys

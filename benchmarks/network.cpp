@@ -1,9 +1,8 @@
-// Networks of lines: grids of more and more lines, single regions of many lines beside
-// OpenCASCADE's filling, and what cutting one region into 200 costs.
-//
-// Time: processor time from the lines to the model, measured and looked through for flaws, on one
-// thread, nothing written; once more on the clock, on two threads; and 3,136 regions by the program,
-// files and all. Beside OpenCASCADE's filling: from the curves to the surface only.
+// Curve networks: grids of increasing size, single faces with many curves compared with
+// OpenCASCADE's filling, and the cost of splitting one face into 200.
+// Time: processor time from the curves to the checked model, on one thread, without output; also
+// wall-clock time on two threads; and 3,136 faces by the program, including files. Compared with
+// OpenCASCADE's filling: from the curves to the surface only.
 #include <malloc.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -59,7 +58,8 @@ TimedModel make(const std::vector<CharacterLine>& lines, double edge, double cre
   return made;
 }
 
-// A closed row of `count` cubics, slightly bent, with corners in and out by turns: a gear.
+// A closed loop of `count` slightly bent cubics with alternating convex and concave corners: a
+// gear.
 std::vector<Cubic> loop(int count) {
   const auto point = [&](int i) {
     const double t = 2 * M_PI * i / count, r = i % 2 ? 1.05 : 0.85;
@@ -82,8 +82,8 @@ std::vector<CharacterLine> lines_of(const std::vector<Cubic>& curves) {
   return lines;
 }
 
-// From curves to the surface, as OpenCASCADE's filling goes: one region, nothing looked for or
-// measured. Returns the region's quality when `look`.
+// From curves to the surface, as OpenCASCADE's filling: one face, without search for defects or
+// measurements. Returns the quality of the face if `look` is set.
 SkinQuality fill(const std::vector<CharacterLine>& lines, bool look = false) {
   SkinOptions options;
   options.edge_length = 0.1;
@@ -92,12 +92,12 @@ SkinQuality fill(const std::vector<CharacterLine>& lines, bool look = false) {
   return look ? measure(layout.region(std::move(dofs))) : SkinQuality{};
 }
 
-// The most memory that this process had since the last call, beyond what it has now; bytes. 0 where
-// the system does not tell.
+// Peak memory of this process since the last call, beyond its present memory; bytes. 0 if the
+// system does not provide it.
 class Peak {
  public:
   Peak() {
-    malloc_trim(0);  // what earlier work left in the heap would be taken for nothing
+    malloc_trim(0);  // otherwise freed memory in the heap would be reused without being counted
     if (std::FILE* f = std::fopen("/proc/self/clear_refs", "w")) {
       std::fputs("5", f);
       std::fclose(f);
@@ -120,9 +120,9 @@ constexpr double kNoJoins = -1, kAllSmooth = 180;
 
 void grids(Checks& checks) {
   Table table;
-  table.add({"grid", "regions", "triangles", "network ms", "regions ms", "skin ms", "ms a region",
-             "kB a region", "smooth: ms", "largest angle"});
-  std::map<int, double> each, search, memory;  // by lines
+  table.add({"grid", "faces", "triangles", "network ms", "faces ms", "skin ms", "ms per face",
+             "kB per face", "smooth: ms", "largest angle"});
+  std::map<int, double> each, search, memory;  // per number of curves
   for (const int count : {24, 60, 200, 400}) {
     const int cells = count / 2 - 1;
     const std::vector<CharacterLine> lines = wavy_grid(cells, cells);
@@ -134,10 +134,10 @@ void grids(Checks& checks) {
     memory[count] = most * peak.grown() / made.regions;
     each[count] = most * made.total() / made.regions;
     search[count] = most * (made.network + made.find) / made.regions;
-    // Thousands of regions in one system show nothing that 841 do not.
+    // A system of thousands of faces shows nothing that 841 do not.
     const bool joined = count <= 60;
     const TimedModel smooth = joined ? make(lines, edge, kAllSmooth) : TimedModel{};
-    table.add({std::to_string(count) + " lines",
+    table.add({std::to_string(count) + " curves",
                std::to_string(made.regions) + (correct ? "" : " WRONG"),
                std::to_string(made.triangles), text("%.1f", 1e3 * made.network),
                text("%.1f", 1e3 * made.find), text("%.1f", 1e3 * made.skin),
@@ -146,9 +146,9 @@ void grids(Checks& checks) {
                joined ? text("%.2g deg", smooth.model.max_join_deg) : ""});
   }
   table.print();
-  checks.at_most("time a region, 200 by 200 lines over 12 by 12", each[400] / each[24], 1.3);
-  checks.at_most("search a region, 200 by 200 lines over 12 by 12", search[400] / search[24], 1.3);
-  checks.at_most("memory a region, 200 by 200 lines over 100 by 100",
+  checks.at_most("time per face, 200 by 200 curves over 12 by 12", each[400] / each[24], 1.3);
+  checks.at_most("search per face, 200 by 200 curves over 12 by 12", search[400] / search[24], 1.3);
+  checks.at_most("memory per face, 200 by 200 curves over 100 by 100",
                  memory[200] > 0 ? std::optional(memory[400] / memory[200]) : std::nullopt, 1.1);
 
   const std::vector<CharacterLine> lines = wavy_grid(99, 99);
@@ -157,11 +157,12 @@ void grids(Checks& checks) {
   set_thread_count(2);
   const double two = wall_seconds_of(all);
   set_thread_count(1);
-  std::printf("100 by 100 lines, on the clock: %.1f s on one thread, %.1f s on two.\n\n", one, two);
-  checks.at_least("one thread's time over two threads', 100 by 100 lines", one / two, 1.6);
+  std::printf("100 by 100 curves, wall-clock time: %.1f s on one thread, %.1f s on two.\n\n", one,
+              two);
+  checks.at_least("one thread's time over two threads', 100 by 100 curves", one / two, 1.6);
 }
 
-// 57 by 57 lines as a file of points through the program, with STEP, in a process of its own.
+// 57 × 57 curves as a file of points through the program, with STEP, in a separate process.
 void program(Checks& checks) {
 #ifdef BATTEN_PROGRAM
   namespace fs = std::filesystem;
@@ -194,38 +195,38 @@ void program(Checks& checks) {
     wait4(child, &status, 0, &used);
   });
   const bool correct = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  std::printf("57 by 57 lines through the program, with STEP: %.1f s, %.2f GB, exit code %d.\n\n",
+  std::printf("57 by 57 curves through the program, with STEP: %.1f s, %.2f GB, exit code %d.\n\n",
               clock, used.ru_maxrss / 1048576.0, WEXITSTATUS(status));
   const auto if_correct = [&](double x) { return correct ? std::optional(x) : std::nullopt; };
-  checks.at_most("seconds, 57 by 57 lines with STEP", if_correct(clock), 20);
-  checks.at_most("GB, 57 by 57 lines with STEP", if_correct(used.ru_maxrss / 1048576.0), 1);
+  checks.at_most("seconds, 57 by 57 curves with STEP", if_correct(clock), 20);
+  checks.at_most("GB, 57 by 57 curves with STEP", if_correct(used.ru_maxrss / 1048576.0), 1);
   fs::remove_all(folder);
 #else
-  checks.at_most("seconds, 57 by 57 lines with STEP", std::nullopt, 20);
+  checks.at_most("seconds, 57 by 57 curves with STEP", std::nullopt, 20);
 #endif
 }
 
 }  // namespace
 
-// With a number: only the grid of so many lines.
+// With a number: only the grid of that many curves.
 int main(int argc, char** argv) {
   one_thread();
   if (argc > 1) {
     const int cells = std::stoi(argv[1]) / 2 - 1;
     const TimedModel made = make(wavy_grid(cells, cells), 0.25 / cells, kNoJoins);
-    std::printf("%d regions: network %.2f s, regions %.2f s, skin %.2f s\n", made.regions,
-                made.network, made.find, made.skin);
+    std::printf("%d faces: network %.2f s, faces %.2f s, skin %.2f s\n", made.regions, made.network,
+                made.find, made.skin);
     return 0;
   }
   Checks checks;
-  program(checks);  // first: a child counts the memory that its parent had
+  program(checks);  // first: a child process counts the memory that its parent had
   grids(checks);
 
   {
     const std::string version = occ_version();
     Table table;
-    table.add(
-        {"one region", "Batten ms", "OpenCASCADE ms", "ratio", "found, measured, checked: ms"});
+    table.add({"one face", "Batten ms", "OpenCASCADE ms", "ratio",
+               "with search, quality and checks: ms"});
     std::vector<double> ours;
     std::optional<double> ratio;
     for (const int count : {12, 16, 20, 28}) {
@@ -240,19 +241,19 @@ int main(int argc, char** argv) {
           made.regions == 1 && made.failed == 0 && fill(lines, true).max_line_residual < 1e-10;
       ours.push_back(correct ? time[0] : std::numeric_limits<double>::infinity());
       if (time.size() > 2) ratio = time[2] / ours.back();
-      table.add({std::to_string(count) + " lines, " + std::to_string(made.triangles) + " triangles",
-                 text("%.1f", 1e3 * ours.back()),
-                 time.size() > 2 ? text("%.1f", 1e3 * time[2]) : "",
-                 ratio ? text("%.1f", *ratio) : "", text("%.1f", 1e3 * time[1])});
+      table.add(
+          {std::to_string(count) + " curves, " + std::to_string(made.triangles) + " triangles",
+           text("%.1f", 1e3 * ours.back()), time.size() > 2 ? text("%.1f", 1e3 * time[2]) : "",
+           ratio ? text("%.1f", *ratio) : "", text("%.1f", 1e3 * time[1])});
     }
     table.print();
-    checks.at_least("OpenCASCADE's time over ours, one region of 28 lines", ratio, 5);
-    checks.at_most("growth of ours from 16 to 28 lines, over that of the lines",
+    checks.at_least("OpenCASCADE's time over Batten's, one face of 28 curves", ratio, 5);
+    checks.at_most("growth of the time from 16 to 28 curves over that of the curves",
                    ours.back() / ours[1] / (28.0 / 16), 1.3);
   }
 
   {
-    // About 100 triangles in each of 200 cells, and as many over the whole.
+    // About 100 triangles in each of 200 cells, and as many in the single face.
     const std::vector<CharacterLine> cells = wavy_grid(20, 10), whole = wavy_grid(1, 1);
     std::vector<double> many, one;
     TimedModel a, b;
@@ -264,7 +265,7 @@ int main(int argc, char** argv) {
     }
     const TimedModel smooth = make(cells, 0.0105, kAllSmooth);
     Table table;
-    table.add({"20,000 triangles", "regions", "triangles", "seconds", "largest angle"});
+    table.add({"20,000 triangles", "faces", "triangles", "seconds", "largest angle"});
     const auto row = [&](const std::string& name, const TimedModel& m, double time) {
       table.add({name, std::to_string(m.regions), std::to_string(m.triangles), text("%.3f", time),
                  text("%.2g deg", m.model.max_join_deg)});
@@ -274,7 +275,7 @@ int main(int argc, char** argv) {
     row("one region", b, median(one));
     table.print();
     const bool correct = a.regions == 200 && a.failed == 0 && b.regions == 1 && b.failed == 0;
-    checks.at_most("200 creased regions over one, 20,000 triangles in all",
+    checks.at_most("200 faces with creases over one, 20,000 triangles in total",
                    correct ? std::optional(median(many) / median(one)) : std::nullopt, 3);
   }
   checks.print("network");

@@ -1,5 +1,5 @@
-// OpenCASCADE's approximation of points by a B-spline, behind an interface that names none of its
-// types. Without OpenCASCADE occ_curves_version() is "".
+// Wrapper of OpenCASCADE's approximation of points by a B-spline without OpenCASCADE types in its
+// interface. Without OpenCASCADE, occ_curves_version() is "".
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@ namespace batten::bench {
 
 std::string occ_curves_version();
 
-/// Of GeomAPI_PointsToBSpline; parameters by chord length, its default.
+/// Settings of GeomAPI_PointsToBSpline; parameters by chord length, its default.
 struct OccCurveFitSettings {
   double tolerance = 1e-3;  ///< Tol3D
-  int degree = 3;           ///< both DegMin and DegMax; variational: DegMax
+  int degree = 3;           ///< DegMin and DegMax; variational: DegMax
   int continuity = 2;       ///< C1 or C2
-  /// The constructor that smooths: its weights of length, curvature and torsion.
+  /// For the smoothing constructor: its weights of length, curvature and torsion.
   bool variational = false;
   double weights[3] = {1, 1, 1};
 };
@@ -27,7 +27,7 @@ class OccCurveFit {
   OccCurveFit(const std::vector<Vec3>& points, const OccCurveFitSettings& settings);
   ~OccCurveFit();
   OccCurveFit(OccCurveFit&&) noexcept;
-  /// False also where OpenCASCADE threw.
+  /// Also false if OpenCASCADE throws.
   bool done() const;
   std::vector<double> knots() const;
   Vec3 evaluate(double u, int order) const;

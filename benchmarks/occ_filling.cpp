@@ -47,7 +47,7 @@ TopoDS_Edge edge(const Cubic& c, const TopoDS_Vertex& start, const TopoDS_Vertex
   return BRepBuilderAPI_MakeEdge(new Geom_BezierCurve(poles), start, end);
 }
 
-// C1 cubics: every inner knot counts twice, and the points between two cubics are not poles.
+// C1 cubics: every inner knot has multiplicity 2, and the junctions of cubics are not poles.
 TopoDS_Edge edge(const HermiteCurve& c, const TopoDS_Vertex& start, const TopoDS_Vertex& end) {
   const int n = c.segment_count();
   TColgp_Array1OfPnt poles(1, 2 * n + 2);
@@ -146,14 +146,14 @@ OccFilling::~OccFilling() = default;
 bool OccFilling::done() const { return !data_->surface.IsNull(); }
 const std::string& OccFilling::error_message() const { return data_->error_message; }
 
-// On the whole surface, not on the face that is cut out of it: the face's edges are the input
-// curves themselves, which would hide how far the surface is from them.
+// Uses the whole surface, not the trimmed face: the face's edges are the input curves themselves,
+// which would hide the distance of the surface from them.
 double OccFilling::distance(const Vec3& p) const {
   double nearest = 1e100;
   try {
     const GeomAPI_ProjectPointOnSurf projection(point(p), data_->surface);
     if (projection.NbPoints() > 0) nearest = projection.LowerDistance();
-  } catch (const Standard_Failure&) {  // the second way answers alone
+  } catch (const Standard_Failure&) {  // only the second method succeeds
   }
   if (data_->analysis.IsNull()) data_->analysis = new ShapeAnalysis_Surface(data_->surface);
   const gp_Pnt2d uv = data_->analysis->ValueOfUV(point(p), 1e-12);
@@ -176,7 +176,7 @@ std::vector<Vec3> OccFilling::boundary_points(int an_edge) const {
 
 std::vector<Vec3> OccFilling::points(int n) const {
   std::vector<Vec3> points;
-  // Faces whose wires do not close have no inside.
+  // Faces whose wires are not closed have no interior.
   if (!BRepCheck_Analyzer(data_->face).IsValid()) return points;
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
   BRepTools::UVBounds(data_->face, u0, u1, v0, v1);

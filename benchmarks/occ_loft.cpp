@@ -35,7 +35,7 @@ namespace {
 gp_Pnt point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Vec3 point(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-// Evenly by length.
+// Uniform in arc length.
 std::vector<Vec3> resampled(const std::vector<Vec3>& points, int count) {
   std::vector<double> at{0};
   for (size_t i = 1; i < points.size(); ++i)
@@ -51,7 +51,7 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& points, int count) {
   return even;
 }
 
-// Chains pieces of a curve to one; none if they are not one open curve.
+// Chains segments to one curve; none if they are not one open curve.
 std::vector<Vec3> chained(std::vector<std::vector<Vec3>> pieces, double near) {
   if (pieces.empty()) return {};
   std::vector<Vec3> whole = std::move(pieces.back());

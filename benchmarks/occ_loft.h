@@ -1,5 +1,5 @@
-// OpenCASCADE as a peer for lofts: surfaces of CAD files, sections cut from them, and what
-// BRepOffsetAPI_ThruSections makes of the sections.
+// OpenCASCADE as a peer for lofts: faces of CAD files, sections cut from them, and lofts of the
+// sections by BRepOffsetAPI_ThruSections.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,13 @@
 
 namespace batten::bench {
 
-/// One face of an IGES file. Without OpenCASCADE there are none.
+/// One face of an IGES file; none without OpenCASCADE.
 class IgesFace {
  public:
   static std::vector<IgesFace> read(const std::filesystem::path& file);
-  Vec3 low() const;  ///< the corners of its box
+  Vec3 low() const;  ///< corners of its bounding box
   Vec3 high() const;
-  /// Points of the section at x, evenly by length from one end to the other; none where it is not
-  /// one open curve.
+  /// Points of the section at x, uniform in arc length; none if it is not one open curve.
   std::vector<Vec3> section(double x, int count) const;
   double distance(const Vec3& p) const;
 
@@ -28,8 +27,8 @@ class IgesFace {
   std::shared_ptr<Data> data_;
 };
 
-/// Points of the loft through interpolated sections, n by n on each of its faces; none where it
-/// fails. Sections whose first point is repeated at the end are closed wires.
+/// n × n points on each face of the loft through interpolated sections; none if it fails. Sections
+/// whose first point is repeated at the end are closed wires.
 std::vector<Vec3> loft_points(const std::vector<std::vector<Vec3>>& sections, int n);
 
 }  // namespace batten::bench

@@ -34,7 +34,7 @@
 namespace batten::bench {
 namespace {
 
-// OpenCASCADE keeps millimetres.
+// OpenCASCADE's models are in millimetres.
 Vec3 point(const gp_Pnt& p, double millimetre) { return Vec3(p.X(), p.Y(), p.Z()) * millimetre; }
 
 bool save(const TopoDS_Shape& shape, const std::string& file) {
@@ -106,7 +106,7 @@ OccStepFile::Facets OccStepFile::facets(double distance) const {
   constexpr double any_angle = 3;
   BRepMesh_IncrementalMesh(data_->shape, distance / data_->millimetre, false, any_angle, false);
   Facets result;
-  std::map<std::array<double, 3>, int> numbers;  // faces have the same points along their edges
+  std::map<std::array<double, 3>, int> numbers;  // points on shared edges are identical
   for (const TopoDS_Face& face : data_->faces) {
     TopLoc_Location location;
     const auto mesh = BRep_Tool::Triangulation(face, location);

@@ -1,5 +1,5 @@
-// A STEP file as OpenCASCADE reads it, behind an interface that names none of its types: the witness of
-// what is in a file, and the peer that writes the same shape as facets, or as it read it.
+// Wrapper of OpenCASCADE's STEP reader without OpenCASCADE types in its interface: a cross-check of
+// the contents of a file, and the peer that writes the same shape as facets or as it was read.
 #pragma once
 
 #include <array>
@@ -13,20 +13,20 @@ namespace batten::bench {
 
 class OccStepFile {
  public:
-  /// Reads a file into model units. faces() is 0 where it cannot be read, or in a build without
+  /// Reads a file into model units. faces() is 0 if it cannot be read, or in a build without
   /// OpenCASCADE.
   OccStepFile(const std::string& file, double unit_in_metres);
   ~OccStepFile();
   int faces() const;
   bool valid() const;
-  /// Points of a face: those of n × n over its box of parameters that are inside of its trim.
+  /// Points of a face: those of n × n over its parameter rectangle that are inside its trim.
   std::vector<Vec3> points(int face, int n) const;
-  /// Its rim and n points along each edge's line on the face.
+  /// Its boundary, n points along the pcurve of each edge.
   std::vector<Vec3> rim(int face, int n) const;
-  /// Writes what was read, as OpenCASCADE's own converters do.
+  /// Writes the model that was read, as OpenCASCADE's own converters do.
   bool write(const std::string& file) const;
 
-  /// Triangles within a distance of the faces, as OpenCASCADE's mesher makes them.
+  /// Triangles of OpenCASCADE's mesher within a distance of the faces.
   struct Facets {
     std::vector<Vec3> points;
     std::vector<std::array<int, 3>> triangles;
@@ -38,7 +38,7 @@ class OccStepFile {
   std::unique_ptr<Data> data_;
 };
 
-/// Writes triangles as a STEP file, a plane face each, with common edges: what a facetted solid is.
+/// Writes triangles as a STEP file of planar faces with shared edges: a faceted solid.
 bool write_facetted(const std::string& file, const OccStepFile::Facets& facets,
                     double unit_in_metres);
 

@@ -1,7 +1,7 @@
-// What Python costs in a drag: three numbers set, an answer, the points, through the package and in C++.
-//
-// Both make the session of one scene and drag its held point to the same goals, in processes of their own
-// that take turns; medians of events, one thread, processor time.
+// Overhead of Python in a drag: set three numbers, update, get the points, through the package and
+// in C++.
+// Both build the session of one scene and drag its fixed point to the same targets, in alternating
+// processes; medians of events, one thread, processor time.
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -54,7 +54,7 @@ struct CppSession {
         session(make_session(*model.layout, scene, model.made, FactorReuse::many)) {
     session.solve_to_equilibrium();
   }
-  /// Median seconds of an event.
+  /// Median seconds per event.
   double drag() {
     std::vector<double> times;
     for (int k = -warm; k < events; ++k) {
@@ -76,7 +76,7 @@ struct CppSession {
   FrameExchange frames;
 };
 
-/// What the same drag takes in Python, and where its last point is; none where it did not run.
+/// The same drag in Python: time, and position of the last point; none if it did not run.
 std::optional<std::array<double, 2>> in_python(const std::string& scene) {
   const std::string command = std::string("PYTHONPATH='") + BATTEN_PACKAGE + "' '" + BATTEN_PYTHON +
                               "' '" + BATTEN_DRAG_PY + "' '" + scene + "' " + text("%d", events) +
@@ -93,7 +93,7 @@ int main() {
   one_thread();
   Table table;
   Checks checks;
-  table.add({"unknowns", "points", "C++ ms", "Python ms", "more"});
+  table.add({"unknowns", "points", "C++ ms", "Python ms", "overhead"});
   for (const double edge_length : {0.06, 0.0225}) {
     const std::string file = text("/tmp/batten_bench_python_%g.toml", edge_length);
     if (FILE* out = std::fopen(file.c_str(), "w")) {
@@ -125,7 +125,7 @@ int main() {
         text("%ldk", (static_cast<long>(cpp.session.dofs().rows()) + 500) / 1000);
     checks.at_most(name + ": sums of coordinates that differ", same && more ? 0. : 1., 0);
     if (edge_length < 0.05)
-      checks.at_most(name + ": a drag in Python over C++, share more", more, 0.1);
+      checks.at_most(name + ": overhead of a drag in Python over C++", more, 0.1);
   }
   table.print();
   checks.print("python");

@@ -1,4 +1,7 @@
-"""The drag of bench_python: SCENE EVENTS WARM. Prints the median seconds of an event and the sum of all coordinates."""
+"""The drag of bench_python: SCENE EVENTS WARM.
+
+Prints the median seconds per event and the sum of all coordinates.
+"""
 
 import statistics
 import sys
@@ -11,7 +14,7 @@ batten.set_threads(1)
 session = batten.Session(scene)
 times = []
 for k in range(-warm, events):
-    # As % in C++: the sign is that of k.
+    # C++ semantics of %: the result has the sign of k.
     a, b, c = (abs(k) % n * (1 if k >= 0 else -1) for n in (7, 5, 11))
     start = time.process_time()
     session["pin.x"] = 0.43 + 1e-4 * a

@@ -19,7 +19,7 @@ using batten_test::FeaturedModel;
 
 constexpr int kMostOfCgal = 3000;
 
-/// Adds up; the mean is what was added over how much of it.
+/// Weighted mean and maximum.
 struct Sum {
   Spread spread;
   long count = 0;
@@ -38,7 +38,7 @@ double angle_at(const Points& p, int a, int b, int c) {
   return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / std::numbers::pi;
 }
 
-/// Which triangles are in a region, which vertices are told where to be.
+/// Triangles inside regions, and vertices with prescribed positions.
 struct Parts {
   std::vector<char> inside, held;
 
@@ -73,7 +73,7 @@ Distortion measured(const TriangleMesh& mesh, const Points& after, const Parts& 
   return {edges[1].result(), angles[1].result(), edges[0].result(), angles[0].result()};
 }
 
-/// The harmonic field of the handles' turns, regions as form features.
+/// The harmonic field of the handles' rotations, regions as form features.
 Points harmonic(const FeaturedModel& m) {
   DeformProblem problem;
   problem.fixed = m.fixed;
@@ -87,8 +87,9 @@ Points harmonic(const FeaturedModel& m) {
   return deformer.deform(edit);
 }
 
-/// CGAL's smoothed rotations: the handle is dragged there in ten steps, then until no vertex moves
-/// by more than 1e-6 of the size as with ours, which take a tenth of the iterations.
+/// CGAL's smoothed rotations: the handle is dragged to its target in ten steps, then until no
+/// vertex moves by more than 1e-6 of the size, as for Batten, which takes a tenth of the
+/// iterations.
 Points by_cgal(const FeaturedModel& m, int& iterations) {
   std::vector<int> controls, region(m.mesh.vertex_count());
   std::iota(region.begin(), region.end(), 0);
@@ -129,8 +130,8 @@ class DistortionTable {
  public:
   explicit DistortionTable(const FeaturedModel& m) : m_(m), parts_(m) {
     std::vector<std::string> head = {"largest / mean change", "edges inside",   "angles inside",
-                                     "edges outside",         "angles outside", "rounds"};
-    if (!m.ring.empty()) head.emplace_back("region, sheet lean");
+                                     "edges outside",         "angles outside", "iterations"};
+    if (!m.ring.empty()) head.emplace_back("region to sheet, deg");
     table_.add(head);
   }
   Distortion add(const std::string& name, const Points& p, const std::string& iterations = "") {
@@ -160,7 +161,7 @@ class DistortionTable {
 };
 
 std::string iterations_of(const IterationReport& report) {
-  return std::to_string(report.iterations) + (report.converged ? "" : ", not at rest");
+  return std::to_string(report.iterations) + (report.converged ? "" : ", not converged");
 }
 
 }  // namespace
@@ -200,7 +201,7 @@ DistortionSummary distortion_of(const FeaturedModel& m) {
     int iterations = 0;
     const Points p = by_cgal(m, iterations);
     rows.add("CGAL, smoothed rotations", p,
-             text("%d", iterations) + (iterations < kMostOfCgal ? "" : ", not at rest"));
+             text("%d", iterations) + (iterations < kMostOfCgal ? "" : ", not converged"));
   }
   rows.print();
   return kept;
@@ -241,7 +242,7 @@ FeaturedModel pushed_sideways(const std::string& name, const TriangleMesh& mesh)
     centres.push_back(v);
     m.regions.push_back(std::move(region));
   }
-  if (m.regions.size() < 3) throw std::logic_error(name + ": fewer than three salient places");
+  if (m.regions.size() < 3) throw std::logic_error(name + ": fewer than three salient vertices");
   return m;
 }
 

@@ -1,5 +1,5 @@
-// Feature regions that lean with the sheet: what a set-up and an edit cost beside CGAL's smoothed
-// rotations, and what becomes of lengths and angles inside the regions and outside them.
+// Feature regions that rotate with the surrounding sheet: cost of set-up and edit compared with
+// CGAL's smoothed rotations, and changes of lengths and angles inside and outside the regions.
 #include <memory>
 
 #include "batten/benchmarks/cgal_deform.h"
@@ -20,7 +20,7 @@ using namespace batten::bench;
 
 namespace {
 
-/// The panel of `deform`: two strips are held, the patch in the middle is lifted and not turned.
+/// The panel of `deform`: two strips are fixed, the patch in the middle is lifted without rotation.
 struct Edit {
   batten_test::MeshModel model;
   TriangleMesh mesh;
@@ -47,7 +47,7 @@ struct Edit {
       targets.row(i) = lift(mesh.point(model.handle[i])).transpose();
   }
 
-  /// Largest distance of what is moved and held from where it should be, over the size.
+  /// Largest distance of moved and fixed vertices from their targets, relative to the size.
   double target_error(const Points& p) const {
     double worst = 0;
     for (size_t i = 0; i < model.handle.size(); ++i)
@@ -56,7 +56,7 @@ struct Edit {
       worst = std::max(worst, (p.row(v).transpose() - mesh.point(v)).norm());
     return worst / mesh.size();
   }
-  /// By how much regions are no copies of themselves, the worst, over their size.
+  /// Largest deviation of a region from a rigid copy of itself, relative to its size.
   double rigidity_error(const Points& p) const {
     double worst = 0;
     for (const auto& region : regions)
@@ -89,18 +89,18 @@ using Nonlinear = ConstrainedDeformer<ArapDeformer, ArapOptions>;
 
 const std::vector<int> kIterations = {5, 10};
 
-/// A way to deform, with each number of rounds.
+/// A method with each number of iterations.
 struct DeformMethod {
   std::string name;
   bool own = true;
   std::function<void()>
-      set_up;  // up to the first answer in kIterations[0] rounds; CGAL: preprocess()
+      set_up;  // up to the first update with kIterations[0] iterations; CGAL: preprocess()
   std::vector<std::function<Points()>> edits;
-  std::function<std::string()> to_rest;  // ms and rounds until nothing moves any more
+  std::function<std::string()> to_rest;  // ms and iterations until convergence
 };
 
 std::string at_rest(double time, int iterations, bool converged) {
-  return text("%.0f in %d%s", 1e3 * time, iterations, converged ? "" : ", not at rest");
+  return text("%.0f in %d%s", 1e3 * time, iterations, converged ? "" : ", not converged");
 }
 
 template <class Kind, class Options>
@@ -125,8 +125,8 @@ DeformMethod batten_method(const std::string& name, const Edit& e, Options optio
   return method;
 }
 
-/// CGAL one iteration at a time: for as long as a vertex moves by more than the tolerance of ours,
-/// up to 3000 iterations or half a minute.
+/// CGAL one iteration at a time: while a vertex moves by more than the tolerance of Batten, up to
+/// 3000 iterations or half a minute.
 std::string cgal_at_rest(CgalDeform& cgal, const Edit& e) {
   cgal.preprocess();
   Points before = e.mesh.points();
@@ -151,13 +151,13 @@ DeformMethod peer(const std::string& name, const Edit& e, CgalSolver solver) {
   return method;
 }
 
-/// Median times, and what the results were like.
+/// Median times and errors.
 struct Times {
   std::vector<double> set_up;
-  std::vector<std::vector<double>> edits;       // of each number of rounds, each way
+  std::vector<std::vector<double>> edits;       // per number of iterations and method
   double target_error = 0, rigidity_error = 0;  // the worst
 
-  /// Times as fast as another way at the same number of rounds, the worse of the numbers.
+  /// Speed relative to another method at the same number of iterations, the worst ratio.
   double faster(size_t own, size_t other) const {
     double worst = 1e99;
     for (const auto& edit : edits) worst = std::min(worst, edit[other] / edit[own]);
@@ -186,14 +186,14 @@ Times measured(const Edit& e, const std::vector<DeformMethod>& methods, int repe
 }
 
 void print(const Edit& e, const std::vector<DeformMethod>& methods, const Times& times) {
-  std::printf("%d vertices, %zu flanged holes kept, a patch lifted without a turn\n",
+  std::printf("%d vertices, %zu flanged holes kept, a patch lifted without rotation\n",
               e.mesh.vertex_count(), e.regions.size());
   Table table;
-  table.add({"ms", "set-up", "edit, 5 rounds", "10 rounds", "to rest"});
+  table.add({"ms", "set-up", "edit, 5 iterations", "10 iterations", "to convergence"});
   for (size_t w = 0; w < methods.size(); ++w) {
     const bool slower_peer = !methods[w].own && w + 1 < methods.size();
     table.add({methods[w].name,
-               text("%.1f", 1e3 * times.set_up[w]) + (methods[w].own ? " with first answer" : ""),
+               text("%.1f", 1e3 * times.set_up[w]) + (methods[w].own ? " with first update" : ""),
                text("%.2f", 1e3 * times.edits[0][w]), text("%.2f", 1e3 * times.edits[1][w]),
                slower_peer ? "" : methods[w].to_rest()});
   }
@@ -217,11 +217,11 @@ void compare(int vertices, int repeats, Checks& checks) {
   print(e, methods, times);
   std::optional<double> faster;
   if (has_peer) faster = times.faster(0, 2);
-  checks.at_least(text("%d vertices: edits, times as fast as CGAL's, dual Laplacian", vertices),
+  checks.at_least(text("%d vertices: edits, CGAL's time over Batten's, dual Laplacian", vertices),
                   faster, 3);
-  checks.at_most(text("%d vertices: handles missed by, of the size", vertices), times.target_error,
+  checks.at_most(text("%d vertices: error of handles over the size", vertices), times.target_error,
                  1e-12);
-  checks.at_most(text("%d vertices: regions bent by, of their size", vertices),
+  checks.at_most(text("%d vertices: rigidity error of regions over their size", vertices),
                  times.rigidity_error, 1e-12);
 }
 
@@ -231,11 +231,11 @@ void check_distortion(const batten_test::FeaturedModel& model, double& hard, Che
   checks.at_most(model.name + ": mean edge change outside, hard over its estimate", kept.outside,
                  1.2);
   if (kept.tilt_apart)
-    checks.at_most(model.name + ": region and sheet lean apart, degrees", kept.tilt_apart, 1);
+    checks.at_most(model.name + ": angle between region and sheet, degrees", kept.tilt_apart, 1);
   hard = std::max(hard, kept.hard);
 }
 
-/// Real meshes beside the project.
+/// Real meshes that are not part of the repository.
 std::vector<batten_test::FeaturedModel> real_models() {
   std::vector<batten_test::FeaturedModel> models;
 #if BATTEN_BENCH_IO
@@ -243,13 +243,13 @@ std::vector<batten_test::FeaturedModel> real_models() {
                            "meshes-geometry-central/spot.ply"}) {
     const auto path = batten_test::optional_data(file);
     if (path.empty())
-      std::printf("skipped: %s is not there (BATTEN_TEST_DATA)\n\n", file);
+      std::printf("skipped: %s is missing (BATTEN_TEST_DATA)\n\n", file);
     else
       models.push_back(
           pushed_sideways(path.filename().string(), prepare(MeshFile::read(path).shells()).mesh));
   }
 #else
-  std::printf("skipped: the real meshes, in a build without files\n\n");
+  std::printf("skipped: real meshes (built without file formats)\n\n");
 #endif
   return models;
 }

@@ -1,14 +1,14 @@
 # SciPy's smoothing splines for the benchmark `curves`.
 #
-#   curves_peer.py version               prints SciPy's version
-#   curves_peer.py noise IN OUT          smooths noisy points, writes even samples of the curves
-#   curves_peer.py sketch IN OUT         fits strokes to a tolerance, writes counts and times
+#     scipy_curves.py version              prints SciPy's version
+#     scipy_curves.py noise IN OUT         smooths noisy points, writes uniform samples of the curves
+#     scipy_curves.py sketch IN OUT        fits strokes to a tolerance, writes counts and times
 #
-# Files are rows of doubles. noise: IN = problems, points of each, samples wanted, then for each
-# sigma and the points; OUT = for each the samples of splprep, then of make_smoothing_spline (not a
-# number where this SciPy has none). sketch: IN = strokes, then for each the number of points, two
-# largest deviations, the points; OUT = for each stroke and deviation: spans, measured deviation,
-# distance of the curve from the polyline, seconds.
+# Files are rows of doubles. noise: IN = number of problems, points per problem, requested samples,
+# then for each problem sigma and the points; OUT = for each problem the samples of splprep, then of
+# make_smoothing_spline (NaN if this SciPy has none). sketch: IN = number of strokes, then for each
+# the number of points, two largest deviations, the points; OUT = for each stroke and deviation:
+# spans, measured deviation, distance of the curve from the polyline, seconds.
 import gc
 import sys
 import time
@@ -22,7 +22,7 @@ try:
 except ImportError:
     make_smoothing_spline = None
 
-SAMPLES_A_SPAN = 64  # as in curves.cpp: both measure in the same way
+SAMPLES_A_SPAN = 64  # as in curve_measures.h: both measure in the same way
 NEWTON_STEPS = 6
 LONGEST_GAP = 1 / 300
 STEPS = 32  # of the bisection
@@ -30,7 +30,7 @@ REPEATS = 15
 
 
 def even_samples(curve, count):
-    """`count` points of curve(u), u in [0, 1], at even arc lengths."""
+    """`count` points of curve(u), u in [0, 1], uniform in arc length."""
     u = np.linspace(0, 1, 8 * count)
     arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(curve(u), axis=0), axis=1))])
     return curve(np.interp(np.linspace(0, arc[-1], count), arc, u))
@@ -41,7 +41,7 @@ def noise(data):
     out = []
     for row in data[3:].reshape(problems, 1 + 3 * points):
         sigma, p = row[0], row[1:].reshape(points, 3)
-        # What the manual recommends for a known deviation, over all coordinates.
+        # The manual's recommendation for known noise, summed over all coordinates.
         tck, _ = splprep(p.T, s=points * sigma**2 * 3)
         out.append(even_samples(lambda u: np.array(splev(u, tck)).T, samples))
         if make_smoothing_spline is None:
@@ -55,7 +55,7 @@ def noise(data):
 
 
 def samples(tck):
-    """Parameters and points of a curve; gaps are cut until they are short."""
+    """Parameters and points of a curve; gaps are subdivided until they are short."""
     knots = np.unique(tck[0])
     u = np.concatenate(
         [np.linspace(a, b, SAMPLES_A_SPAN, endpoint=False) for a, b in zip(knots, knots[1:])]
@@ -86,7 +86,7 @@ def straying(tck, p):
 
 
 def deviation(tck, p):
-    """Largest distance of the points from the curve: the nearest sample, then Newton's method."""
+    """Largest distance of the points from the curve: nearest sample, then Newton's method."""
     u, x = samples(tck)
     squares = ((p[:, None, :] - x[None, :, :]) ** 2).sum(axis=2)
     i = squares.argmin(axis=1)
@@ -104,7 +104,7 @@ def deviation(tck, p):
 
 
 def fit(p, most):
-    """The largest s whose curve is within `most` of the points: (spans, deviation, straying, seconds)."""
+    """Fit with the largest s within `most` of the points: (spans, deviation, straying, seconds)."""
     degree = min(3, len(p) - 1)
     x = [np.ascontiguousarray(c) for c in p.T]
 
@@ -119,7 +119,7 @@ def fit(p, most):
     while reached(good) > most and good > 1e-12 * most**2:
         bad, good = good, good / 4
     if reached(good) > most:
-        good = 0.0  # through the points
+        good = 0.0  # interpolation
     elif good < bad:
         for _ in range(STEPS):
             middle = np.sqrt(good * bad)

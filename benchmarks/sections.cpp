@@ -1,6 +1,6 @@
-// Hulls from sections alone, cut from surfaces of CAD files: how far the loft is from the stored
-// surface, beside BRepOffsetAPI_ThruSections of the same sections. Needs those files; says so where
-// they are absent.
+// Hulls from sections alone, cut from surfaces of CAD files: distance of the loft from the original
+// surface, compared with BRepOffsetAPI_ThruSections of the same sections. Needs those files, and
+// reports if they are absent.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -43,7 +43,7 @@ struct Hull {
   const char* name;
   const char* file;
   int face;
-  double from, to;  // fractions of its box along x
+  double from, to;  // fractions of its bounding box along x
 };
 
 void compare(const Hull& hull, const IgesFace& face, Table& table, Checks& checks) {
@@ -90,11 +90,11 @@ void compare(const Hull& hull, const IgesFace& face, Table& table, Checks& check
                fraction(ours.rms), fraction(occ.max), fraction(occ.rms), text("%.1e", residual.max),
                text("%.3f", t)});
     const std::string which = std::string(hull.name) + " from " + std::to_string(count);
-    // What is less than the lines' own tolerance is no difference.
+    // Differences below the tolerance of the curves do not count.
     const auto over = [&](double our, double their) {
       return wrong.empty() ? our / std::max(their, options.tolerance) : 1e9;
     };
-    const std::string to = " over ThruSections', or over the lines' tolerance";
+    const std::string to = " over ThruSections', or over the tolerance of the curves";
     checks.at_most(which + " sections: largest distance" + to, over(ours.max, occ.max), 1);
     checks.at_most(which + " sections: rms distance" + to, over(ours.rms, occ.rms), 1);
   }
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
       {"KVLCC2", "lines-ship-iges/kvlcc2m.iges", 0, 0.1, 0.9}};
   Table table;
   table.add({"hull", "sections", "triangles", "embedded", "loft: max/size", "rms",
-             "ThruSections: max", "rms", "lines", "s"});
+             "ThruSections: max", "rms", "curves", "s"});
   bool any = false;
   for (const Hull& hull : hulls) {
     const auto file = batten_test::optional_data(hull.file);
@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
     any = true;
     compare(hull, faces[static_cast<size_t>(hull.face)], table, checks);
   }
-  if (!any) std::printf("No hull's file on this machine, or no OpenCASCADE: nothing to do.\n");
+  if (!any) std::printf("Skipped: no file of a hull, or no OpenCASCADE.\n");
   table.print();
   checks.print("sections");
 }

@@ -1,5 +1,5 @@
-// Deforming meshes: the six sizes of the paper from keyframes to all frames, a round of the
-// alternation, two threads beside one, and libraries' deformers with a factor a frame.
+// Deforming meshes: the six sizes of the paper from keyframes to all frames, one alternating
+// iteration, two threads compared with one, and library deformers with a factor per frame.
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -14,7 +14,7 @@ using namespace batten::bench;
 
 namespace {
 
-/// A closed body, sixteen times as long as it is thick, that bends to and fro.
+/// A closed body, sixteen times as long as thick, that bends back and forth.
 struct Swimmer {
   int around, along;
   MeshSequence sequence;
@@ -32,7 +32,7 @@ struct Swimmer {
       sequence.times.push_back(k);
     }
     sequence.shells.points = sequence.frames.front();
-    for (int h = 0; h < 4; ++h) {  // bands: both ends, and two between
+    for (int h = 0; h < 4; ++h) {  // bands: both ends, and two between them
       Handle band{"band " + std::to_string(h + 1), {}};
       const int middle = h * (along - 3) / 3 + 1;
       for (int k = middle - 1; k <= middle + 1; ++k)
@@ -78,8 +78,8 @@ struct Swimmer {
     return p;
   }
 
-  /// The ends swing upwards and turn, the middle stays: at every tenth frame, as footprints of four
-  /// feet would have it.
+  /// The ends swing upwards and rotate, the middle stays: every tenth frame, as for the foot plants
+  /// of four feet.
   std::vector<SequenceKeyframe> keyframes(const SequenceEditor& editor, int every) const {
     std::vector<SequenceKeyframe> keys;
     for (int k = 0; k < sequence.frame_count(); k += every) {
@@ -149,7 +149,7 @@ void sizes(Checks& checks) {
       {"dinosaur", 8476, 154, "3 min", "28.1 s"}, {"dinosaur", 20000, 190, "22 min", "108.6 s"},
       {"frog", 23000, 187, "25 min", "201 s"},    {"horse", 29000, 420, "50 min", "30 min"}};
   Table table;
-  table.add({"as large as", "triangles", "frames", "set-up s", "keyframes s", "frames s", "all s",
+  table.add({"size of", "triangles", "frames", "set-up s", "keyframes s", "frames s", "total s",
              "peak GB", "2007: before", "solve"});
   Result last;
   double missed = 0;
@@ -162,12 +162,12 @@ void sizes(Checks& checks) {
                text("%.2f", last.total()), text("%.2f", peak_gb()), size.precomputation,
                size.solve});
   }
-  std::printf("Four handles told at every tenth frame, %d threads\n", thread_count());
+  std::printf("Four handles prescribed at every tenth frame, %d threads\n", thread_count());
   table.print();
-  checks.at_most("horse: all, seconds", last.total(), 30);
+  checks.at_most("horse: total, seconds", last.total(), 30);
   checks.at_most("horse: peak memory, GB", peak_gb(), 1.5);
-  checks.at_most("handles missed by, of the size", missed, 1e-12);
-  checks.at_most("horse: largest second difference, of that before", last.jerk, 1.5);
+  checks.at_most("error of handles over the size", missed, 1e-12);
+  checks.at_most("horse: largest second difference over the original", last.jerk, 1.5);
 }
 
 void threads(Checks& checks) {
@@ -183,10 +183,10 @@ void threads(Checks& checks) {
   }
   set_thread_count(0);
   std::printf("horse: %.2f s on one thread, %.2f s on two\n\n", one, two);
-  checks.at_least("two threads, times as fast as one", median(ratios), 1.6);
+  checks.at_least("one thread's time over two threads'", median(ratios), 1.6);
 }
 
-/// Ten rounds at every frame, as a library does it that knows one mesh at a time.
+/// Ten iterations in every frame, as a library does that handles one mesh at a time.
 void compare_iterations(Checks& checks) {
   one_thread();
   const Swimmer s(20000, 8);
@@ -239,19 +239,19 @@ void compare_iterations(Checks& checks) {
   const double round = (times[0] - times[1]) / 9;
   std::printf("%d vertices, one thread\n", n);
   Table table;
-  table.add({"ten rounds of a frame", "ms", "times as long"});
+  table.add({"ten iterations of a frame", "ms", "ratio"});
   table.add({names[0], text("%.1f", 1e3 * times[0]), "1"});
   for (size_t w = 2; w < works.size(); ++w)
-    table.add({names[w - 1] + ", one factor a frame", text("%.1f", 1e3 * times[w]),
+    table.add({names[w - 1] + ", one factor per frame", text("%.1f", 1e3 * times[w]),
                text("%.1f", times[w] / times[0])});
   table.print();
   const double fraction = 1e4 / n;
-  std::printf("a round: %.2f ms; the paper: 30 ms on 10,000 vertices, 3.2 GHz Pentium\n\n",
+  std::printf("one iteration: %.2f ms; the paper: 30 ms on 10,000 vertices, 3.2 GHz Pentium\n\n",
               1e3 * round);
-  checks.at_most("a round on 10,000 vertices, ms", 1e3 * round * fraction, 3);
+  checks.at_most("one iteration on 10,000 vertices, ms", 1e3 * round * fraction, 3);
   std::optional<double> slower;
   if (works.size() > 2) slower = times[2] / times[0];
-  checks.at_least("CGAL with a factor a frame, times as long", slower, 3);
+  checks.at_least("CGAL with a factor per frame over Batten's time", slower, 3);
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
-// What lines alone make of surfaces with a formula: cylinder strips up to 350 degrees, rings, a
-// sphere's octant, a saddle, a helicoid, a torus.
-//
-// First the boundary alone: the surface converges to the minimiser of its own energy, which is not
-// the formula's surface. Then inner lines on the formula's surface, and its normals along the
-// boundary: the more is said, the nearer. Beside them OpenCASCADE's filling of the same boundary.
-//
-// Last, what `batten skin` makes of the 35 shapes that people expect (expected.cpp).
+// Surfaces with a formula from curves alone: cylinder strips up to 350 degrees, annuli, an octant
+// of a sphere, a saddle, a helicoid, a torus.
+// First from the boundary alone: the surface converges to the minimiser of its own energy, which is
+// not the exact surface. Then with inner curves on the exact surface, and with its normals along
+// the boundary. OpenCASCADE's filling of the same boundary is the peer.
+// Finally, `batten skin` on the 35 expected shapes (expected.cpp).
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -63,12 +61,12 @@ SkinnedShape skin(const AnalyticShape& shape, const std::vector<CharacterLine>& 
   return {std::move(region), quality, layout->tolerance(), t};
 }
 
-// Of fitted lines: so small that fits do not hide the order.
+// For mesh-aligned curves: small enough that fits do not hide the order.
 double fit_tolerance(double edge) { return 0.01 * std::pow(edge, 4); }
 
 struct FormulaComparison {
   double distance = 0;
-  int flipped = 0;  ///< normals more than a right angle from the formula's
+  int flipped = 0;  ///< normals more than a right angle from the exact ones
 };
 FormulaComparison compare_with_formula(const AnalyticShape& shape, const Surface& surface) {
   FormulaComparison a;
@@ -85,8 +83,8 @@ FormulaComparison compare_with_formula(const AnalyticShape& shape, const Surface
   return a;
 }
 
-// x = f(v) (cos u, sin u) between two equal rings of radius 1, u and v in units of the radius:
-// f'''' - 2 f'' + f = 0, f'' = 0 at the rims, so f = a cosh v + b v sinh v.
+// x = f(v) (cos u, sin u) between two equal circles of radius 1, u and v in units of the radius:
+// f'''' - 2 f'' + f = 0, f'' = 0 at the circles, so f = a cosh v + b v sinh v.
 double distance_from_tube(const Surface& surface, double height) {
   const double h = height / 2, c = std::cosh(h), s = std::sinh(h);
   Mat2 A;
@@ -114,7 +112,7 @@ double difference(const Surface& a, const Surface& b) {
   return worst;
 }
 
-// The formula's normals along all sides.
+// The exact normals along all sides.
 void add_normals(const AnalyticShape& shape, const RegionLayout& layout, ConstraintSet& set) {
   SurfaceConstraints rows(*layout.mesh(), layout.element(), set);
   for (const EdgeAlignedLine& aligned_line : layout.edge_aligned()) {
@@ -135,7 +133,7 @@ void add_normals(const AnalyticShape& shape, const RegionLayout& layout, Constra
   }
 }
 
-// How near two runs of the surface come to each other.
+// Smallest distance between two parts of the surface.
 double nearest(const SkinnedRegion& region, const EdgeAlignedLine& a, const EdgeAlignedLine& b) {
   double least = 1e100;
   const auto at = [&](int v) {
@@ -171,7 +169,8 @@ struct WorstQuality {
 
 }  // namespace
 
-// With a word: only the shapes whose names hold it; "expected": only the table of expected shapes.
+// With an argument: only the shapes whose names contain it; "expected": only the table of expected
+// shapes.
 int main(int argc, char** argv) {
   one_thread();
   if (argc > 1 && std::string(argv[1]) == "expected") {
@@ -190,10 +189,10 @@ int main(int argc, char** argv) {
   WorstQuality worst;
   std::vector<SkinnedShape> finest;
 
-  std::printf("Boundary lines alone.\n\n");
+  std::printf("Boundary curves alone.\n\n");
   Table alone;
   add(alone,
-      {"boundary alone", "edge", "triangles", "to own minimiser", "order", "to the formula",
+      {"boundary alone", "edge", "triangles", "from own minimiser", "order", "from exact",
        "seconds"},
       quality_head);
   for (const AnalyticShape& shape : shapes) {
@@ -220,16 +219,18 @@ int main(int argc, char** argv) {
            text("%.2e", a.distance), text("%.3f", made[static_cast<size_t>(g)].seconds)},
           quality_text(made[static_cast<size_t>(g)].quality, a.flipped));
     }
-    // Corners limit it: r² log r at right angles (order 2), r^1.5 at the saddle's 120 degrees.
-    checks.at_least(shape.name + ": order of convergence to the own minimiser",
+    // Corners limit the order: r² log r at right angles (order 2), r^1.5 at the saddle's 120
+    // degrees.
+    checks.at_least(shape.name + ": order of convergence to its own minimiser",
                     0.5 * std::log2(errors.front() / errors.back()),
                     shape.name == "saddle" ? 1.3 : 1.8);
     if (shape.name == "cylinder 350") {
       const auto& edge_aligned = made.back().region.edge_aligned;
       const double apart = nearest(made.back().region, edge_aligned[1], edge_aligned[3]);
-      std::printf("The ends of the strip of 350 degrees are %.6f apart; the lines are %.6f.\n\n",
-                  apart, 2 * std::sin(5 * std::numbers::pi / 180));
-      checks.at_least("cylinder 350: distance between its ends over that of the lines",
+      std::printf(
+          "Distance between the ends of the 350 degree strip: %.6f; of the curves: %.6f.\n\n",
+          apart, 2 * std::sin(5 * std::numbers::pi / 180));
+      checks.at_least("cylinder 350: distance between its ends over that of the curves",
                       apart / (2 * std::sin(5 * std::numbers::pi / 180)), 0.999);
     }
     made.pop_back();
@@ -244,10 +245,10 @@ int main(int argc, char** argv) {
     compare_sections(checks);
   }
 
-  std::printf("With inner lines on the formula's surface: distance to it.\n\n");
+  std::printf("With inner curves on the exact surface: distance from it.\n\n");
   Table inner;
   add(inner,
-      {"inner lines", "lines", "edge", "triangles", "embedded", "to the formula", "gap", "allowed",
+      {"inner curves", "curves", "edge", "triangles", "embedded", "from exact", "gap", "allowed",
        "seconds"},
       quality_head);
   for (size_t i = 0; i < shapes.size(); ++i) {
@@ -272,20 +273,22 @@ int main(int argc, char** argv) {
             quality_text(made.quality, a.flipped));
       } catch (const Error& e) {
         inner.add({shape.name, std::to_string(n), format_number(edge), "refused"});
-        std::printf("%s, %d lines, edge %g: %s\n\n", shape.name.c_str(), n, edge, e.what());
+        std::printf("%s, %d curves, edge %g: %s\n\n", shape.name.c_str(), n, edge, e.what());
       }
     }
     const double without = compare_with_formula(shape, finest[i].region.surface).distance;
-    checks.at_most(shape.name + ": distance to the formula with three inner lines over without",
-                   with_three / without, 1);
-    checks.at_most(shape.name + ": distance to the formula with nine inner lines over three",
-                   with_nine / with_three, 0.5);
+    checks.at_most(
+        shape.name + ": distance from the exact surface with three inner curves over none",
+        with_three / without, 1);
+    checks.at_most(
+        shape.name + ": distance from the exact surface with nine inner curves over three",
+        with_nine / with_three, 0.5);
   }
   inner.print();
 
-  std::printf("With the formula's normals along the boundary: distance to it.\n\n");
+  std::printf("With exact normals along the boundary: distance from the exact surface.\n\n");
   Table normals;
-  add(normals, {"boundary and normals", "edge", "triangles", "to the formula", "seconds"},
+  add(normals, {"boundary and normals", "edge", "triangles", "from exact", "seconds"},
       quality_head);
   for (const AnalyticShape& shape : shapes)
     for (int g = 0; g < grids; ++g) {
@@ -309,10 +312,10 @@ int main(int argc, char** argv) {
   normals.print();
 
   if (!occ_version().empty()) {
-    std::printf("OpenCASCADE %s's filling of the same boundary lines.\n\n", occ_version().c_str());
+    std::printf("OpenCASCADE %s's filling of the same boundary curves.\n\n", occ_version().c_str());
     Table peer;
-    peer.add({"filling", "tolerance", "to the formula", "Batten's", "to the lines", "points inside",
-              "poles", "seconds", "it says"});
+    peer.add({"filling", "tolerance", "from exact", "Batten's", "from curves", "points inside",
+              "poles", "seconds", "message"});
     for (size_t i = 0; i < shapes.size(); ++i) {
       const AnalyticShape& shape = shapes[i];
       std::vector<std::vector<HermiteCurve>> loops;
@@ -353,8 +356,8 @@ int main(int argc, char** argv) {
 
   if (argc < 2) compare_expected(checks);
 
-  checks.at_most("largest distance from fitted lines over the size", worst.residual, 1e-10);
-  checks.at_most("largest gap of embedded lines over the tolerance", worst.gap, 1);
+  checks.at_most("largest distance from mesh-aligned curves over the size", worst.residual, 1e-10);
+  checks.at_most("largest gap of embedded curves over the tolerance", worst.gap, 1);
   checks.at_most("flipped normals", worst.flipped, 0);
   checks.print("shapes");
 }

@@ -1,5 +1,5 @@
-// Stress analysis beside CalculiX: whole processes, each at the coarsest mesh that is within 0.5 % of
-// its own limit.
+// Stress analysis compared with CalculiX: whole processes, each with the coarsest mesh within 0.5 %
+// of its own limit.
 #include <unistd.h>
 
 #include <array>
@@ -24,22 +24,23 @@ namespace fs = std::filesystem;
 constexpr double kNear = 5e-3;
 
 struct Run {
-  int size = 0;  // elements a side, or the number of the edge length
+  int size = 0;  // elements per side, or the index of the edge length
   long unknowns = 0;
   double seconds = 0, result = 0;
 };
 
-// ---- the cases as scenes and as grids ------------------------------------------------------------
+// ---- the cases as scenes and as grids
+// ------------------------------------------------------------
 
 constexpr double kSlope = 40 * 3.14159265358979323846 / 180;
 
-// Patches of (i, j) in 0 … 1 that share the side j = 1 of one with j = 0 of the next.
+// Patches of (i, j) in 0 … 1; the side j = 1 of each is the side j = 0 of the next.
 struct Case {
-  std::string name, scene;  // with EDGE in place of its edge length
+  std::string name, scene;  // scene: with EDGE as placeholder of the edge length
   std::vector<double> edges;
   std::vector<Vec3 (*)(double, double)> patches;
   std::string deck;  // material and section
-  int loaded;        // patch
+  int loaded;        // index of the patch
   std::string gravity;
   std::array<double, 2> measured;  // (i, j) on the last patch
   int component;
@@ -109,7 +110,7 @@ Case folded() {
 
 // ---- CalculiX --------------------------------------------------------------------------------------
 
-// A deck of n × n quads a patch, or twice as many triangles.
+// A deck of n × n quads per patch, or twice as many triangles.
 class Deck {
  public:
   Deck(const Case& c, const std::string& kind, int n) : case_(c), kind_(kind), n_(n) {
@@ -136,7 +137,7 @@ class Deck {
   }
 
  private:
-  // The first row of a patch is the last one of the patch before.
+  // The first row of a patch is the last one of its predecessor.
   int id(int patch, int i, int j) const {
     return patch > 0 && j == 0 ? ids_.at({patch - 1, i, steps_}) : ids_.at({patch, i, j});
   }
@@ -175,7 +176,8 @@ class Deck {
         }
       }
   }
-  // Rotations about lines only: CalculiX stiffens where those about normals are held.
+  // Fixes rotations about in-plane axes only: CalculiX becomes too stiff if drilling rotations are
+  // fixed.
   std::string supports() const {
     std::ostringstream rows, middle;
     for (const auto& [at, node] : ids_) {
@@ -242,7 +244,8 @@ Run batten_run(const Case& c, double edge, const fs::path& folder) {
   return run;
 }
 
-// The first of runs, coarse to fine, that stays within kNear of the last; three times for the clock.
+// The first of the runs, coarse to fine, within kNear of the last one; repeated three times for the
+// time.
 template <class Again>
 Run coarsest(const std::vector<Run>& runs, const Again& again) {
   const double limit = runs.back().result;
@@ -273,14 +276,14 @@ void compare(const Case& c, const fs::path& folder, Table& table, Checks& checks
     for (const int n : sizes) runs.push_back(ccx(c, kind, n, folder));
     if (runs.back().result == 0) continue;  // no ccx
     const Run peer = coarsest(runs, [&](size_t k) { return ccx(c, kind, sizes[k], folder); });
-    add("CalculiX " + kind + " (a side)", peer, runs.back().result);
+    add("CalculiX " + kind + " (per side)", peer, runs.back().result);
     ratio[kind] = peer.seconds / batten.seconds;
   }
   const auto of = [&](const std::string& kind) {
     return ratio.count(kind) ? std::optional(ratio[kind]) : std::nullopt;
   };
-  checks.at_least(c.name + ": seconds of S6 over ours", of("S6"), 10);
-  checks.at_least(c.name + ": seconds of S8R over ours", of("S8R"), 1);
+  checks.at_least(c.name + ": seconds of S6 over Batten's", of("S6"), 10);
+  checks.at_least(c.name + ": seconds of S8R over Batten's", of("S8R"), 1);
 }
 
 }  // namespace
@@ -289,7 +292,8 @@ int main() {
   const fs::path folder = fs::temp_directory_path() / ("batten_shell_" + std::to_string(getpid()));
   fs::create_directories(folder);
   Table table;
-  table.add({"case", "element", "size", "unknowns", "seconds", "result", "own limit", "of ours"});
+  table.add(
+      {"case", "element", "size", "unknowns", "seconds", "result", "own limit", "over Batten's"});
   Checks checks;
   for (const Case& c : {scordelis(), folded()}) compare(c, folder, table, checks);
   fs::remove_all(folder);

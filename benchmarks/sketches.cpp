@@ -1,6 +1,6 @@
-// Networks that people drew: what becomes of the twelve connected sketches of the CASSIE study, and
-// how near the surfaces over five computed networks are to the meshes that these were cut from,
-// beside plain hole filling of the same loops. Needs those files; says so where they are absent.
+// Hand-drawn networks: results for the twelve connected sketches of the CASSIE study, and the
+// distance of surfaces over five computed networks from the meshes that these were cut from,
+// compared with hole filling of the same loops. Needs those files, and reports if they are absent.
 #include <vtkCellArray.h>
 #include <vtkCellLocator.h>
 #include <vtkNew.h>
@@ -50,7 +50,7 @@ SkinnedSketch make(const std::vector<CharacterLine>& lines) {
   return made;
 }
 
-// Triangles, and how far points are from them.
+// Triangles, and distances of points from them.
 class Triangles {
  public:
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -111,7 +111,7 @@ void add_surfaces(const SkinnedSketch& made, Triangles& ours, Triangles& plain) 
   }
 }
 
-// Bilinearly blended Coons patches of the regions with four lines, and our surfaces there.
+// Bilinearly blended Coons patches of the faces with four curves, and Batten's surfaces there.
 void add_coons(const SkinnedSketch& made, Triangles& ours, Triangles& coons) {
   constexpr int n = 16;
   for (const ModelRegion& r : made.model.regions) {
@@ -123,7 +123,7 @@ void add_coons(const SkinnedSketch& made, Triangles& ours, Triangles& coons) {
       };
       ours.add(at(0), at(1), at(2));
     }
-    // Side k at the share s of its way around the loop.
+    // Point of side k at the fraction s of the loop parameter.
     const auto side = [&](size_t k, double s) -> Vec3 {
       const OrientedEdge& use = r.plan.loops[0][k];
       const HermiteCurve& curve = made.network->edges()[use.edge].curve;
@@ -144,7 +144,7 @@ void add_coons(const SkinnedSketch& made, Triangles& ours, Triangles& coons) {
   }
 }
 
-// The largest median jump of curvature at a smooth line, and their median, times the size.
+// The largest and the median value, over smooth edges, of the median curvature jump times the size.
 std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
   std::vector<double> jumps;
   for (const ModelJoin& j : model.joins)
@@ -154,11 +154,11 @@ std::array<double, 2> curvature_jumps(const SurfaceModel& model) {
   return {*std::max_element(jumps.begin(), jumps.end()), median(jumps)};
 }
 
-// Fairs a model and adds a row of what became of it. Returns the flaws that it added.
+// Fairs a model and adds a row with the results. Returns the number of defects that it added.
 int add_fair_row(const char* name, SkinnedSketch& made, Table& table, Checks& checks) {
   auto layout = made.model.layout;
   if (!layout) {
-    table.add({name, "", "no region has a skin"});
+    table.add({name, "", "no face has a surface"});
     return 0;
   }
   const size_t defects = made.model.defects.size();
@@ -192,11 +192,11 @@ int add_fair_row(const char* name, SkinnedSketch& made, Table& table, Checks& ch
              std::to_string(defects) + " -> " + std::to_string(made.model.defects.size()),
              std::to_string(unchanged_regions), text("%.2g", join),
              text("%.2g", before[1]) + " -> " + text("%.2g", after[1])});
-  checks.at_most(std::string("degrees at smooth joins of the fair shape, ") + name, join, 0.1);
+  checks.at_most(std::string("degrees at smooth edges of the fair shape, ") + name, join, 0.1);
   return isize(made.model.defects) - static_cast<int>(defects);
 }
 
-// Compares with the surfaces and creases that readers of the drawing expect.
+// Compares with the surfaces and creases that a reader of the drawing expects.
 void score(const fs::path& sketch, const SkinnedSketch& made, Checks& checks,
            std::vector<std::string>& notes) {
   const std::string name = sketch.stem().string();
@@ -219,23 +219,24 @@ void score(const fs::path& sketch, const SkinnedSketch& made, Checks& checks,
 
 }  // namespace
 
-// With a word: only the sketches and networks whose names hold it.
+// With an argument: only the sketches and networks whose names contain it.
 int main(int argc, char** argv) {
   const auto left_out = [&](const char* name) {
     return argc > 1 && std::string(name).find(argv[1]) == std::string::npos;
   };
   const std::vector<std::string> fair_head = {
-      "faired",     "triangles",           "s",     "factors", "converged",
-      "move/size",  "change of curvature", "flaws", "kept",    "join deg",
+      "faired",     "triangles",           "s",       "factors", "converged",
+      "move/size",  "curvature variation", "defects", "kept",    "edge deg",
       "jump x size"};
   Checks checks;
   const auto sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
   if (sketches.empty()) {
-    std::printf("The sketches are not on this machine: nothing to do.\n");
+    std::printf("Skipped: no sketches (BATTEN_TEST_DATA).\n");
   } else {
     Table table;
-    table.add({"sketch", "lines", "repaired", "listed", "arcs", "regions", "skinned", "smooth",
-               "open", "creases", "rims", "bare", "choices", "flaws", "min J", "join deg", "s"});
+    table.add({"sketch", "curves", "repaired", "listed", "edges", "faces", "skinned", "smooth",
+               "open", "creases", "free edges", "unused", "ambiguous", "defects", "min J",
+               "edge deg", "s"});
     Table fair;
     fair.add(fair_head);
     std::vector<std::string> notes;
@@ -286,23 +287,23 @@ int main(int argc, char** argv) {
                  text("%.2g", join), text("%.2f", made.seconds)});
       score(file, made, checks, notes);
       const int added = add_fair_row(name, made, fair, checks);
-      checks.at_most(std::string("flaws that fairing adds, ") + name, added, 0);
+      checks.at_most(std::string("defects that fairing adds, ") + name, added, 0);
     }
     table.print();
     fair.print();
     for (const std::string& note : notes) std::printf("%s\n", note.c_str());
     std::printf("\n");
-    checks.at_most("surfaces that turn over and are not named", unnamed, 0);
+    checks.at_most("inverted surfaces that are not reported", unnamed, 0);
   }
 
   const auto shells = batten_test::optional_data("curvenet-shells");
   if (!shells.empty()) {
-    // The meshes' vertices lie on the surfaces that the networks were cut from; between them a mesh
-    // is only its facets. Vertices that the found regions do not cover are left out.
-    std::printf("Distances of the stored meshes' vertices, over the meshes' size.\n");
+    // The meshes' vertices are on the surfaces that the networks were cut from; between them a mesh
+    // has only its facets. Vertices outside the faces that were found are excluded.
+    std::printf("Distances of the stored meshes' vertices over the meshes' size.\n");
     Table table;
-    table.add({"network", "lines", "arcs", "regions", "skinned", "smooth", "flaws", "vertices",
-               "max", "rms", "fair: max", "fair: rms", "plain: max", "plain: rms", "four-sided",
+    table.add({"network", "curves", "edges", "faces", "skinned", "smooth", "defects", "vertices",
+               "max", "rms", "fair: max", "fair: rms", "hole filling: max", "rms", "four-sided",
                "rms", "fair: rms", "Coons: rms", "s"});
     Table fair;
     fair.add(fair_head);
@@ -325,7 +326,7 @@ int main(int argc, char** argv) {
       add_coons(made, four, coons);
       const int defects = isize(made.model.defects);
       const int added = add_fair_row(lines_file, made, fair, checks);
-      checks.at_most(std::string("flaws that fairing adds, ") + lines_file, added, 0);
+      checks.at_most(std::string("defects that fairing adds, ") + lines_file, added, 0);
       add_surfaces(made, faired, again);
       add_coons(made, four_fair, coons_again);
       DistanceStatistics near_ours, near_fair, near_plain, near_four, near_four_fair, near_coons;
@@ -363,7 +364,7 @@ int main(int argc, char** argv) {
                  std::to_string(near_four.count), share(near_four.rms()),
                  share(near_four_fair.rms()), share(near_coons.rms()), text("%.2f", made.seconds)});
       if (near_ours.count > 0)
-        checks.at_most(std::string("rms distance over plain filling's, ") + lines_file,
+        checks.at_most(std::string("rms distance over hole filling's, ") + lines_file,
                        near_ours.rms() / near_plain.rms(), 1);
     }
     table.print();

@@ -1,8 +1,8 @@
-// Regions whose lines are embedded: where the time goes, the STEP file, and lines at random.
-//
-// A door panel (examples/05-door) from its lines to the solved shape, phase by phase, on three
-// grids; its one-face STEP file at three tolerances beside OpenCASCADE's filling of the same lines;
-// and 2,000 outlines with holes and ribs, for surfaces that miss a line without saying so.
+// Faces with embedded curves: time per phase, the STEP file, and random curves.
+// A door panel (examples/05-door) from its curves to the solved shape, phase by phase, on three
+// grids; its one-face STEP file at three tolerances, compared with OpenCASCADE's filling of the
+// same curves; and 2,000 outlines with holes and ribs, to find surfaces that miss a curve without a
+// message.
 #include <unistd.h>
 
 #include <array>
@@ -39,7 +39,7 @@ struct Grid {
   double edge_length, tolerance;  ///< mm
   int rounds;
 };
-// Where the tolerance is coarse enough for the grid, no triangle is halved.
+// The tolerance is coarse enough for the grid: no triangle is bisected.
 const std::vector<Grid> grids = {{"2k", 27, 0.1, 9}, {"10k", 11, 0.1, 9}, {"50k", 4.9, 0.1, 3}};
 
 enum Phase {
@@ -57,12 +57,11 @@ enum Phase {
   phases
 };
 const std::array<const char*, phases> phase_names = {
-    "lines + mesh", "trim",    "points on lines", "rows",  "assembly",   "elimination",
-    "reduce",       "analyse", "factor",          "solve", "evaluation",
+    "curves + mesh", "trim",    "points on curves", "constraints", "assembly",   "elimination",
+    "reduce",        "analyse", "factor",           "solve",       "evaluation",
 };
 
-// RegionLayout's and sculpt()'s own steps, each once: the way to a solved shape on a grid that
-// needs no refinement.
+// The steps of RegionLayout and sculpt(), each once: a solved shape on a grid without refinement.
 struct SolvePhases {
   std::array<double, phases> seconds{};
   RegionGeometry geometry;
@@ -70,7 +69,7 @@ struct SolvePhases {
   double gap = 0, worst_residual = 0;
   int rows = 0, free = 0, cut_triangles = 0;
   long factor_entries = 0;
-  double ties = 0;  ///< entries of the reduced matrix over those of K
+  double ties = 0;  ///< entries of the reduced matrix relative to those of K
 };
 
 SolvePhases path(const std::vector<CharacterLine>& lines, const SkinOptions& options, double size) {
@@ -95,7 +94,7 @@ SolvePhases path(const std::vector<CharacterLine>& lines, const SkinOptions& opt
   });
   const ParametricMesh uncut = *p.geometry.mesh;
   timed(LocatePoints, [&] { trim_and_collocate(p.geometry, task); });
-  // trim_and_collocate() cuts, too.
+  // trim_and_collocate() also cuts.
   timed(CutCells, [&] { Trim(uncut, p.geometry.trim->loops()); });
   p.seconds[LocatePoints] = std::max(0.0, p.seconds[LocatePoints] - p.seconds[CutCells]);
 
@@ -112,7 +111,7 @@ SolvePhases path(const std::vector<CharacterLine>& lines, const SkinOptions& opt
   timed(Reduce, [&] { reduced = reduction->reduce(K); });
   SparseCholesky cholesky;
   timed(Analyse, [&] {
-    // ConstrainedSolver's choice between the mesh's order and the matrix's own.
+    // As ConstrainedSolver: the cheaper of the mesh's and the matrix's own ordering.
     constexpr double few_ties = 1.2;
     p.ties = static_cast<double>(reduced.nonZeros()) / static_cast<double>(K.nonZeros());
     const auto order = nested_dissection_order(mesh);
@@ -163,16 +162,16 @@ Door read_door() {
 
 void time_solve_phases(const Door& door, const std::filesystem::path& folder, Checks& checks) {
   Table table, sizes;
-  std::vector<std::string> head{"milliseconds (share)"};
+  std::vector<std::string> head{"milliseconds (fraction)"};
   std::vector<std::vector<std::string>> cells(phases + 2);
-  sizes.add({"grid", "edge mm", "tolerance mm", "triangles", "cut", "rows", "free",
-             "factor entries", "gap mm", "halvings after the first solve",
+  sizes.add({"grid", "edge mm", "tolerance mm", "triangles", "cut", "equations", "free",
+             "factor entries", "gap mm", "bisections after the first solve",
              "layout + sculpt, seconds", "over factorization"});
   for (const Grid& grid : grids) {
     Scene scene = door.scene;
     scene.skin.options.edge_length = grid.edge_length;
     scene.skin.options.tolerance = grid.tolerance;
-    // What the program does: at least one solve in the layout, one in the sculpting.
+    // As in the program: at least one solve in the layout, one in the sculpting.
     std::vector<double> whole;
     std::optional<BuiltModel> made;
     for (int round = 0; round < std::max(3, grid.rounds / 3); ++round)
@@ -182,7 +181,7 @@ void time_solve_phases(const Door& door, const std::filesystem::path& folder, Ch
       }));
     const RegionLayout* layout = &made->model.layout->region(0);
     const double size = layout->size();
-    // Tolerance and edges of the scene, so that the first mesh is the layout's.
+    // Tolerance and edge length of the scene, so that the first mesh is that of the layout.
     std::vector<std::array<double, phases>> rounds;
     std::optional<SolvePhases> last;
     for (int round = -1; round < grid.rounds; ++round) {
@@ -190,7 +189,7 @@ void time_solve_phases(const Door& door, const std::filesystem::path& folder, Ch
       if (round >= 0) rounds.push_back(last->seconds);
     }
     const int first = last->geometry.mesh->triangle_count(), end = layout->mesh()->triangle_count();
-    // Refinement as the layout does it, counted.
+    // Refinement as in the layout, with a counter.
     int halvings = 0;
     const DomainInput task{scene.skin.options, size, grid.tolerance, grid.edge_length,
                            std::max(grid.tolerance, 1e-6 * size)};
@@ -235,12 +234,13 @@ void time_solve_phases(const Door& door, const std::filesystem::path& folder, Ch
                std::to_string(last->factor_entries), text("%.2g", last->gap),
                std::to_string(halvings), text("%.3f", median(whole)),
                text("%.1f", median(whole) / time[Factor])});
-    checks.at_most(grid.name + ": residual of the rows over the size", last->worst_residual, 1e-10);
+    checks.at_most(grid.name + ": residual of the constraints over the size", last->worst_residual,
+                   1e-10);
     if (grid.name == "10k") {
       checks.at_least("10k: triangles", first, 9000);
-      checks.at_most("10k: rounds of refinement", halvings, 0);
-      checks.at_most("10k: largest gap of a line, mm", last->gap, grid.tolerance);
-      checks.at_most("10k: from lines to a solved shape over the factorization alone",
+      checks.at_most("10k: iterations of refinement", halvings, 0);
+      checks.at_most("10k: largest gap of a curve, mm", last->gap, grid.tolerance);
+      checks.at_most("10k: from curves to a solved shape over the factorization alone",
                      sum / time[Factor], 6);
     }
   }
@@ -256,7 +256,7 @@ void time_solve_phases(const Door& door, const std::filesystem::path& folder, Ch
   sizes.print();
 }
 
-// Points of the surface inside of the trim, and the distance of the file's faces from them.
+// Points of the surface inside the trim, and their distance from the faces of the file.
 double distance_of_file(const SkinnedRegion& region, const std::filesystem::path& file,
                         int at_most) {
   const auto faces = read_cad_surfaces(file, 1e-3);
@@ -274,8 +274,8 @@ double distance_of_file(const SkinnedRegion& region, const std::filesystem::path
   return largest;
 }
 
-// Curves are cut where they are too much for one edge of OpenCASCADE's filling: closed ones, in
-// four parts.
+// Curves that are too long for one edge of OpenCASCADE's filling are split: closed ones into four
+// parts.
 std::vector<HermiteCurve> in_parts(const HermiteCurve& c, int geometry) {
   std::vector<HermiteCurve> all;
   const int n = c.segment_count();
@@ -303,11 +303,11 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Checks
   const SkinnedRegion& region = made.regions.front();
   const RegionLayout& layout = made.layout->region(0);
   const double size = layout.size();
-  std::printf("STEP of the door, size %.4g mm, %d triangles, lines within %g mm.\n\n", size,
+  std::printf("STEP of the door, size %.4g mm, %d triangles, curves within %g mm.\n\n", size,
               layout.mesh()->triangle_count(), grids[1].tolerance);
 
   Table table;
-  table.add({"asked, of the size", "asked, mm", "deviation of the file, mm", "seen by sampling, mm",
+  table.add({"requested, of the size", "requested, mm", "deviation of the file, mm", "sampled, mm",
              "edges from the face, mm", "poles", "kB", "seconds", "valid"});
   for (const double share : {1e-3, 1e-4, 1e-5}) {
     StepFaceOptions options;
@@ -328,7 +328,7 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Checks
                std::to_string(report.bytes / 1000), text("%.2f", median(times)),
                report.valid ? "yes" : "no"});
     const std::string name = "STEP at " + format_number(share) + " of the size: ";
-    checks.at_most(name + "deviation over asked",
+    checks.at_most(name + "deviation over requested",
                    std::max(*report.max_deviation, seen) / options.tolerance, 1);
     checks.at_most(name + "megabytes", 1e-6 * static_cast<double>(report.bytes), 5);
     checks.at_least(name + "valid", report.valid ? 1 : 0, 1);
@@ -340,8 +340,8 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Checks
     return;
   }
   std::printf(
-      "OpenCASCADE's filling of the same lines (outline in four edges, the others as inner "
-      "constraints). Distance: from points of a line to the filling's surface.\n\n");
+      "OpenCASCADE's filling of the same curves (outline in four edges, the others as inner "
+      "constraints). Distance: from points of a curve to the filling's surface.\n\n");
   std::vector<HermiteCurve> outline, inner;
   for (const EmbeddedLine& line : region.embedded) {
     const bool closed = line.fitted.closed();
@@ -349,7 +349,7 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Checks
       (line.line.role == CharacterLine::Role::Outline ? outline : inner).push_back(std::move(part));
   }
   Table peers;
-  peers.add({"setting", "distance to the lines, mm", "poles", "kB", "seconds", "it says"});
+  peers.add({"setting", "distance from the curves, mm", "poles", "kB", "seconds", "message"});
   const std::vector<OccFillingSettings> settings = {
       {"1e-3 of the size", 1e-3 * size, 15, 9},
       {"1e-4", 1e-4 * size, 15, 9},
@@ -363,7 +363,7 @@ void compare_steps(const Door& door, const std::filesystem::path& folder, Checks
           std::make_unique<OccFilling>(std::vector<std::vector<HermiteCurve>>{outline}, inner, s);
     });
     if (!filling->done()) {
-      peers.add({s.name, "-", "-", "-", text("%.2f", t), filling->says()});
+      peers.add({s.name, "-", "-", "-", text("%.2f", t), filling->error_message()});
       continue;
     }
     double largest = 0;
@@ -422,19 +422,19 @@ void skin_random_lines(int count, Checks& checks) {
     }
   });
   Table table;
-  table.add({text("%d outlines at random, %.0f s", count, seconds_taken), "count"});
+  table.add({text("%d random outlines, %.0f s", count, seconds_taken), "count"});
   table.add({"surfaces", std::to_string(surfaces)});
-  table.add({"  that say that they miss a line", std::to_string(reported)});
-  table.add({"  that miss one and do not say so", std::to_string(unreported)});
-  table.add({"  with a gap over 1.2 times the reported one", std::to_string(understated)});
-  table.add({"  with numbers that are not finite", std::to_string(not_finite)});
+  table.add({"  with a reported gap", std::to_string(reported)});
+  table.add({"  with a gap that is not reported", std::to_string(unreported)});
+  table.add({"  with a gap above 1.2 times the reported one", std::to_string(understated)});
+  table.add({"  with values that are not finite", std::to_string(not_finite)});
   for (const auto& [kind, number_of] : refusals)
-    table.add({"refused: " + kind, std::to_string(number_of)});
+    table.add({"rejected: " + kind, std::to_string(number_of)});
   table.add({"other exceptions", std::to_string(others)});
   table.print();
-  std::printf("Largest gap found at other places over the reported one: %.3f.\n\n", worst);
+  std::printf("Largest gap at independent points over the reported one: %.3f.\n\n", worst);
   checks.at_least("random outlines: surfaces", surfaces, 0.5 * count);
-  checks.at_most("random outlines: unreported misses", unreported, 0);
+  checks.at_most("random outlines: gaps not reported", unreported, 0);
   checks.at_most("random outlines: not finite", not_finite, 0);
   checks.at_most("random outlines: other exceptions", others, 0);
 }

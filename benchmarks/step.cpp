@@ -1,5 +1,5 @@
-// STEP files that keep their promises: one face a region, and three exact ones a triangle, of the
-// examples and of sketches, measured by another reading of the file; beside a facetted file of the same
+// STEP files: one face per face of the model, and three exact ones per triangle, of the examples
+// and of sketches, measured by an independent reader; compared with a faceted file of the same
 // shape at the same tolerance, OpenCASCADE's filling, and the conversions of Gmsh and OpenCASCADE.
 #include <unistd.h>
 
@@ -64,7 +64,7 @@ std::vector<std::unique_ptr<Model>> all_models() {
     models.push_back(model_of(name, read_scene(examples + folder + "/scene.toml")));
   const fs::path sketches = batten_test::optional_data("sketch-cassie/sketch_graph");
   if (sketches.empty())
-    std::printf("sketch-cassie is not there: no sketches (set BATTEN_TEST_DATA)\n");
+    std::printf("No sketches: sketch-cassie is missing (set BATTEN_TEST_DATA)\n");
   else
     for (const char* name : {"teapot", "computer-mouse"})
       models.push_back(
@@ -76,10 +76,10 @@ std::vector<std::unique_ptr<Model>> all_models() {
 const Surface& onto_surface(const Model& model, const std::string& name) {
   for (const SkinnedRegion* region : model.regions())
     if (region->name == name) return region->surface;
-  throw Error("found no region '" + name + "'");
+  throw Error("found no face '" + name + "'");
 }
 
-/// Largest distance of points of the file's faces from the surfaces, model units.
+/// Largest distance of points of the file's faces from the surfaces, in model units.
 double beyond_surfaces(const Model& model, const fs::path& file, const StepReport& report,
                        int count) {
   std::map<std::string, std::unique_ptr<SurfaceProjector>> projectors;
@@ -96,7 +96,7 @@ double beyond_surfaces(const Model& model, const fs::path& file, const StepRepor
     const Surface& surface = onto_surface(model, report.patches[static_cast<size_t>(f)].region);
     for (const Vec3& p : points) {
       double away = onto.nearest(p).distance;
-      // The nearest point of all is looked for where the quick search may have ended at another one.
+      // A full closest-point search if the quick search may have ended at another local minimum.
       if (away > report.tolerance) away = std::min(away, surface.closest_point(p).distance);
       most = std::max(most, away);
     }
@@ -120,7 +120,7 @@ void few_faces(const Model& model, const Options& options, Checks& checks, Table
   for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
     StepFaceOptions o;
     o.tolerance = share * model.size;
-    o.analytic = false;  // the witness evaluates B-splines
+    o.analytic = false;  // the cross-check evaluates B-splines
     const fs::path file = options.folder / (model.name + text("_%g.step", share));
     StepReport report;
     const auto once = [&] {
@@ -149,11 +149,11 @@ void few_faces(const Model& model, const Options& options, Checks& checks, Table
                std::to_string(poles), text("%.2f", megabytes(file)), text("%.2f", write),
                text("%.2f", read), report.valid ? "yes" : "no"});
     const std::string name = model.name + text(" at %g of the size: ", share);
-    checks.at_most(name + "deviation over asked", worst / o.tolerance, 1);
-    checks.at_most(name + "degrees across smooth joins", report.max_join_deg, 0.1);
-    checks.at_most(name + "faces that are no region",
+    checks.at_most(name + "deviation over requested", worst / o.tolerance, 1);
+    checks.at_most(name + "degrees across smooth edges", report.max_join_deg, 0.1);
+    checks.at_most(name + "faces that are missing or extra",
                    std::abs(report.faces - static_cast<int>(regions.size())), 0);
-    // Finer ones take OpenCASCADE's mesher minutes, and files a hundred megabytes.
+    // Finer ones take minutes in OpenCASCADE's mesher, and files of a hundred megabytes.
     if (share < 1e-4 || options.brief) continue;
     const OccStepFile::Facets facets =
         OccStepFile(file.string(), model.unit).facets(std::max(0.0, o.tolerance - worst / 2));
@@ -186,7 +186,7 @@ void exact_form(const Model& model, const Options& options, Checks& checks, Tabl
   try {
     write = cpu_seconds_of([&] { report = write_step(file, model.regions(), model.unit, o); });
   } catch (const InputError&) {
-    table.add({model.name, "none: embedded lines cut it"});
+    table.add({model.name, "none: cut by embedded curves"});
     return;
   }
   const double read = cpu_seconds_of([&] { OccStepFile(file.string(), model.unit); });
@@ -219,7 +219,7 @@ void gmsh_conversion(const Model& model, const fs::path& file, const fs::path& f
              text("%.2f", write), fs::exists(other) ? text("%.2f", megabytes(other)) : "-",
              text("%.0f triangles, %.0f warnings", triangles, warnings)});
   checks.at_most(file.stem().string() + ": warnings of Gmsh", warnings, 0);
-  checks.at_most(file.stem().string() + ": faces that Gmsh lacks",
+  checks.at_most(file.stem().string() + ": faces missing in Gmsh",
                  std::abs(faces - static_cast<double>(model.regions().size())), 0);
 }
 
@@ -238,7 +238,7 @@ void freecad_check(const fs::path& file, const fs::path& folder, Table& table) {
              line.substr(std::min(line.size(), file.filename().string().size() + 1))});
 }
 
-/// A few faces, read and written by Gmsh, OpenCASCADE and FreeCAD.
+/// Some files, read and written by Gmsh, OpenCASCADE and FreeCAD.
 void conversions(const Model& model, const Options& options, Checks& checks, Table& table) {
   for (const double share : {1e-2, 1e-3, 1e-4, 1e-5}) {
     const fs::path file = options.folder / (model.name + text("_%g.step", share));
@@ -257,8 +257,8 @@ void conversions(const Model& model, const Options& options, Checks& checks, Tab
   }
 }
 
-/// OpenCASCADE's filling of the same boundary curves, region by region: how far it says that it may be
-/// from them, and how far it is.
+/// OpenCASCADE's filling of the same boundary curves, face by face: the distance from them that it
+/// reports, and the actual one.
 void fillings(const Model& model, Table& table) {
   for (const double share : {1e-4}) {
     double worst = 0, seconds_taken = 0;
@@ -276,7 +276,7 @@ void fillings(const Model& model, Table& table) {
       const bool closed = std::any_of(loops.begin(), loops.end(), [](const auto& loop) {
         return loop.size() == 1 && loop[0].closed();
       });
-      if (closed) continue;  // one edge around is none that it takes
+      if (closed) continue;  // it does not accept a single closed edge
       seconds_taken += cpu_seconds_of([&] {
         filling = std::make_unique<OccFilling>(loops, std::vector<HermiteCurve>{},
                                                OccFillingSettings{"", share * model.size, 15, 9});
@@ -309,16 +309,17 @@ int main(int argc, char** argv) {
   fs::create_directories(options.folder);
   Checks checks;
   Table few, facetted, exact, converted, filled;
-  few.add({"one face a region", "asked", "faces", "deviation over asked", "back", "witness",
-           "joins", "missed", "degrees", "witness", "degrees", "of surfaces", "poles", "MB",
-           "write s", "read s", "valid"});
-  facetted.add(
-      {"facetted", "asked", "triangles", "MB", "ours", "write s", "ours", "read s", "ours"});
+  few.add({"one face per face", "requested", "faces", "deviation over requested", "back",
+           "cross-check", "edges", "missed", "degrees", "cross-check", "degrees", "of surfaces",
+           "poles", "MB", "write s", "read s", "valid"});
+  facetted.add({"faceted", "requested", "triangles", "MB", "Batten", "write s", "Batten", "read s",
+                "Batten"});
   exact.add({"exact", "faces", "fitted", "deviation", "of fitted", "degrees inside",
-             "degrees, joins", "MB", "write s", "read s", "faces/s", "read/s"});
+             "degrees, edges", "MB", "write s", "read s", "faces/s", "read/s"});
   converted.add({"converted", "by", "faces", "read s", "write s", "MB", ""});
-  filled.add({"filling", "asked", "done", "off its curves over asked", "poles", "seconds"});
-  std::printf("Processor time on one thread; writing reads the file back and measures it.\n\n");
+  filled.add(
+      {"filling", "requested", "done", "distance from curves over requested", "poles", "seconds"});
+  std::printf("Processor time on one thread; writing includes reading back and measuring.\n\n");
   for (const auto& model : all_models()) {
     if (model->name.find(only) == std::string::npos) continue;
     std::fprintf(stderr, "%s\n", model->name.c_str());

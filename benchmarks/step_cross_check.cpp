@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The curve of a line on the region's boundary; null where it is none of it.
+/// The pcurve of a curve on the boundary of the face; null if it is not part of it.
 std::optional<HermiteCurve> boundary_line(const SkinnedRegion& region, const std::string& name) {
   for (const auto& loop : region.boundary)
     for (const BoundarySegment& piece : loop) {
@@ -63,7 +63,7 @@ StepCrossCheck::StepCrossCheck(const std::vector<const SkinnedRegion*>& regions,
                                const fs::path& folder)
     : points_(folder / "points.csv"),
       joins_(folder / "joins.csv"),
-      results_file_(folder / "witness.json") {
+      results_file_(folder / "step.json") {
   std::ofstream of_points(points_), of_joins(joins_);
   of_points.precision(17);
   of_joins.precision(17);

@@ -1,5 +1,5 @@
-// What a program that knows nothing of Batten or OpenCASCADE finds in a STEP file: step_witness.py, with
-// points of the surfaces that the file should be.
+// Measurement of a STEP file independently of Batten and OpenCASCADE, by step_cross_check.py, with
+// points of the expected surfaces.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,26 @@
 
 namespace batten::bench {
 
-/// Points of surfaces, about `count` in all, evenly over triangles, inside of what the trim leaves.
+/// About `count` points of surfaces in total, evenly over triangles, inside the trim.
 std::vector<std::vector<Vec3>> points_of(const std::vector<const SkinnedRegion*>& regions,
                                          int count);
 
 class StepCrossCheck {
  public:
-  /// Writes points of the surfaces, and places along the joins with the angles between the surfaces, into
-  /// the folder.
+  /// Writes points of the surfaces, and points along shared edges with the angles between the
+  /// surfaces, into the folder.
   StepCrossCheck(const std::vector<const SkinnedRegion*>& regions,
                  const std::vector<StepJoin>& joins, int count,
                  const std::filesystem::path& folder);
 
   struct Result {
-    int faces = 0, joins = 0, above = 0;  ///< above: joins of more than 0.1 degrees
+    int faces = 0, joins = 0, above = 0;  ///< above: edges of more than 0.1 degrees
     long points = 0, positions = 0;
-    double distance = 0;  ///< largest, of the points from their faces
-    double degrees = 0;   ///< largest angle between faces at the places
-    double beyond = 0;    ///< largest of that angle less the one between the surfaces
+    double distance = 0;  ///< largest distance of a point from its face
+    double degrees = 0;   ///< largest angle between faces at the points
+    double beyond = 0;    ///< largest excess of that angle over the angle of the surfaces
   };
-  /// None where Python, NumPy or SciPy are missing.
+  /// None if Python, NumPy or SciPy is missing.
   std::optional<Result> seen(const std::filesystem::path& file) const;
 
  private:

@@ -1,19 +1,18 @@
 #!/usr/bin/env python3
-"""Measures a STEP file of B-spline faces without a CAD library: its text is read here, its splines are
-evaluated here.
+"""Measures a STEP file of B-spline faces without a CAD library: parses and evaluates its splines.
 
-usage: step_witness.py FILE.step POINTS.csv [JOINS.csv]
-POINTS.csv: "face,x,y,z" a line: points of the surface that the face of that name should be.
-JOINS.csv:  "line,x,y,z,degrees" a line: places along lines where two surfaces are tangent, and the angle
-            between these surfaces.
-Coordinates are in the file's unit. Prints one JSON object:
-faces, edges     of the file
-points, distance the largest distance of a point from the nearest point of its face's spline
-joins, places    lines in JOINS.csv with an edge between two faces of the file; their places
-creased          places where the surfaces themselves meet by more than 0.1 degrees, or by less in passing
-degrees, worst   the largest angle between the faces' normals along the edge elsewhere; its line
-above            lines with an angle above 0.1 degrees there
-beyond           the largest angle of faces less that of surfaces, all places
+usage: step_cross_check.py FILE.step POINTS.csv [JOINS.csv]
+POINTS.csv: lines "face,x,y,z": points of the expected surface of the face of that name.
+JOINS.csv:  lines "curve,x,y,z,degrees": points along edges where two surfaces are tangent, and the
+angle between these surfaces.
+Coordinates are in the unit of the file. Prints one JSON object:
+  faces, edges     of the file
+  points, distance the largest distance of a point from the spline of its face
+  joins, places    curves in JOINS.csv with an edge between two faces of the file; their points
+  creased          points where the surfaces themselves meet at more than 0.1 degrees, or briefly less
+  degrees, worst   the largest angle between the faces' normals along the other edges; the curve's name
+  above            curves with an angle above 0.1 degrees there
+  beyond           the largest angle of faces minus that of surfaces, over all points
 """
 import csv
 import json
@@ -25,8 +24,8 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.spatial import cKDTree
 
-LIMIT = 0.1   # degrees: above it surfaces are not tangent
-SAMPLES = 4  # a knot interval and direction: where the search for a nearest point begins
+LIMIT = 0.1  # degrees: surfaces above it are not tangent
+SAMPLES = 4  # per knot interval and direction: starting points of the closest-point search
 
 
 # ---- the file ------------------------------------------------------------------------------------
@@ -92,7 +91,7 @@ class StepFile:
         self.edges = len(edges)
 
     def rims(self, edge, surface):
-        """Polygons along an edge in the parameters of a surface; straight seams are left out."""
+        """Polygons along an edge in the parameters of a surface; straight seams are omitted."""
         curve = self.text[number(arguments(self.text[edge])[3])]
         found = []
         for reference in arguments(curve)[2] if "SURFACE_CURVE" in curve or "SEAM_CURVE" in curve else []:
@@ -138,7 +137,7 @@ class StepFile:
 # ---- splines ---------------------------------------------------------------------------------------
 
 def basis(knots, degree, span, x):
-    """Values of the functions that are there at x: rows of degree + 1."""
+    """Values of the non-zero basis functions at x: rows of degree + 1."""
     values = np.ones((len(x), 1))
     for d in range(1, degree + 1):
         more = np.zeros((len(x), d + 1))
@@ -152,7 +151,7 @@ def basis(knots, degree, span, x):
 
 
 def slopes(knots, degree, span, x, order):
-    """Derivatives of these functions by x."""
+    """Derivatives of these functions with respect to x."""
     if order == 0:
         return basis(knots, degree, span, x)
     lower = slopes(knots, degree - 1, span, x, order - 1)
@@ -201,8 +200,8 @@ class Spline:
         return self.tree
 
     def inside(self, u, v):
-        """Pairs of the values of u and v that the rims leave: lines of constant u cross these. (What the
-        spline does beyond its rims is no part of the face, and may come near to anything.)"""
+        """Pairs of values of u and v inside the trim, from the boundary points of each constant u.
+        (The spline beyond its boundary is not part of the face and may be close to anything.)"""
         a = np.vstack([rim[:-1] for rim in self.rims])
         b = np.vstack([rim[1:] for rim in self.rims])
         found = []
@@ -216,7 +215,7 @@ class Spline:
         return found
 
     def descend(self, points, uv):
-        """Newton's steps to the nearest points, each halved until it comes nearer."""
+        """Damped Newton steps to the closest points, each halved until the distance decreases."""
         orders = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
         uv, best = uv.copy(), np.full(len(points), np.inf)
         trial, step = uv.copy(), np.zeros_like(uv)
@@ -232,7 +231,7 @@ class Spline:
             full = a + dot(xuu, miss), b + dot(xuv, miss), c + dot(xvv, miss)
             convex = (full[0] > 0) & (full[0] * full[2] > full[1] ** 2)
             a, b, c = (np.where(convex, f, plain) for f, plain in zip(full, (a, b, c)))
-            # At the border of the rectangle the search goes on along it.
+            # At the border of the rectangle the search continues along it.
             for k in (0, 1):
                 out = ((trial[:, k] <= self.low[k]) & (g[:, k] > 0)) | ((trial[:, k] >= self.high[k]) & (g[:, k] < 0))
                 g[out, k], b[out] = 0, 0
@@ -245,7 +244,7 @@ class Spline:
         return uv, best
 
     def nearest(self, points, candidates):
-        """Parameters and distances of the nearest points."""
+        """Parameters and distances of the closest points."""
         starts = self.samples().query(points, k=candidates)[1].reshape(len(points), candidates)
         uv, best = self.descend(points, self.uv[starts[:, 0]])
         for k in range(1, candidates):
@@ -255,7 +254,7 @@ class Spline:
         return uv, best
 
     def along(self, line, points):
-        """Parameters on the spline's own image of a line, where that is nearest to points."""
+        """Parameters on the spline's own pcurve of an edge, closest to points."""
         best, uv = np.full(len(points), np.inf), np.zeros((len(points), 2))
         for rim in (np.clip(rim, self.low, self.high) for name, rim in self.lines if name == line):
             x = self.derivatives(rim, [(0, 0)])[0]
@@ -275,10 +274,11 @@ class Spline:
         return np.cross(xu, xv)
 
 
-# ---- what is measured --------------------------------------------------------------------------------
+# ---- measurement
+# -------------------------------------------------------------------------------------
 
 def rows(path):
-    """Name -> array of the numbers behind it."""
+    """Name -> array of its values."""
     found = defaultdict(list)
     with open(path, newline="") as file:
         for row in csv.reader(file):
@@ -293,7 +293,7 @@ def measure_points(step, path):
         if not own:
             raise SystemExit(f"{path}: found points of '{name}', expected the name of a face")
         far = np.min([s.nearest(points, 2)[1] for s in own], axis=0)
-        # A search that began on the wrong side of a bend begins again from more places.
+        # A search that started on the wrong side of a bend restarts from more points.
         again = far > 5 * np.median(far)
         far[again] = np.min([s.nearest(points[again], min(50, len(s.uv)))[1] for s in own], axis=0)
         most = max(most, far.max())
@@ -302,7 +302,7 @@ def measure_points(step, path):
 
 
 def tangent_runs(smooth):
-    """Without what is shorter than a sixteenth of the line: a crease that passes a common plane."""
+    """Without runs shorter than 1/16 of the curve: a crease that is briefly tangent."""
     kept, first = smooth.copy(), 0
     for k in np.append(np.flatnonzero(~smooth), len(smooth)):
         if k - first < len(smooth) // 16:

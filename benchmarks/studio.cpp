@@ -1,7 +1,7 @@
-// A drag in the window: time of an update, compared with that of a session alone, and time to draw it.
+// A drag in the window: time of an update, compared with a session alone, and of drawing.
 //
-// The view is drawn with the available OpenGL (in tests and here: Mesa on the processor). All times are wall times:
-// updates are computed on the worker thread, drawing is on the main thread.
+// The view is drawn with the available OpenGL (in tests and here: Mesa on the processor). All times
+// are wall-clock times: updates are computed on the worker thread, drawing is on the main thread.
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkRenderWindow.h>
 #include <QApplication>
@@ -73,12 +73,12 @@ struct Times {
   double frames = 0;     // frames per second during a continuous drag
 };
 
-// Time of an edit, ms, as the benchmark `deform` measures it: all positions, no frame.
+// Time of an edit, ms, as measured by the benchmark `deform`: all positions, no frame.
 double headless_edits(const std::filesystem::path& file) {
   const DeformScene scene = read_deform_scene(file);
   const MeshSource source = read_source(scene.mesh);
   VertexSelector select(scene, source.file, source.prepared.mesh);
-  const AttachedNodes attached(source.file, source.prepared.mesh, scene.following);
+  const AttachedNodes attached(source.file.other_elements(), source.prepared.mesh, scene.following);
   const SharedConstraints shared =
       gather_shared_constraints(scene, select, attached, source.prepared.mesh);
   DeformTask task = make_deform_task(scene, scene.edits[0], shared, select, source.prepared.mesh);
@@ -92,7 +92,7 @@ double headless_edits(const std::filesystem::path& file) {
   return 1e3 * bench::median(times);
 }
 
-// Time of an update of a session alone, ms, as the benchmark `drag` measures it.
+// Time of an update of a session alone, ms, as measured by the benchmark `drag`.
 double headless_updates(const std::filesystem::path& file) {
   Document document;
   document.apply({.kind = DocumentCommand::CommandKind::Open, .file = file});
@@ -148,7 +148,7 @@ class Drag {
     times.draw_ms = 1e3 * bench::median(draws);
   }
 
-  // A drag that never waits: each iteration posts a move and draws the newest frame.
+  // A continuous drag: each iteration posts a move and draws the newest frame.
   void at_once() {
     QElapsedTimer clock;
     clock.start();
@@ -160,7 +160,7 @@ class Drag {
                     .value = slider_.at(i)});
       const auto update = worker_.take_update();
       if (!update.frame) continue;
-      // Frames computed meanwhile and skipped do not count: the newest one is drawn.
+      // Intermediate frames that are skipped do not count: the newest one is drawn.
       const auto newer = worker_.take_update();
       if (newer.frame) {
         times.most_behind = std::max(times.most_behind, newer.frame->number - update.frame->number);

@@ -56,8 +56,8 @@ endif()
 
 batten_package(dev libbatten-dev "finite-element kernel for continuous surfaces: headers, libraries"
 "Static libraries and headers of Batten for C++20 programs:
-find_package(batten) gives batten::core to batten::sculpting,
-find_package(batten COMPONENTS io) readers and writers, too.")
+find_package(batten) gives batten::kernel and batten::mesh,
+COMPONENTS io cad drawings the readers and writers of files.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libsuitesparse-dev, libopenblas-dev, libcgal-dev, libceres-dev, libspectra-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS

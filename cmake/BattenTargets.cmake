@@ -52,6 +52,8 @@ endfunction()
 # batten_compile_fast(target): a library of files or of a program, which is compiled with -O1.
 function(batten_compile_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # The precompiled headers are valid with the same definitions only.
+  target_link_libraries(${target} PRIVATE tomlplusplus::tomlplusplus nlohmann_json::nlohmann_json)
   if(TARGET batten_io AND NOT target STREQUAL "batten_io")
     target_precompile_headers(${target} REUSE_FROM batten_io)
   else()

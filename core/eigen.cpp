@@ -43,7 +43,7 @@ MatX least_squares(const MatX& A, const MatX& b) {
 
 MatX solve_symmetric(const MatX& A, const MatX& b) { return A.ldlt().solve(b); }
 
-Vec2 solve_symmetric(const Mat2& A, const Vec2& b) { return A.ldlt().solve(b); }
+Vec2 solve_symmetric_2x2(const Mat2& A, const Vec2& b) { return A.ldlt().solve(b); }
 
 MatX solve_square(const MatX& A, const MatX& b) { return A.partialPivLu().solve(b); }
 

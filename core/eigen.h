@@ -75,7 +75,7 @@ MatX least_squares(const MatX& A, const MatX& b);
 /// Solution of A x = b for a symmetric matrix A, for each column of b: LDLᵀ factorization with
 /// diagonal pivoting. Only the lower triangle of A is read. Cost: O(n³).
 MatX solve_symmetric(const MatX& A, const MatX& b);
-Vec2 solve_symmetric(const Mat2& A, const Vec2& b);  ///< allocates no memory
+Vec2 solve_symmetric_2x2(const Mat2& A, const Vec2& b);  ///< allocates no memory
 
 /// Solution of A x = b for a regular square matrix A, for each column of b: LU factorization with
 /// partial pivoting. Cost: O(n³).

@@ -350,4 +350,23 @@ ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& option
   return fine.limit();
 }
 
+ShellMesh catmull_clark_limit(const ShellMesh& cage, const CageTags& tags, double chord) {
+  constexpr int max_rounds = 8;
+  constexpr double most = 2e5;
+  ShellMesh fine = catmull_clark(cage, {1, tags});
+  for (int rounds = 2; rounds <= max_rounds && 4.0 * fine.face_count() <= most; ++rounds) {
+    ShellMesh next = catmull_clark(cage, {rounds, tags});
+    // Face centres are appended in order after the existing nodes.
+    double off = 0;
+    for (int f = 0; f < fine.face_count(); ++f) {
+      Vec3 middle = Vec3::Zero();
+      for (const int v : fine.corners(f)) middle += fine.points.row(v).transpose() / 4;
+      off = std::max(off, (middle - next.points.row(fine.node_count() + f).transpose()).norm());
+    }
+    fine = std::move(next);
+    if (off < 4 * chord) break;  // one more round quarters it
+  }
+  return fine;
+}
+
 }  // namespace batten

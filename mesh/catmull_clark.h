@@ -66,4 +66,9 @@ struct CatmullClarkOptions {
 /// [HalsteadKassDeRose1993]; semi-sharp creases: [DeRoseKassTruong1998].
 ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& options = {});
 
+/// Subdivides a cage until the deviation of its quads from the limit surface is about `chord`, but
+/// at most 8 times, and not to more than 200,000 quads. `chord`: units of the cage. Throws as
+/// catmull_clark(). Cost: about that of the last subdivision.
+ShellMesh catmull_clark_limit(const ShellMesh& cage, const CageTags& tags, double chord);
+
 }  // namespace batten

@@ -99,6 +99,7 @@ class ShellModel {
 
   const ModelLayout& layout() const { return layout_; }
   const Points& shape() const { return shape_; }
+  const ShellDefinition& definition() const { return definition_; }
   const ShellAssembler& assembler() const { return assembler_; }
   /// Section of a region.
   const ShellSection& section(int region) const {

@@ -139,7 +139,7 @@ void ShellStresses::fit() {
     // single triangle) become small.
     constexpr double lean = 1e-6;
     A.diagonal().tail<5>().array() += lean * A(0, 0);
-    polynomial.coefficients = solve_symmetric(MatX(A), MatX(b));
+    polynomial.coefficients = solve_symmetric(A, b);
   });
 }
 

@@ -383,7 +383,7 @@ int fair(const FairArguments& a, const CommonOptions& common) {
   scene.lines.emplace_back();
   scene.lines.back().file = a.file;
   for (const std::string& name : a.only) scene.lines.back().only.push_back({name, {}});
-  FairStage stage;
+  SceneFairStage stage;
   stage.name = "fair";
   FairOptions& options = stage.options;
   using Smoothing = FairOptions::Smoothing;

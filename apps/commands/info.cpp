@@ -160,7 +160,8 @@ std::string parameters_text(const std::vector<Parameter>& parameters) {
 std::string network_text(const Scene& scene) {
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
-  const CurveNetwork network = network_of(scene, lines);
+  const ModelBuildOptions options = model_build_options(scene, lines);
+  const CurveNetwork network = build_network(lines, options);
   const auto place = [&](const NetworkEdge& edge, int end) {
     return format_point(network.nodes()[edge.nodes[end]].position);
   };
@@ -175,7 +176,7 @@ std::string network_text(const Scene& scene) {
   for (const NetworkDiagnostic& diagnostic : network.diagnostics())
     text += std::string(diagnostic.repaired ? "  repaired: " : "  not joined: ") + diagnostic.text +
             "\n";
-  const FoundRegions found = regions_of(scene, network);
+  const FoundRegions found = require_regions(network, options);
   text +=
       std::to_string(found.regions.size()) + (found.regions.size() == 1 ? " face\n" : " faces\n");
   for (const NetworkRegion& region : found.regions) {
@@ -312,8 +313,9 @@ std::string draw_alternatives(const std::filesystem::path& folder, const Scene& 
   require_display();
   std::vector<CharacterLine> lines = read_lines(scene);
   add_mirrored(scene, lines);
-  const CurveNetwork network = network_of(scene, lines);
-  const FoundRegions found = regions_of(scene, network);
+  const ModelBuildOptions options = model_build_options(scene, lines);
+  const CurveNetwork network = build_network(lines, options);
+  const FoundRegions found = require_regions(network, options);
   if (found.ambiguous_regions.empty()) return "no ambiguous faces\n";
   make_output_folder(folder);
   LoopPicture picture;

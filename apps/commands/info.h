@@ -29,7 +29,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
 /// into `folder`: alternatives_1.png, alternatives_2.png, … Each picture shows the location, the current
 /// surfaces, and all alternatives. The result describes each decision, with the TOML that selects
 /// each alternative. Throws InputError if there is no network or no display, and the exceptions of
-/// network_of() and regions_of().
+/// build_network() and require_regions().
 std::string draw_alternatives(const std::filesystem::path& folder, const Scene& scene);
 
 // Detection of the kind of a file.

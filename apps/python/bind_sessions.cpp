@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/shell_evaluator.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
-#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/apps/python/arrays.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/model.h"
@@ -50,8 +51,8 @@ class SharedSession {
   std::shared_ptr<const Model> model(const Progress& progress);
 
   struct Stress {
-    StressEvaluator::MaxValues largest;
-    std::shared_ptr<const StressEvaluator::Field> field;
+    ShellEvaluator::MaxValues largest;
+    std::shared_ptr<const ShellEvaluator::Field> field;
   };
   /// Stresses of the shell defined by [stress] in the scene, at the points of frame(). Throws
   /// InputError if there is no [stress].
@@ -82,7 +83,7 @@ class SharedSession {
   std::vector<std::shared_ptr<Frame>> frames_;
   std::shared_ptr<const Frame> shown_;
   bool stale_ = true;  // shown_ does not show the current shape
-  std::optional<StressEvaluator> stress_;
+  std::optional<ShellEvaluator> stress_;
 };
 
 namespace {
@@ -223,7 +224,7 @@ py::dict session_reactions(const SessionObject& of) {
 py::dict session_stress(const SessionObject& of) {
   const SharedSession::Stress stress =
       KernelCall()([&](const Progress& hook) { return of.shared->stress(hook); });
-  const StressEvaluator::Field& field = *stress.field;
+  const ShellEvaluator::Field& field = *stress.field;
   const auto rows = static_cast<py::ssize_t>(field.displacement.size() / 3);
   return py::dict("case"_a = field.load_case, "largest_von_mises"_a = stress.largest.von_mises,
                   "largest_displacement"_a = stress.largest.displacement,
@@ -519,11 +520,11 @@ SharedSession::Stress SharedSession::stress(const Progress& progress) {
                      ": found no [stress], expected one with thickness, material and supports");
   return with_session(false, progress, [&](SculptingSession& session) {
     const auto shown = current_frame();
-    if (!stress_) stress_.emplace(scene_);
+    if (!stress_) stress_.emplace(shell_problem(scene_));
     Stress result;
     result.largest = stress_->at(session.layout(), session.dofs());
     result.field =
-        std::make_shared<StressEvaluator::Field>(stress_->field(shown->pattern->locations));
+        std::make_shared<ShellEvaluator::Field>(stress_->field(shown->pattern->locations));
     return result;
   });
 }

@@ -11,7 +11,7 @@
 namespace batten::python {
 namespace {
 
-/// Facets of one region, with points and normals of the exact surface.
+/// Facets of one face, with points and normals of the exact surface.
 struct FacetsOfRegion {
   DisplayFacets display;
   std::vector<SurfaceJet> jets;
@@ -70,7 +70,7 @@ std::shared_ptr<const Model> Model::of_scene(const Scene& scene, const Progress&
 std::shared_ptr<const Model> Model::with_values(
     const std::vector<std::pair<std::string, double>>& values, const Progress& progress) const {
   Scene scene = scene_;
-  bool live = true;  // the model of the lines can be reused
+  bool live = true;  // the model of the curves can be reused
   for (const auto& [name, value] : values) {
     scene.set(name, value, "");
     const bool material = name.starts_with("alpha") || name.starts_with("beta");

@@ -226,7 +226,7 @@ class BytesReader {
 
  private:
   const char* take(size_t count) {
-    if (count > text_.size() - at_) throw Error("what a child process meshed is not whole");
+    if (count > text_.size() - at_) throw Error("the mesh of a child process is incomplete");
     at_ += count;
     return text_.data() + at_ - count;
   }

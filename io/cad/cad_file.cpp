@@ -275,7 +275,7 @@ void read_brep(const std::filesystem::path& file, CadFile& cad) {
   else
     BRepTools::Read(shape, in, BRep_Builder());
   if (!in || shape.IsNull() || !is_finite(shape))
-    throw InputError(file.string() + ": OpenCASCADE cannot read it; expected a sound BREP file");
+    throw InputError(file.string() + ": OpenCASCADE cannot read it; expected a valid BREP file");
   cad.found = "a BREP shape";
   BRep_Builder().Add(cad.shape, shape);
   XCAFDoc_DocumentTool::ShapeTool(cad.document->Main())->AddShape(shape, false);
@@ -342,7 +342,7 @@ CadFile cad_file_from_bytes(const std::string& bytes) {
   TopoDS_Shape shape;
   BinTools::Read(shape, in);
   if (!in || shape.IsNull() || shape.ShapeType() != TopAbs_COMPOUND)
-    throw Error("what a child process read is not whole");
+    throw Error("the data of a child process are incomplete");
   cad.shape = TopoDS::Compound(shape);
   map_shapes(cad);
   return cad;
@@ -582,7 +582,7 @@ TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& 
     return vtkSmartPointer<vtkXMLDataElement>::Take(
         vtkXMLUtilities::ReadElementFromString(text.c_str()));
   }();
-  if (!root) throw InputError(file.string() + ": found no sound XML, expected patches of G+Smo");
+  if (!root) throw InputError(file.string() + ": found no well-formed XML, expected patches of G+Smo");
   TopoDS_Compound all;
   BRep_Builder builder;
   builder.MakeCompound(all);

@@ -75,7 +75,7 @@ void check_iges(const std::filesystem::path& file, const std::vector<std::string
   if (count[2] == 0 || count[2] % 2)
     refuse(
         file, lines.size(),
-        std::to_string(count[2]) + " lines in the directory (section D); expected two an entity");
+        std::to_string(count[2]) + " lines in the directory (section D); expected two per entity");
   for (size_t d = first[2]; d < first[2] + count[2]; d += 2) {
     const long start = field(lines[d], 8, 8), length = std::max(field(lines[d + 1], 24, 8), 0L);
     if (start < 1 || start + length - 1 > static_cast<long>(count[3]))
@@ -120,7 +120,7 @@ void check_binary_brep(const std::filesystem::path& file, const std::string& byt
       throw InputError(file.string() + ": found '" + bytes.substr(at, end - bytes.c_str() - at) +
                        "' as the count of " + name + " at byte " + std::to_string(at) +
                        ", before " + std::to_string(bytes.size() - at) +
-                       " bytes; expected a count that they have room for");
+                       " bytes; expected a count that fits");
   }
 }
 
@@ -134,10 +134,10 @@ size_t brep_section(const std::filesystem::path& file, const std::vector<std::st
     count = std::strtol(text.c_str(), &end, 10);
     // Each item takes at least one line.
     if (end == text.c_str() || count < 0 || count > static_cast<long>(lines.size() - i))
-      refuse(
-          file, i + 1,
-          "found '" + lines[i].substr(0, 40) + "' before " + std::to_string(lines.size() - i - 1) +
-              " lines; expected a count that they have room for: the file is damaged or cut short");
+      refuse(file, i + 1,
+             "found '" + lines[i].substr(0, 40) + "' before " +
+                 std::to_string(lines.size() - i - 1) +
+                 " lines; expected a count that fits: the file is damaged or cut short");
     return i;
   }
   refuse(file, lines.size(),
@@ -166,7 +166,7 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
   if (shapes != count || count == 0 || !whole)
     refuse(file, lines.size(),
            "found " + std::to_string(shapes) + " of " + std::to_string(count) + " shapes" +
-               (whole || shapes != count ? "" : " and not the whole one") +
+               (whole || shapes != count ? "" : ", the last one incomplete") +
                "; expected all: the file is cut short");
 }
 

@@ -68,13 +68,13 @@ struct StepFileProperties {
 void write_parts(const std::filesystem::path& path, const std::vector<CadPart>& parts,
                  const StepFileProperties& properties, OccSettings& occ);
 
-/// Writes a part with faces and, if `options` has any, the lines as a separate product "curves".
+/// Writes a part with faces and, if `options` has any, the curves as a separate product "curves".
 /// Otherwise as write_parts().
 void write_surfaces(const std::filesystem::path& path, const CadPart& part,
                     const StepFileOptions& options, double tolerance, OccSettings& occ);
 
-/// The face of a region with its name and a colour. The colour only distinguishes regions; a single
-/// region gets none.
+/// The CAD face of a face of the model, with its name and a colour. The colour only distinguishes
+/// faces; a single face gets none.
 CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_t number,
                        size_t regions);
 

@@ -28,7 +28,7 @@ struct StepFaceOptions {
   /// above 0.
   double join_deg = 0.1;
   StepFileOptions file = {};
-  /// Write regions that are planes, cylinders, spheres, cones or tori within the tolerance as
+  /// Write faces that are planes, cylinders, spheres, cones or tori within the tolerance as
   /// analytic faces.
   bool analytic = true;
   int max_poles = 400;  ///< maximum number of poles in one direction, 16 or more

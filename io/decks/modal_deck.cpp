@@ -91,7 +91,7 @@ class Elements {
   const std::vector<int>& clamped() const { return clamped_; }
 
   /// Number of rigid-body modes: six for each connected component without a clamped node.
-  int rigid_motions() const {
+  int rigid_body_modes() const {
     DisjointSets pieces(static_cast<size_t>(node_count()));
     for (const auto& [size, list] : by_type_)
       for (const auto& element : list)
@@ -154,11 +154,11 @@ class Elements {
 void write_modal_deck(const fs::path& path, const ShellMesh& mesh, const ModalDeck& modes) {
   check(mesh, modes);
   const Elements elements(mesh, modes);
-  const int rigid = elements.rigid_motions();
+  const int rigid = elements.rigid_body_modes();
   write_file_atomically(path, [&](std::ostream& out) {
     out << "** Natural frequencies of a shell, written by Batten\n";
     if (!modes.units.empty()) out << "** Units: " << one_line(modes.units) << '\n';
-    out << "** Rigid motions: " << rigid << '\n';
+    out << "** Rigid-body modes: " << rigid << '\n';
     elements.write(out);
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(modes.young) << ',' << ccx_number(modes.poisson) << "\n*DENSITY\n"

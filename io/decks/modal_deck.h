@@ -35,7 +35,7 @@ struct ModalDeck {
 /// both ends of their edge are. Quads with a repeated node become triangles. Faces with fewer than
 /// three different corners, and unused nodes, are left out. An unsupported part has six rigid-body
 /// modes of frequency 0 for each connected component. The deck requests these in addition and
-/// states their number in its line "** Rigid motions: 6".
+/// states their number in its line "** Rigid-body modes: 6".
 ///
 /// The first six frequencies of a clamped square plate with width / thickness = 100 exceed those of
 /// plate theory by:

@@ -28,11 +28,11 @@ namespace batten {
 /// needs them.
 struct DeckDiscretization {
   std::vector<Vec3> positions;  ///< positions of the nodes; those of the triangles come first
-  std::vector<std::vector<std::vector<int>>> by_region;  ///< nodes of each element, by region
+  std::vector<std::vector<std::vector<int>>> by_region;  ///< nodes of each element, by face
   /// S8R: the node halfway between a triangle corner (first) and the midpoint of its edge (second).
   std::map<std::pair<int, int>, int> quarters;
 
-  /// The end nodes of a line's edges, then the nodes in between, each once.
+  /// The end nodes of a curve's edges, then the nodes in between, each once.
   std::vector<int> nodes_on(const std::vector<std::array<int, 3>>& edges) const;
 };
 /// Builds the elements of a deck from six-node triangles.
@@ -60,7 +60,7 @@ class TriangleToQuads {
       std::array<Vec2, 6> uv;
       for (int i = 0; i < 6; ++i)
         uv[i] = surface_->mesh().image_near(facets.uv[t[i]], facets.uv[t[0]]);
-      // The map to (u, v) is quadratic, like the edges on curved lines.
+      // The map to (u, v) is quadratic, like the edges on curves.
       const auto at = [&](const Vec3& L) -> Vec2 {
         Vec2 p = Vec2::Zero();
         for (int i = 0; i < 3; ++i)
@@ -92,7 +92,7 @@ class TriangleToQuads {
         surface_->position(locator_->locate(surface_->mesh().wrapped(uv))));
     return static_cast<int>(elements_.positions.size()) - 1;
   }
-  // Shared by both triangles, and both regions, of an edge.
+  // Shared by both triangles, and both faces, of an edge.
   int quarter(int corner, int middle, const Vec2& uv) {
     const auto known = elements_.quarters.find({corner, middle});
     if (known != elements_.quarters.end()) return known->second;
@@ -199,7 +199,7 @@ Points area_forces(const Surface& surface, const QuadraticElements& facets, cons
   return forces;
 }
 
-// Adds a line force, integrated along the parabolic edges of the line.
+// Adds a line force, integrated along the parabolic edges of the curve.
 void add_line_force(const ModelElements& model, const ShellDeck::LineForce& force,
                     const std::function<Vec3&(int)>& at) {
   constexpr int points = 4;
@@ -285,8 +285,8 @@ class SetNames {
   std::set<std::string> taken_{"ALL", "NALL"};
 };
 
-/// The names of all lines, without duplicates, region after region: edge-aligned lines, then
-/// embedded ones.
+/// The names of all curves, without duplicates, face after face: edge-aligned curves, then embedded
+/// ones.
 std::vector<std::string> line_names(const Regions& regions) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -397,7 +397,7 @@ const char* type_name(ShellDeck::Element element) {
                                               : "S6";
 }
 
-/// The nodes of a support that does not cover a whole line.
+/// The nodes of a support that does not cover a whole curve.
 std::vector<int> supported_nodes(const Regions& regions, const ModelElements& model,
                                  const DeckDiscretization& elements,
                                  const ShellDeck::Support& support) {
@@ -460,20 +460,20 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
   const bool one = regions.size() == 1;
   SetNames names;
   std::vector<std::string> line_sets, region_sets;
-  for (const auto& line : model.lines) line_sets.push_back(names.of(line.name, "LINE_"));
+  for (const auto& line : model.lines) line_sets.push_back(names.of(line.name, "CURVE_"));
   for (const SkinnedRegion* region : regions)
-    region_sets.push_back(one ? "ALL" : names.of(region->name, "REGION_"));
+    region_sets.push_back(one ? "ALL" : names.of(region->name, "FACE_"));
   write_file_atomically(path, [&](std::ostream& out) {
     out << "** "
-        << (one ? "Region " + one_line(regions[0]->name)
-                : "Model of " + std::to_string(regions.size()) + " regions")
+        << (one ? "Face " + one_line(regions[0]->name)
+                : "Model of " + std::to_string(regions.size()) + " faces")
         << ", written by Batten\n";
     if (!deck.units.empty()) out << "** Units: " << one_line(deck.units) << '\n';
     out << "*NODE,NSET=NALL\n";
     for (size_t i = 0; i < elements.positions.size(); ++i)
       out << i + 1 << ',' << ccx_vector(elements.positions[i]) << '\n';
     out << "*ELEMENT,TYPE=" << type_name(deck.element) << ",ELSET=ALL\n";
-    std::vector<size_t> first{1};  // first element number of each region, and one past the last
+    std::vector<size_t> first{1};  // first element number of each face, and one past the last
     for (const auto& of_region : elements.by_region) {
       for (size_t e = 0; e < of_region.size(); ++e) {
         out << first.back() + e << ',';
@@ -482,11 +482,12 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
       first.push_back(first.back() + of_region.size());
     }
     for (size_t r = 0; r < regions.size() && !one; ++r)
-      out << "** Region " << one_line(regions[r]->name) << "\n*ELSET,ELSET=" << region_sets[r]
+      out << "** Face " << one_line(regions[r]->name) << "\n*ELSET,ELSET=" << region_sets[r]
           << ",GENERATE\n"
           << first[r] << ',' << first[r + 1] - 1 << ",1\n";
     for (size_t l = 0; l < model.lines.size(); ++l) {
-      out << "** Line " << one_line(model.lines[l].name) << "\n*NSET,NSET=" << line_sets[l] << '\n';
+      out << "** Curve " << one_line(model.lines[l].name) << "\n*NSET,NSET=" << line_sets[l]
+          << '\n';
       write_ccx_ids(out, elements.nodes_on(model.lines[l].edges));
     }
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"

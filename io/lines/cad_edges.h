@@ -23,7 +23,7 @@ std::vector<std::string> edge_names(const CadFile& cad);
 /// Merges coincident edges and splits faces at creases. Faces that have edges of their own, as in
 /// IGES files, share edges that lie within 1e-5 of the model size of each other. Faces are then
 /// split along the curves where their surface is only C0 (knots as multiple as the degree). There
-/// the surface may have an angle like at an edge, so a line is needed. Parts of a split edge keep
+/// the surface may have an angle like at an edge, so a curve is needed. Parts of a split edge keep
 /// its label. Other faces and edges do not change.
 void heal_shape(CadFile& cad);
 

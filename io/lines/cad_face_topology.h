@@ -1,4 +1,4 @@
-// Reads the loops of lines around the faces of CAD files, and the edges that faces share.
+// Reads the loops of curves around the faces of CAD files, and the edges that faces share.
 #pragma once
 
 #include <filesystem>
@@ -7,19 +7,19 @@
 
 namespace batten {
 
-/// The boundary loops of a face. The lines have the names that read_cad_lines() gives them with
+/// The boundary loops of a face. The curves have the names that read_cad_lines() gives them with
 /// `creases`.
 struct CadFaceBoundary {
   std::string name;  ///< "face 1", "face 2" … in file order
-  /// Names of the lines of each loop; the outer loop first.
+  /// Names of the curves of each loop; the outer loop first.
   std::vector<std::vector<std::string>> loops;
-  std::vector<std::string> inner;  ///< seams: lines along which the face meets itself
+  std::vector<std::string> inner;  ///< seams: curves along which the face meets itself
   bool convex = false;             ///< one loop without re-entrant corners (tolerance 0.1 rad)
   /// A tube with two boundary circles.
   bool annulus() const { return !inner.empty() && loops.size() == 2; }
 };
 
-/// A line shared by two faces.
+/// A curve shared by two faces.
 struct CadSharedEdge {
   std::string line;
   double angle_deg = 0;  ///< largest angle between the faces along it; see EdgeContinuity
@@ -29,13 +29,13 @@ struct CadSharedEdge {
 struct CadFaceTopology {
   std::vector<CadFaceBoundary> faces;
   std::vector<CadSharedEdge> joins;
-  double size = 0;  ///< diagonal of the bounding box of all lines, model units
-  double gap = 0;   ///< largest distance between line ends that meet in one vertex, model units
+  double size = 0;  ///< diagonal of the bounding box of all curves, model units
+  double gap = 0;   ///< largest distance between curve ends that meet in one vertex, model units
 };
 
 /// Reads the loops of all faces of a file. A closed face (sphere, torus) has none. Adjacent faces
 /// of IGES files may have edges of their own. If these cannot be merged, the loops have different,
-/// coincident lines. Throws InputError as read_cad_lines() does for files and entities.
+/// coincident curves. Throws InputError as read_cad_lines() does for files and entities.
 CadFaceTopology read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres);
 
 }  // namespace batten

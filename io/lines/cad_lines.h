@@ -16,9 +16,9 @@ namespace batten {
 /// edges at which they end. Coordinates are converted from the file's unit to the model unit.
 /// Curves in the parameter plane of a face and edges of length zero are skipped.
 ///
-/// A line is named after the label of the curve in the file. If several have the same label, it is
+/// A curve is named after the label of the curve in the file. If several have the same label, it is
 /// numbered from the second one on. Without a label, the name is "edge1", "edge2" … in file order.
-/// The line keeps the parametrisation and direction of the file; its derivatives are exact.
+/// The curve keeps the parametrisation and direction of the file; its derivatives are exact.
 /// Straight lines and non-rational splines of degree 3 or less are piecewise_cubic(), and their
 /// breaks() are all knots. For other B-splines, breaks() are the knots whose multiplicity allows a
 /// C1 discontinuity.

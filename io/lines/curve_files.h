@@ -26,9 +26,9 @@ const std::vector<std::string>& curve_file_extensions();
 ///   .iges .igs          the curve's own u, named NAME or NAME.1, NAME.2, …; smooth closed curves
 ///                       are closed B-splines. The file declares the model unit.
 ///
-/// Returns a sentence for each line that was left out because the format cannot store it: a line of
-/// one point in .csv and .obj, a line without a curve in CAD files. Takes about 1 µs per point of
-/// text, 20 µs per curve segment in CAD files.
+/// Returns a sentence for each curve that was left out because the format cannot store it: a curve
+/// of one point in .csv and .obj, a curve given only by points in CAD files. Takes about 1 µs per
+/// point of text, 20 µs per curve segment in CAD files.
 ///
 /// Throws InputError: nothing to write (also if everything was left out), an unknown extension, a
 /// unit that CAD files cannot declare, non-finite parameters or points, a file that cannot be

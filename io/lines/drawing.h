@@ -1,4 +1,4 @@
-// Reads the lines of DXF and SVG drawings.
+// Reads the curves of DXF and SVG drawings.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,14 @@
 
 namespace batten {
 
-/// One line of a drawing: either points or a curve.
+/// One curve of a drawing: either points or a parametric curve.
 struct DrawnLine {
   std::string name;          ///< unique within the file
   std::vector<Vec3> points;  ///< of a polyline, in drawing units; empty if there is a curve
   std::shared_ptr<const InputCurve> curve = {};
 };
 
-/// The lines of a drawing file.
+/// The curves of a drawing file.
 struct Drawing {
   std::vector<DrawnLine> lines;
   double unit_in_metres = 0;       ///< 0: unknown, the file declares no unit
@@ -39,7 +39,7 @@ struct Drawing {
 /// Polylines without arcs are returned as points; corners in them are detected as in point tables.
 /// Curved entities are kept exactly. Text, hatches, dimensions, images and clones are skipped and
 /// listed in `notes`. Throws InputError: a file that cannot be read, is damaged or truncated, or
-/// contains no line.
+/// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);
 
 }  // namespace batten

@@ -16,10 +16,10 @@ Drawing read_svg(const std::filesystem::path& path);
 
 /// A straight line from `a` to `b`, as a cubic.
 std::shared_ptr<const InputCurve> straight_segment(const Vec3& a, const Vec3& b);
-/// The line under an affine transformation.
+/// The curve under an affine transformation.
 DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform);
 
-/// Counts entities that cannot be converted to lines, by kind.
+/// Counts entities that cannot be converted to curves, by kind.
 class SkippedEntities {
  public:
   void add(const std::string& kind) { ++count_[kind]; }

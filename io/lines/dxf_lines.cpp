@@ -242,7 +242,7 @@ class Collector : public DL_CreationAdapter {
 
 constexpr size_t kMostLines = 1000000;
 
-// Adds the lines of a block and of the blocks that it inserts, recursively.
+// Adds the curves of a block and of the blocks that it inserts, recursively.
 void collect(const Collector& all, const Block& block, const AffineTransform& transform,
              const std::string& layer, int depth, std::vector<DrawnLine>& lines) {
   constexpr int deepest = 16;

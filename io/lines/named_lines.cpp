@@ -71,7 +71,7 @@ class SegmentChainer {
 
  private:
   struct Endpoint {
-    int uses = 0;           // by any line
+    int uses = 0;           // by any curve
     std::vector<End> ends;  // of segments only
   };
 

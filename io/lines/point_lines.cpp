@@ -19,7 +19,7 @@ namespace batten {
 
 // Point tables: one point per row, offset tables, airfoils.
 
-/// Reads the lines of a .csv, .txt, .xyz or .dat table as documented at read_point_lines(). Lines
+/// Reads the curves of a .csv, .txt, .xyz or .dat table as documented at read_point_lines(). Curves
 /// that the file does not name get an empty name. Throws InputError.
 std::vector<NamedPoints> read_point_table(TextRows& rows, double scale);
 
@@ -243,7 +243,7 @@ class PointTable {
     while (rows_.next()) {
       const std::string_view row = without_comment(rows_.row());
       if (row.find_first_not_of(" \t,;") == row.npos) {
-        // A row that contains only a comment does not end a line.
+        // A row that contains only a comment does not end a curve.
         if (rows_.row().find_first_of("#/") == std::string_view::npos) new_line_ = true;
         continue;
       }
@@ -263,7 +263,7 @@ class PointTable {
   }
 
  private:
-  // A row "CURVE 3" starts a line and names it.
+  // A row "CURVE 3" starts a curve and names it.
   bool starts_curve(std::string_view row) {
     split_fields(row, fields_);
     if (fields_.size() != 2 || fields_[0] != "CURVE") return false;
@@ -335,7 +335,7 @@ class PointTable {
       first = 1;
       const long next = ++*columns_.number;
       if (fields_.size() == 4 && value(fields_[0]) != static_cast<double>(next)) {
-        // Each line may restart the count of its points.
+        // Each curve may restart the count of its points.
         if (!new_line_ || !is_count(fields_[0]))
           rows_.fail(row.data(),
                      "found " + quoted_excerpt(fields_[0]) +

@@ -15,7 +15,7 @@ namespace batten {
 ///     nodes     [{"id", "position", "neighbor_edges"}]
 ///
 /// A piece has four control points of a cubic Bézier curve, or the two ends of a straight line.
-/// Each stroke becomes one line, "stroke 5", of exactly these pieces, with breaks between them.
+/// Each stroke becomes one curve, "stroke 5", of exactly these pieces, with breaks between them.
 /// Pieces of length zero, strokes without pieces and other keys are skipped. The nodes of the file
 /// are not used, because in drawn sketches some are missing and some are superfluous; the curve
 /// network detects its own.

@@ -59,7 +59,7 @@ bool is_header(std::string_view row, bool first_row);
 
 /// The columns that a header names. At least two of x, y, z are needed ("X [mm]", ParaView's
 /// "Points:0"); a missing coordinate is 0. A change in the column "line", "name" or "curve" starts
-/// a new line.
+/// a new curve.
 struct HeaderColumns {
   char separator = 0;  ///< 0: blanks, commas and semicolons
   /// Column index of x, y and z; -1: none.
@@ -85,7 +85,7 @@ std::string header_name(std::string_view heading);
 /// rows are waterlines and columns are stations.
 class OffsetTable {
  public:
-  /// Reads on from the current row of `rows`. Returns one line per station with points (x,
+  /// Reads on from the current row of `rows`. Returns one curve per station with points (x,
   /// half-breadth, z), upwards. Stations with fewer than two points are left out. Throws
   /// InputError.
   std::vector<NamedPoints> read(TextRows& rows, double scale) const;
@@ -99,10 +99,10 @@ class OffsetTable {
 /// Recognises an offset table by its header and the first row below it.
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row);
 
-/// Converts an airfoil in Lednicer's format to a single line. The format is a row with the numbers
+/// Converts an airfoil in Lednicer's format to a single curve. The format is a row with the numbers
 /// of points of both sides, followed by the upper and the lower side, each from the leading edge.
 /// The result runs from the trailing edge over the upper side to the leading edge and back, as in
-/// Selig's format. Other lines are not changed.
+/// Selig's format. Other curves are not changed.
 void join_lednicer(std::vector<NamedPoints>& lines, double scale);
 
 /// The field without surrounding quotes and blanks.

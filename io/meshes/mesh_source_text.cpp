@@ -415,7 +415,7 @@ void MeshSourceText::include(const std::string& name, std::string_view where,
   for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)
     if (true_path(source_of(at).path) == true_path(found))
       throw InputError(include_trace(line) + "found " + found.string() +
-                       ", which includes itself, expected files that end");
+                       ", which includes itself, expected includes without a cycle");
   if (depth() >= kDeepestInclude || sources_.size() >= kMostFiles)
     throw InputError(include_trace(line) + "found more files than are followed (" +
                      std::to_string(kMostFiles) + ", " + std::to_string(kDeepestInclude) +
@@ -423,7 +423,7 @@ void MeshSourceText::include(const std::string& name, std::string_view where,
   Source source{
       found, read_input_file(found, "an included file", include_trace(line)), 0, line, {}};
   if (position() + source.text.size() > kMaxInputFileSize)
-    throw InputError(include_trace(line) + "found more text than is read");
+    throw InputError(include_trace(line) + "found included files that are too large together");
   if (!elsewhere) source.beside = inside(found, root);
   open_.push_back({current_, at_});
   open(std::move(source), false);

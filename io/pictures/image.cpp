@@ -23,7 +23,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   if (image.width < 1 || image.height < 1 || image.rgb.size() != row * image.height)
     throw InputError(path.string() + ": found a picture of " + std::to_string(image.width) + " x " +
                      std::to_string(image.height) + " pixels with " +
-                     std::to_string(image.rgb.size()) + " bytes, expected three a pixel");
+                     std::to_string(image.rgb.size()) + " bytes, expected three per pixel");
   AtomicFile file(path);
   vtkNew<vtkImageData> data;
   data->SetDimensions(image.width, image.height, 1);
@@ -90,10 +90,10 @@ void check(const std::vector<Image>& frames) {
   for (const Image& frame : frames) {
     if (frame.width < 1 || frame.height < 1 || frame.width > 65535 || frame.height > 65535 ||
         frame.rgb.size() != size_t{3} * static_cast<size_t>(frame.width) * frame.height)
-      throw InputError("found a picture of " + std::to_string(frame.width) + " x " +
-                       std::to_string(frame.height) + " pixels with " +
-                       std::to_string(frame.rgb.size()) +
-                       " bytes, expected 1 to 65535 each way, three bytes a pixel");
+      throw InputError(
+          "found a picture of " + std::to_string(frame.width) + " x " +
+          std::to_string(frame.height) + " pixels with " + std::to_string(frame.rgb.size()) +
+          " bytes, expected 1 to 65535 pixels in each direction and three bytes per pixel");
     if (frame.width != frames.front().width || frame.height != frames.front().height)
       throw InputError("found pictures of " + std::to_string(frames.front().width) + " x " +
                        std::to_string(frames.front().height) + " and " +
@@ -282,7 +282,8 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
   check(frames);
   for (const double s : {seconds, last_seconds})
     if (!(s > 0) || !std::isfinite(s))
-      throw InputError("found " + format_number(s) + " seconds a picture, expected a time above 0");
+      throw InputError("found " + format_number(s) +
+                       " seconds per picture, expected a time above 0");
   const Palette palette(frames);
   AtomicFile file(path);
   GifWriter gif(path, file.temporary(), frames.front().width, frames.front().height);

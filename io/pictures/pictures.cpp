@@ -116,11 +116,11 @@ vtkSmartPointer<vtkLookupTable> add_zebra(vtkPolyData& facets, const Vec3& direc
                          std::max(to - from, flat * stripes) / stripes);
 }
 
-/// A light colour per facet, by region. Regions with adjacent indices get clearly different hues.
+/// A light colour per facet, by face. Faces with adjacent indices get clearly different hues.
 vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
   auto colours = vtkSmartPointer<vtkUnsignedCharArray>::New();
   colours->SetNumberOfComponents(3);
-  vtkDataArray& region = *data.GetCellData()->GetArray("Region");
+  vtkDataArray& region = *data.GetCellData()->GetArray("Face");
   for (vtkIdType c = data.GetNumberOfLines(); c < region.GetNumberOfTuples(); ++c) {
     const int r = static_cast<int>(region.GetComponent(c, 0));
     constexpr double golden = 0.6180339887498949;

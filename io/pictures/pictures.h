@@ -22,7 +22,7 @@ struct PictureScene {
     None,     ///< one colour
     Mean,     ///< mean curvature, blue below 0, red above
     Gauss,    ///< Gaussian curvature, in the same colours
-    Regions,  ///< each region in its own colour
+    Regions,  ///< each face in its own colour
     Value     ///< `value`: light at 0, dark at the limit
   };
   /// A non-negative scalar field on the surface, with the title of its scale.
@@ -40,8 +40,8 @@ struct PictureScene {
   int contours = 0;                        ///< number of contour lines of height, evenly spaced
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction of height
   int parameter_lines = 0;                 ///< number of lines of constant u, and of constant v
-  bool lines = true;                       ///< true: draw character lines, as tubes
-  std::vector<HermiteCurve> extra_curves;  ///< further curves that belong to no region, in another
+  bool lines = true;                       ///< true: draw the curves, as tubes
+  std::vector<HermiteCurve> extra_curves;  ///< further curves that belong to no face, in another
                                            ///< colour
   bool mesh = false;                       ///< true: draw the element edges inside the trim
   /// Number of zebra stripes (reflection lines), alternately light and dark, at equal steps of the
@@ -57,13 +57,13 @@ struct PictureScene {
   int tessellation = 0;  ///< facets per element edge, at most 64; 0: automatic
 
   // Set by share_view() for the pictures of a series. By default, each picture determines its own.
-  std::vector<Vec3> in_view;  ///< points that the camera fits instead of the regions
+  std::vector<Vec3> in_view;  ///< points that the camera fits instead of the faces
   std::optional<std::pair<double, double>> contour_range;  ///< lowest and highest height
   double field_limit = 0;  ///< limit of a field's colours; 0: from its values
 };
 
 /// Draws one PNG, written atomically. Call it on the main thread; it takes about 1 s with software
-/// OpenGL. Throws InputError if there is no display or no region, a value is out of range, a zebra
+/// OpenGL. Throws InputError if there is no display or no face, a value is out of range, a zebra
 /// is combined with a field, or the file cannot be written.
 void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
                   const PictureSize& size = {});

@@ -15,7 +15,9 @@
 #include "batten/io/scene/scene_selections.h"
 #include "batten/mesh/attached/attachment.h"
 #include "batten/mesh/deform/deform_problem.h"
-#include "batten/sculpting/curves/deformable_curve.h"
+#include "batten/mesh/editing/feature_relation.h"
+#include "batten/mesh/editing/feature_rotation_estimator.h"
+#include "batten/sculpting/curves/sculpted_curve.h"
 
 namespace batten {
 
@@ -33,14 +35,7 @@ struct GuideSpec {
 
 /// [[relation]]: a geometric relation between features that edits preserve.
 struct RelationSpec {
-  enum class Kind {
-    Parallel,  ///< the features rotate equally
-    Coaxial,   ///< parallel, and the centres keep their relative position along the common axis
-    Distance,  ///< the vector between two centres keeps its length and rotates with the first
-               ///< feature
-    Spacing,   ///< evenly spaced centres stay evenly spaced
-    Symmetric  ///< two centres stay mirror images with respect to a plane
-  };
+  using Kind = FeatureRelation::Kind;
   std::string name;
   SourceLocation location;
   Kind kind = Kind::Parallel;
@@ -64,7 +59,7 @@ struct LineSpec {
 /// [[curve]]: a chain of vertices that becomes a deformable curve. It is faired, shaped by its own
 /// loads, and then imposed on its vertices exactly.
 struct CurveSpec {
-  enum class Ends { Clamped, Pinned, Free };
+  using Ends = SculptedCurveOptions::Ends;
   LineSpec line;  ///< name and vertices; `rigid` and `width` are ignored
   bool faired = true;
   FairOptions fair;  ///< fairing options
@@ -105,15 +100,7 @@ struct EditSpec {
     Vec3 axis = Vec3::UnitZ();
     double degrees = 0;
   };
-  /// How rotations are determined where no handle prescribes them. Features and curvature rotate
-  /// accordingly.
-  enum class RotationMode {
-    Estimated,  ///< features rotate as the sheet at their location, deformed without them
-    Dual,       ///< from a preliminary shape computed with dual Laplacian vectors
-    Nonlinear,  ///< from a preliminary as-rigid-as-possible (ARAP) shape
-                ///< [SorkineAlexa2007]; for large rotations
-    Harmonic    ///< handle rotations, interpolated harmonically
-  };
+  using RotationMode = batten::RotationMode;
   /// A guide whose plane or line is moved to pass through another point.
   struct MovedGuide {
     LocatedString guide;

@@ -30,7 +30,7 @@ struct FairScene {
   std::filesystem::path file;  ///< empty for a scene created in memory
   std::string name = "curves", unit = "mm";
   std::vector<SceneLine> lines;
-  std::vector<FairStage> stages;
+  std::vector<SceneFairStage> stages;
   /// Tolerance of the last step, model units: each fair curve is approximated by the fewest C1
   /// segments within this distance. 0: the fair curve is kept.
   double segments = 0;

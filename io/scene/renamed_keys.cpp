@@ -21,6 +21,9 @@ struct RenamedKey {
 constexpr SceneKind S = SceneKind::Surface, D = SceneKind::Deform, Q = SceneKind::Sequence;
 
 constexpr RenamedKey kRenamedKeys[] = {
+    {S, "", "network",
+     "its keys in [skin]: gap_tolerance (was tolerance), tangent_angle, crease_angle (was "
+     "smooth_below), angle_tolerance, symmetry, noisy_curves, max_faces_per_edge"},
     {S, "", "line", "curve"},
     {S, "", "lines", "curves"},
     {S, "", "region", "face"},
@@ -30,12 +33,12 @@ constexpr RenamedKey kRenamedKeys[] = {
     {S, "curve", "turn", "rotate"},
     {S, "curve", "move", "translate"},
     {S, "curve", "treatment", "alignment"},
-    {S, "curve", "hold", "trim_only = true (instead of hold = false)"},
+    {S, "curve", "hold", "trim_only = true instead of hold = false"},
     {S, "curve.scale", "point", "about"},
     {S, "curve.rotate", "point", "about"},
     {S, "curve.mirror", "point", "origin"},
     {S, "curves", "treatment", "alignment"},
-    {S, "curves", "hold", "trim_only = true (instead of hold = false)"},
+    {S, "curves", "hold", "trim_only = true instead of hold = false"},
     {S, "face", "ring", "annulus"},
     {S, "join", "lines", "curves"},
     {S, "join", "kind", "continuity"},
@@ -139,7 +142,11 @@ constexpr RenamedKey kRenamedKeys[] = {
     {S, "", "gap_tolerance", "gap_tolerance in [skin]"},
     {S, "", "edge_length", "edge_length in [mesh]"},
     {S, "", "mesh_size", "edge_length in [mesh]"},
-    {S, "curve", "center", "centre"},
+    {S, "curve.arc", "center", "centre"},
+    {S, "curve.circle", "center", "centre"},
+    {S, "curve.ellipse", "center", "centre"},
+    {S, "curve.helix", "center", "centre"},
+    {S, "curve.rectangle", "center", "centre"},
 };
 
 struct RenamedValue {
@@ -221,14 +228,14 @@ class RenamedKeySearch {
     if (!key) return;
     const std::string where = path.empty() ? "" : " in '" + path + "'";
     store(at, "found the key '" + name + "'" + where + ", expected " + quoted(key->now) +
-                  ": that is its name in Batten 1.0");
+                  " (renamed in Batten 1.0)");
   }
   void visit_value(const std::string& path, const std::string& key, const std::string& value,
                    const toml::source_position& at) {
     for (const RenamedValue& v : kRenamedValues)
       if (v.kind == kind_ && v.table == path && v.key == key && v.old_value == value)
         store(at, "found " + key + " = \"" + value + "\", expected \"" + v.now +
-                      "\": that is its name in Batten 1.0");
+                      "\" (renamed in Batten 1.0)");
   }
   static std::string quoted(const std::string& now) {
     return now.find(' ') == std::string::npos ? "'" + now + "'" : now;
@@ -249,13 +256,6 @@ class RenamedKeySearch {
 }  // namespace
 
 void refuse_renamed_keys(const toml::table& root, SceneKind kind, const std::string& file) {
-  if (const toml::node* network = root.get("network"); network && kind == SceneKind::Surface)
-    throw InputError(
-        format_location(file, {static_cast<int>(network->source().begin.line),
-                               static_cast<int>(network->source().begin.column)}) +
-        "found [network], expected its keys in [skin]: gap_tolerance (was tolerance), "
-        "tangent_angle, crease_angle (was smooth_below), angle_tolerance, symmetry, noisy_curves, "
-        "max_faces_per_edge");
   RenamedKeySearch search(kind, file);
   search.visit(root, "");
   search.throw_if_found();

@@ -217,7 +217,7 @@ void read_balance(const TomlTable& t, FairOptions& options) {
   }
 }
 
-void read_local(const TomlTable& t, FairStage& stage) {
+void read_local(const TomlTable& t, SceneFairStage& stage) {
   if (t.has("brush") && t.has("segment"))
     t.fail("segment", "both 'brush' and 'segment'", "one of them");
   const std::string kind = t.has("brush") ? "brush" : "segment";
@@ -234,8 +234,8 @@ void read_local(const TomlTable& t, FairStage& stage) {
   stage.options.wavelength = t.positive("wavelength");
 }
 
-FairStage read_stage(const TomlTable& t, size_t index) {
-  FairStage stage;
+SceneFairStage read_stage(const TomlTable& t, size_t index) {
+  SceneFairStage stage;
   stage.name = t.text("name", "fair-" + std::to_string(index + 1));
   stage.location = t.location();
   stage.lines = t.names("curves");
@@ -272,8 +272,8 @@ FairStage read_stage(const TomlTable& t, size_t index) {
 
 }  // namespace
 
-std::vector<FairStage> read_fair_stages(const TomlTable& root) {
-  std::vector<FairStage> stages;
+std::vector<SceneFairStage> read_fair_stages(const TomlTable& root) {
+  std::vector<SceneFairStage> stages;
   UniqueNames names("stage");
   names.read(
       root, "fair",

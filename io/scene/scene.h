@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fairing/curvature/curvature_fairing.h"
-#include "batten/fairing/curves/fair_curve.h"
 #include "batten/fairing/curves/primitive_curves.h"
+#include "batten/fairing/curves/staged_fairing.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
@@ -22,37 +21,17 @@ namespace batten {
 
 // [[fair]]: fairing stages, applied in order to the lines of a scene (all keys: docs/scenes.md).
 
-/// One [[fair]] stage. It fairs whole lines or, as a local stage (brush or segment), a part of the
-/// curves that the previous stages made.
-struct FairStage {
-  /// Local stage: a sphere in which curves are faired.
-  struct Brush {
-    Vec3 at;
-    double radius;
-  };
-  /// Local stage: the part of a curve between two points.
-  struct CurveSegment {
-    Vec3 from, to;  ///< ends: the curve points nearest to these
-  };
+/// One [[fair]] stage. FairStage::curves and FairStage::where are set when the scene is faired.
+struct SceneFairStage : FairStage {
   std::string name;
   SourceLocation location;
   std::vector<LocatedString> lines;  ///< names of lines; '*' is a wildcard; empty: all
-  FairOptions options;               ///< without corners; local stages use the wavelength only
-  /// Functional that an interpolating curve through all points minimises, instead of smoothing.
-  std::optional<CurveFunctional> minimum;
-  std::optional<bool> fix_ends;              ///< empty: the kind of scene decides
-  std::optional<std::vector<Vec3>> corners;  ///< positions; each marks the nearest point of all
-                                             ///< lines
-  std::optional<Brush> brush;
-  std::optional<CurveSegment> segment;
-
-  /// True for a local stage.
-  bool local() const { return brush || segment; }
+  std::optional<bool> fix_ends;      ///< FairOptions::fix_ends; empty: the kind of scene decides
 };
 
 /// Reads all [[fair]] stages of a scene, in order. Unnamed stages get the names fair-1, fair-2, …
 /// by position. Throws InputError.
-std::vector<FairStage> read_fair_stages(const TomlTable& root);
+std::vector<SceneFairStage> read_fair_stages(const TomlTable& root);
 
 /// Calls f(name, value), with a reference to the value, for each parameter of the stages:
 /// STAGE.noise, STAGE.deviation or STAGE.wavelength. Valid values are positive.
@@ -247,7 +226,7 @@ struct Scene {
   std::string name = "surface", unit = "mm";
   std::vector<std::string> notes;  ///< remarks on deprecated keys, for the summary
   std::vector<SceneLine> lines;
-  std::vector<FairStage> fairing;  ///< [[fair]]: fairing before skinning
+  std::vector<SceneFairStage> fairing;  ///< [[fair]]: fairing before skinning
   SceneNetwork network;
   SceneSkin skin;
   std::vector<SceneTarget> targets;

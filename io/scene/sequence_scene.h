@@ -120,21 +120,15 @@ struct SequenceOperation {
     };
     std::vector<Pair> pairs;
     bool rotations = true;  ///< true: transfer rotations; false: positions only
-    /// How the source's trajectories are aligned with those of the handles.
-    enum class Align {
-      All,   ///< one similarity about `up`, common to all pairs
-      Each,  ///< one similarity per pair
-      Shift  ///< one translation per pair: for handles with little motion of their own
-    } align = Align::All;
+    using Align = MotionTransferOptions::Align;
+    Align align = Align::All;
   };
   /// Morphs into another sequence.
   struct Morph {
     SequenceSource target;
     MorphOptions options;  ///< 0-based intervals; last = -1: the last frame
-    struct Landmark {
-      Vec3 from, to;  ///< positions in the first frame of each interval
-    };
-    std::vector<Landmark> landmarks;  ///< empty: both meshes have the same faces
+    /// Positions in the first frame of each interval; empty: both meshes have the same faces.
+    std::vector<MorphLandmark> landmarks;
     TargetFitOptions fit;
   };
   std::variant<Keyframes, RootMotion, FootContacts, Path, Filter, Mix, Morph> what;

@@ -237,7 +237,7 @@ long GltfDocument::integer(const Json& object, const char* key, const std::strin
 int GltfDocument::index(const Json& object, const char* key) const {
   const long found = integer(object, key, -1L);
   if (found > kMostThings || (found < 0 && object.is_object() && object.contains(key)))
-    fail("found " + std::to_string(found) + " as " + key + ", expected the number of a thing");
+    fail("found " + std::to_string(found) + " as " + key + ", expected an index from 0");
   return static_cast<int>(found);
 }
 
@@ -265,8 +265,7 @@ std::vector<int> GltfDocument::indices(const Json& object, const char* key) cons
     fail("found " + quoted_excerpt(found->dump()) + " as " + key + ", expected a list");
   for (const Json& index : *found) {
     if (!index.is_number_integer() || index.get<double>() < 0 || index.get<double>() > kMostThings)
-      fail("found " + quoted_excerpt(index.dump()) + " in " + key +
-           ", expected a number of a thing");
+      fail("found " + quoted_excerpt(index.dump()) + " in " + key + ", expected an index from 0");
     result.push_back(index.get<int>());
   }
   return result;

@@ -19,7 +19,7 @@ LogJson json_of(const Operation::Edit& edit) {
       Overloaded{
           [](const Operation::Add& add) {
             LogJson json = {{"do", "add"}};
-            const char* key[] = {"load", "weight", "constraint", "move", "line"};
+            const char* key[] = {"load", "stiffness", "constraint", "offset", "curve"};
             std::visit([&](const auto& what) { json[key[add.what.index()]] = json_of(what); },
                        add.what);
             for (const auto& p : add.parameters) json["parameters"].push_back(json_of(p));
@@ -32,20 +32,21 @@ LogJson json_of(const Operation::Edit& edit) {
             return LogJson{{"do", "remove"}, {"name", remove.name}};
           },
           [](const Operation::SetLine& set) {
-            return LogJson{{"do", "set_line"}, {"line", set.line}, {"curve", json_of(set.curve)}};
+            return LogJson{
+                {"do", "set_curve"}, {"name", set.line}, {"geometry", json_of(set.curve)}};
           },
           [](const Refinement& r) {
             LogJson json = {{"do", "refine"}};
             if (const auto* brush = std::get_if<Refinement::Brush>(&r.where))
               json["strokes"] = json_of(brush->strokes);
             else
-              json["share"] = json_number(std::get<Refinement::JumpIndicator>(r.where).fraction);
-            json["smallest"] = json_number(r.smallest);
-            json["most_triangles"] = r.max_triangles;
+              json["fraction"] = json_number(std::get<Refinement::JumpIndicator>(r.where).fraction);
+            json["min_edge_length"] = json_number(r.smallest);
+            json["max_triangles"] = r.max_triangles;
             return json;
           },
           [](const Motion& m) {
-            return LogJson{{"do", "motion"},
+            return LogJson{{"do", "start_motion"},
                            {"dt", json_number(m.dt)},
                            {"density", json_number(m.density)},
                            {"damping", json_number(m.damping)},
@@ -57,7 +58,7 @@ LogJson json_of(const Operation::Edit& edit) {
           [](const Operation::SetRule& set_rule) {
             return LogJson{{"do", "drive"},
                            {"name", set_rule.parameter},
-                           {"follows", json_of(set_rule.rule_terms)},
+                           {"terms", json_of(set_rule.rule_terms)},
                            {"offset", json_number(set_rule.offset)}};
           }},
       edit);
@@ -70,17 +71,17 @@ LogJson json_of(const Operation& operation) {
       return {
           {"do", "set"}, {"parameter", operation.index}, {"value", json_number(operation.value)}};
     case Kind::SolvePreview:
-      return {{"do", "answer"},
+      return {{"do", "update"},
               {"iterations", operation.index},
               {"tolerance", json_number(operation.value)}};
     case Kind::Time:
       return {{"do", "time"}, {"value", json_number(operation.value)}};
     case Kind::SolveToEquilibrium:
-      return {{"do", "settle"}};
+      return {{"do", "solve"}};
     case Kind::Step:
       return {{"do", "step"}};
     case Kind::StopMotion:
-      return {{"do", "rest"}};
+      return {{"do", "stop_motion"}};
     case Kind::Undo:
       return {{"do", "undo"}};
     case Kind::Redo:
@@ -88,7 +89,8 @@ LogJson json_of(const Operation& operation) {
     case Kind::Edit:
       break;
   }
-  if (!operation.edit) throw InputError("session log: found an edit without what it does");
+  if (!operation.edit)
+    throw InputError("session log: found an edit operation without data, expected its data");
   return json_of(*operation.edit);
 }
 
@@ -121,16 +123,16 @@ std::optional<Operation> simple_operation_of(const std::string& word,
     const LogObject o = operation.with({"parameter", "value"});
     return Operation{Kind::Set, o.integer("parameter", 0), o.number("value"), nullptr};
   }
-  if (word == "answer") {
+  if (word == "update") {
     const LogObject o = operation.with({"iterations", "tolerance"});
     return Operation{Kind::SolvePreview, o.integer("iterations", 0), o.number("tolerance"),
                      nullptr};
   }
   if (word == "time")
     return Operation{Kind::Time, 0, operation.with({"value"}).number("value"), nullptr};
-  for (const auto& [kind, name] : {std::pair{Kind::SolveToEquilibrium, "settle"},
+  for (const auto& [kind, name] : {std::pair{Kind::SolveToEquilibrium, "solve"},
                                    {Kind::Step, "step"},
-                                   {Kind::StopMotion, "rest"},
+                                   {Kind::StopMotion, "stop_motion"},
                                    {Kind::Undo, "undo"},
                                    {Kind::Redo, "redo"}})
     if (word == name) {
@@ -142,31 +144,31 @@ std::optional<Operation> simple_operation_of(const std::string& word,
 
 /// Parses an addition: one entity with its parameters.
 Operation::Add addition_of(const OperationObject& operation) {
-  const std::vector<std::string> kinds = {"load", "weight", "constraint", "move", "line"};
+  const std::vector<std::string> kinds = {"load", "stiffness", "constraint", "offset", "curve"};
   std::vector<std::string> keys = kinds;
   keys.emplace_back("parameters");
   const LogObject o = operation.with(keys);
   const auto what = [&]() -> decltype(Operation::Add::what) {
     if (o.has("load")) return load_of(o);
-    if (o.has("weight")) return weight_of(o);
+    if (o.has("stiffness")) return stiffness_of(o);
     if (o.has("constraint")) return constraint_of(o);
-    if (o.has("move")) return move_of(o);
-    if (o.has("line")) return line_of(o);
-    o.fail("nothing to add", "one of: " + comma_separated(kinds));
+    if (o.has("offset")) return offset_of(o);
+    if (o.has("curve")) return character_line_of(o);
+    o.fail("'add' without an item", "one of: " + comma_separated(kinds));
   };
   return {what(), parameters_of(o)};
 }
 
 /// Parses a mesh refinement: where and how far triangles are bisected.
 Refinement refinement_of(const OperationObject& operation) {
-  const LogObject o = operation.with({"strokes", "share", "smallest", "most_triangles"});
+  const LogObject o = operation.with({"strokes", "fraction", "min_edge_length", "max_triangles"});
   Refinement refinement;
   if (o.has("strokes"))
     refinement.where = Refinement::Brush{strokes_of(o, "strokes")};
   else
-    refinement.where = Refinement::JumpIndicator{o.number("share")};
-  refinement.smallest = o.number("smallest");
-  refinement.max_triangles = o.integer("most_triangles", 1);
+    refinement.where = Refinement::JumpIndicator{o.number("fraction")};
+  refinement.smallest = o.number("min_edge_length");
+  refinement.max_triangles = o.integer("max_triangles", 1);
   return refinement;
 }
 
@@ -175,20 +177,20 @@ std::optional<Operation::Edit> edit_of(const std::string& word, const OperationO
   if (word == "add") return addition_of(operation);
   if (word == "change") return Operation::Change{constraint_of(operation.with({"constraint"}))};
   if (word == "remove") return Operation::Remove{operation.with({"name"}).text("name")};
-  if (word == "set_line") {
-    const LogObject o = operation.with({"line", "curve"});
-    return Operation::SetLine{o.text("line"), curve_of(o, "curve")};
+  if (word == "set_curve") {
+    const LogObject o = operation.with({"name", "geometry"});
+    return Operation::SetLine{o.text("name"), curve_of(o, "geometry")};
   }
   if (word == "refine") return refinement_of(operation);
-  if (word == "motion") {
+  if (word == "start_motion") {
     const LogObject o = operation.with({"dt", "density", "damping", "theta"});
     return Motion{o.number("dt"), o.number("density"), o.number("damping"), o.number("theta")};
   }
   if (word == "add_parameter")
     return Operation::AddParameter{parameter_of(operation.with({"parameter"}))};
   if (word == "drive") {
-    const LogObject o = operation.with({"name", "follows", "offset"});
-    return Operation::SetRule{o.text("name"), terms_of(o, "follows"), o.number("offset")};
+    const LogObject o = operation.with({"name", "terms", "offset"});
+    return Operation::SetRule{o.text("name"), terms_of(o, "terms"), o.number("offset")};
   }
   return std::nullopt;
 }
@@ -201,13 +203,23 @@ Operation operation_of(const LogJson& json, const std::string& where) {
   if (auto edit = edit_of(word, operation))
     return {Operation::Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(*edit))};
   const std::vector<std::string> words = {
-      "add_parameter", "drive", "time", "set",    "settle", "answer",   "step",   "rest",
-      "undo",          "redo",  "add",  "change", "remove", "set_line", "refine", "motion"};
+      "add_parameter", "drive", "time", "set",    "solve",  "update",    "step",   "stop_motion",
+      "undo",          "redo",  "add",  "change", "remove", "set_curve", "refine", "start_motion"};
   throw InputError(where + "found \"do\": \"" + word + "\", expected " +
                    expected_one_of(word, words));
 }
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
+
+/// Throws InputError if the header of a log names another version of the format.
+void check_version(const LogJson& header, const std::string& where) {
+  const bool given = header.contains("version");
+  if (!given || header["version"] != kVersion)
+    throw InputError(where + "found " +
+                     (given ? "version " + header["version"].dump() : "no version") +
+                     " of the session log format, expected version " + std::to_string(kVersion) +
+                     ": record the session again with this program");
+}
 
 }  // namespace
 
@@ -237,15 +249,13 @@ std::vector<Operation> parse_session_log(const std::string& text,
     try {
       json = LogJson::parse(line);
     } catch (const LogJson::exception&) {
-      throw InputError(where +
-                       "found a line that is no JSON, or was cut off, expected {\"do\": …}");
+      throw InputError(where + "found a line that is not JSON or is cut off, expected {\"do\": …}");
     }
     if (count == 1) {
       if (!json.is_object() || !json.contains("batten") || json["batten"] != "session")
-        throw InputError(where + "found no log of a session, expected {\"batten\":\"session\",…}");
-      if (!json.contains("version") || json["version"] != kVersion)
-        throw InputError(where +
-                         "found another version, expected \"version\":" + std::to_string(kVersion));
+        throw InputError(
+            where + "found another file than a session log, expected {\"batten\":\"session\",…}");
+      check_version(json, where);
       continue;
     }
     try {
@@ -256,12 +266,12 @@ std::vector<Operation> parse_session_log(const std::string& text,
     }
   }
   if (count == 0)
-    throw InputError(file.string() + ":1: found an empty file, expected a log of a session");
+    throw InputError(file.string() + ":1: found an empty file, expected a session log");
   return operations;
 }
 
 std::vector<Operation> read_session_log(const std::filesystem::path& file) {
-  return parse_session_log(read_input_file(file, "a log of a session"), file);
+  return parse_session_log(read_input_file(file, "a session log"), file);
 }
 
 }  // namespace batten

@@ -6,14 +6,14 @@ namespace batten::session_log {
 namespace {
 
 const std::vector<std::string> kLoadKeys = {
-    "name", "type", "near",  "radius",  "paint",  "regions",     "direction", "at",
-    "line", "to",   "curve", "through", "normal", "rest_length", "falloff",   "points"};
+    "name",  "type", "near",     "radius", "paint",       "faces",   "direction", "at",
+    "curve", "to",   "geometry", "plane",  "rest_length", "falloff", "points"};
 
-const std::vector<std::string> kConstraintKeys = {"name",   "type", "at",    "goal",
-                                                  "normal", "line", "along", "tau"};
+const std::vector<std::string> kConstraintKeys = {
+    "name", "type", "at", "to", "normal", "curve", "parametric_direction", "direction"};
 
-const std::vector<std::string> kParameterKeys = {"name",      "value",   "min",   "max",
-                                                 "over_time", "follows", "offset"};
+const std::vector<std::string> kParameterKeys = {"name",      "value", "min",   "max",
+                                                 "keyframes", "terms", "offset"};
 
 constexpr std::pair<CharacterLine::Role, const char*> kRoles[] = {
     {CharacterLine::Role::Inner, "inner"},
@@ -22,7 +22,7 @@ constexpr std::pair<CharacterLine::Role, const char*> kRoles[] = {
 
 constexpr std::pair<CharacterLine::MeshAlignment, const char*> kMeshAlignments[] = {
     {CharacterLine::MeshAlignment::Auto, "auto"},
-    {CharacterLine::MeshAlignment::EdgeAligned, "fitted"},
+    {CharacterLine::MeshAlignment::EdgeAligned, "aligned"},
     {CharacterLine::MeshAlignment::Embedded, "embedded"}};
 
 LogJson json_points(const std::vector<Vec3>& points) {
@@ -38,7 +38,7 @@ void add_area(LogJson& json, const Area& area) {
   } else if (const auto* painted = std::get_if<Area::Painted>(&area.where)) {
     json["paint"] = json_of(painted->strokes);
   }
-  if (!area.regions.empty()) json["regions"] = area.regions;
+  if (!area.regions.empty()) json["faces"] = area.regions;
 }
 
 Area area_of(const LogObject& object) {
@@ -47,14 +47,14 @@ Area area_of(const LogObject& object) {
     area.where = Area::NearLine{object.text("near"), object.number("radius")};
   else if (object.has("paint"))
     area.where = Area::Painted{strokes_of(object, "paint")};
-  if (object.has("regions")) area.regions = object.strings("regions");
+  if (object.has("faces")) area.regions = object.strings("faces");
   return area;
 }
 
-/// Converts a piecewise cubic C1 line to its nodes.
+/// Converts a piecewise cubic C1 curve to its nodes.
 HermiteCurve nodes_of(const CharacterLine& line) {
   const auto refuse = [&](const std::string& what) {
-    throw InputError("session log: found the line '" + line.name + "', which " + what +
+    throw InputError("session log: found the curve '" + line.name + "', which " + what +
                      ", expected a piecewise cubic without corners");
   };
   if (!line.curve || !line.curve->piecewise_cubic()) refuse("is not piecewise cubic");
@@ -72,7 +72,7 @@ HermiteCurve nodes_of(const CharacterLine& line) {
     const Vec3 chord = (positions.row(k) - positions.row(k - 1)) / h;
     const Vec3 end = 3 * chord - 2 * start - 0.5 * h * bend;
     if ((end - Vec3(slopes.row(k))).norm() > 1e-6 * (start.norm() + chord.norm()))
-      refuse("turns a corner");
+      refuse("has a corner");
   }
   return {at, positions, slopes};
 }
@@ -84,13 +84,13 @@ ScalarParameter parameter_from(const LogObject& p) {
   value.min = p.number("min", value.min);
   value.max = p.number("max", value.max);
   value.offset = p.number("offset", 0);
-  if (p.has("over_time"))
-    for (const LogJson& keyframe : p.array("over_time")) {
-      const LogJson pair = {{"moment", keyframe}};
-      const VecX m = LogObject(pair, p.where(), "'over_time'", {"moment"}).numbers("moment", 2);
+  if (p.has("keyframes"))
+    for (const LogJson& keyframe : p.array("keyframes")) {
+      const LogJson pair = {{"keyframe", keyframe}};
+      const VecX m = LogObject(pair, p.where(), "'keyframes'", {"keyframe"}).numbers("keyframe", 2);
       value.keyframes.push_back({m[0], m[1]});
     }
-  if (p.has("follows")) value.rule_terms = terms_of(p, "follows");
+  if (p.has("terms")) value.rule_terms = terms_of(p, "terms");
   return value;
 }
 
@@ -154,33 +154,40 @@ LogJson json_of(const Load& load) {
                         },
                         [&](const Load::Line& l) {
                           json["type"] = "line";
-                          json["line"] = l.line;
+                          json["curve"] = l.line;
                           json["direction"] = json_vector(l.direction);
                         },
                         [&](const Load::AttractorSprings& s) {
-                          json["type"] = "pulls";
+                          json["type"] = "attractors";
                           json["at"] = json_points(s.at);
                           if (const auto* places =
                                   std::get_if<Load::AttractorSprings::TargetPoints>(&s.target)) {
                             json["to"] = json_points(places->to);
                           } else if (const auto* c =
                                          std::get_if<Load::AttractorSprings::Curve>(&s.target)) {
-                            json["curve"] = json_of(c->curve);
+                            json["geometry"] = json_of(c->curve);
                           } else {
                             const auto& plane = std::get<Load::AttractorSprings::Plane>(s.target);
-                            json["through"] = json_vector(plane.through);
-                            json["normal"] = json_vector(plane.normal);
+                            json["plane"] = {{"origin", json_vector(plane.through)},
+                                             {"normal", json_vector(plane.normal)}};
                           }
                           json["rest_length"] = json_number(s.rest_length);
                           json["falloff"] = json_number(s.falloff);
                         },
                         [&](const Load::PointCloudSprings& s) {
-                          json["type"] = "scan";
+                          json["type"] = "point_cloud";
                           json["points"] = json_points(s.points);
                         }},
              load.kind);
   return json;
 }
+
+namespace {
+Load::AttractorSprings::Plane plane_of(const LogObject& parent) {
+  const LogObject plane = parent.object("plane", {"origin", "normal"});
+  return {plane.vector("origin"), plane.vector("normal")};
+}
+}  // namespace
 
 Load load_of(const LogObject& parent) {
   const LogObject o = parent.object("load", kLoadKeys);
@@ -190,85 +197,86 @@ Load load_of(const LogObject& parent) {
     if (type == "uniform") return Load::Uniform{o.vector("direction"), area_of(o)};
     if (type == "gravity") return Load::Gravity{o.vector("direction")};
     if (type == "point") return Load::Point{o.vector("at"), o.vector("direction")};
-    if (type == "line") return Load::Line{o.text("line"), o.vector("direction")};
-    if (type == "scan") return Load::PointCloudSprings{o.points("points")};
-    if (type != "pulls") {
-      const std::vector<std::string> types = {"pressure", "uniform", "gravity", "point",
-                                              "line",     "pulls",   "scan"};
+    if (type == "line") return Load::Line{o.text("curve"), o.vector("direction")};
+    if (type == "point_cloud") return Load::PointCloudSprings{o.points("points")};
+    if (type != "attractors") {
+      const std::vector<std::string> types = {"pressure", "uniform",    "gravity",    "point",
+                                              "line",     "attractors", "point_cloud"};
       o.fail("the load type '" + type + "'", expected_one_of(type, types));
     }
-    Load::AttractorSprings pulls;
-    pulls.at = o.points("at");
+    Load::AttractorSprings attractors;
+    attractors.at = o.points("at");
     if (o.has("to"))
-      pulls.target = Load::AttractorSprings::TargetPoints{o.points("to")};
-    else if (o.has("curve"))
-      pulls.target = Load::AttractorSprings::Curve{curve_of(o, "curve")};
+      attractors.target = Load::AttractorSprings::TargetPoints{o.points("to")};
+    else if (o.has("geometry"))
+      attractors.target = Load::AttractorSprings::Curve{curve_of(o, "geometry")};
     else
-      pulls.target = Load::AttractorSprings::Plane{o.vector("through"), o.vector("normal")};
-    pulls.rest_length = o.number("rest_length", 0);
-    pulls.falloff = o.number("falloff", 0);
-    return pulls;
+      attractors.target = plane_of(o);
+    attractors.rest_length = o.number("rest_length", 0);
+    attractors.falloff = o.number("falloff", 0);
+    return attractors;
   };
   return {o.text("name"), kind()};
 }
 
-LogJson json_of(const StiffnessField& weight) {
-  LogJson json = {{"name", weight.name},
-                  {"kind", weight.kind == StiffnessField::Kind::Bending ? "beta" : "alpha"}};
-  add_area(json, weight.area);
-  if (weight.along) {
-    if (const auto* line = std::get_if<std::string>(&*weight.along)) {
+LogJson json_of(const StiffnessField& stiffness) {
+  LogJson json = {{"name", stiffness.name},
+                  {"type", stiffness.kind == StiffnessField::Kind::Bending ? "beta" : "alpha"}};
+  add_area(json, stiffness.area);
+  if (stiffness.along) {
+    if (const auto* line = std::get_if<std::string>(&*stiffness.along)) {
       json["along"] = *line;
     } else {
-      const Vec2& along = std::get<Vec2>(*weight.along);
-      json["along"] = {json_number(along[0]), json_number(along[1])};
+      const Vec2& along = std::get<Vec2>(*stiffness.along);
+      json["parametric_direction"] = {json_number(along[0]), json_number(along[1])};
     }
   }
   return json;
 }
 
-StiffnessField weight_of(const LogObject& parent) {
-  const LogObject o =
-      parent.object("weight", {"name", "kind", "near", "radius", "paint", "regions", "along"});
-  StiffnessField weight;
-  weight.name = o.text("name");
-  const std::string kind = o.text("kind");
-  if (kind != "alpha" && kind != "beta") o.fail("the kind '" + kind + "'", "one of: alpha, beta");
-  weight.kind = kind == "beta" ? StiffnessField::Kind::Bending : StiffnessField::Kind::Stretching;
-  weight.area = area_of(o);
-  if (o.has("along")) {
-    if (o.at("along").is_string())
-      weight.along = o.text("along");
-    else
-      weight.along = Vec2(o.numbers("along", 2));
-  }
-  return weight;
+StiffnessField stiffness_of(const LogObject& parent) {
+  const LogObject o = parent.object("stiffness", {"name", "type", "near", "radius", "paint",
+                                                  "faces", "along", "parametric_direction"});
+  StiffnessField stiffness;
+  stiffness.name = o.text("name");
+  const std::string type = o.text("type");
+  if (type != "alpha" && type != "beta") o.fail("the type '" + type + "'", "one of: alpha, beta");
+  stiffness.kind =
+      type == "beta" ? StiffnessField::Kind::Bending : StiffnessField::Kind::Stretching;
+  stiffness.area = area_of(o);
+  if (o.has("along"))
+    stiffness.along = o.text("along");
+  else if (o.has("parametric_direction"))
+    stiffness.along = Vec2(o.numbers("parametric_direction", 2));
+  return stiffness;
 }
 
 LogJson json_of(const Constraint& constraint) {
   LogJson json = {{"name", constraint.name}};
-  std::visit(Overloaded{[&](const Constraint::Point& p) {
-                          json["type"] = "point";
-                          json["at"] = json_vector(p.at);
-                          json["goal"] = json_vector(p.goal);
-                        },
-                        [&](const Constraint::Normal& n) {
-                          json["type"] = "normal";
-                          json["at"] = json_vector(n.at);
-                          json["normal"] = json_vector(n.normal);
-                        },
-                        [&](const Constraint::Tangent& t) {
-                          json["type"] = "tangent";
-                          json["at"] = json_vector(t.at);
-                          json["along"] = {json_number(t.along[0]), json_number(t.along[1])};
-                          json["tau"] = json_vector(t.tau);
-                        },
-                        [&](const Constraint::LineNormal& l) {
-                          json["type"] = "line_normal";
-                          json["line"] = l.line;
-                          if (l.normal) json["normal"] = json_vector(*l.normal);
-                        }},
-             constraint.kind);
+  std::visit(
+      Overloaded{
+          [&](const Constraint::Point& p) {
+            json["type"] = "point";
+            json["at"] = json_vector(p.at);
+            json["to"] = json_vector(p.goal);
+          },
+          [&](const Constraint::Normal& n) {
+            json["type"] = "normal";
+            json["at"] = json_vector(n.at);
+            json["normal"] = json_vector(n.normal);
+          },
+          [&](const Constraint::Tangent& t) {
+            json["type"] = "tangent";
+            json["at"] = json_vector(t.at);
+            json["parametric_direction"] = {json_number(t.along[0]), json_number(t.along[1])};
+            json["direction"] = json_vector(t.tau);
+          },
+          [&](const Constraint::LineNormal& l) {
+            json["type"] = "curve_normal";
+            json["curve"] = l.line;
+            if (l.normal) json["normal"] = json_vector(*l.normal);
+          }},
+      constraint.kind);
   return json;
 }
 
@@ -276,32 +284,34 @@ Constraint constraint_of(const LogObject& parent) {
   const LogObject o = parent.object("constraint", kConstraintKeys);
   const auto kind = [&]() -> decltype(Constraint::kind) {
     const std::string type = o.text("type");
-    if (type == "point") return Constraint::Point{o.vector("at"), o.vector("goal")};
+    if (type == "point") return Constraint::Point{o.vector("at"), o.vector("to")};
     if (type == "normal") return Constraint::Normal{o.vector("at"), o.vector("normal")};
     if (type == "tangent")
-      return Constraint::Tangent{o.vector("at"), Vec2(o.numbers("along", 2)), o.vector("tau")};
-    if (type == "line_normal") {
+      return Constraint::Tangent{o.vector("at"), Vec2(o.numbers("parametric_direction", 2)),
+                                 o.vector("direction")};
+    if (type == "curve_normal") {
       std::optional<Vec3> normal;
       if (o.has("normal")) normal = o.vector("normal");
-      return Constraint::LineNormal{o.text("line"), normal};
+      return Constraint::LineNormal{o.text("curve"), normal};
     }
-    const std::vector<std::string> types = {"point", "normal", "tangent", "line_normal"};
+    const std::vector<std::string> types = {"point", "normal", "tangent", "curve_normal"};
     o.fail("the constraint type '" + type + "'", expected_one_of(type, types));
   };
   return {o.text("name"), kind()};
 }
 
-LogJson json_of(const LineOffset& move) {
-  LogJson json = {{"name", move.name}, {"line", move.line}, {"fade", json_number(move.fade)}};
-  if (move.direction) json["direction"] = json_vector(*move.direction);
+LogJson json_of(const LineOffset& offset) {
+  LogJson json = {
+      {"name", offset.name}, {"curve", offset.line}, {"fade", json_number(offset.fade)}};
+  if (offset.direction) json["direction"] = json_vector(*offset.direction);
   return json;
 }
 
-LineOffset move_of(const LogObject& parent) {
-  const LogObject o = parent.object("move", {"name", "line", "direction", "fade"});
-  LineOffset move{o.text("name"), o.text("line"), {}, o.number("fade", 0)};
-  if (o.has("direction")) move.direction = o.vector("direction");
-  return move;
+LineOffset offset_of(const LogObject& parent) {
+  const LogObject o = parent.object("offset", {"name", "curve", "direction", "fade"});
+  LineOffset offset{o.text("name"), o.text("curve"), {}, o.number("fade", 0)};
+  if (o.has("direction")) offset.direction = o.vector("direction");
+  return offset;
 }
 
 LogJson json_of(const CharacterLine& line) {
@@ -309,13 +319,13 @@ LogJson json_of(const CharacterLine& line) {
   for (const auto& [role, word] : kRoles)
     if (role == line.role) json["role"] = word;
   for (const auto& [mesh_alignment, word] : kMeshAlignments)
-    if (mesh_alignment == line.mesh_alignment) json["treatment"] = word;
-  json["curve"] = json_of(nodes_of(line));
+    if (mesh_alignment == line.mesh_alignment) json["alignment"] = word;
+  json["geometry"] = json_of(nodes_of(line));
   return json;
 }
 
-CharacterLine line_of(const LogObject& parent) {
-  const LogObject o = parent.object("line", {"name", "role", "treatment", "curve"});
+CharacterLine character_line_of(const LogObject& parent) {
+  const LogObject o = parent.object("curve", {"name", "role", "alignment", "geometry"});
   CharacterLine line;
   line.name = o.text("name");
   const auto choose = [&](const std::string& key, const auto& table, auto& slot) {
@@ -328,15 +338,15 @@ CharacterLine line_of(const LogObject& parent) {
     o.fail("the " + key + " '" + found + "'", expected_one_of(found, words));
   };
   choose("role", kRoles, line.role);
-  choose("treatment", kMeshAlignments, line.mesh_alignment);
-  line.curve = curve_from_hermite(curve_of(o, "curve"));
+  choose("alignment", kMeshAlignments, line.mesh_alignment);
+  line.curve = curve_from_hermite(curve_of(o, "geometry"));
   return line;
 }
 
 LogJson json_of(const std::vector<ScalarParameter::Term>& terms) {
   LogJson list = LogJson::array();
   for (const auto& term : terms)
-    list.push_back({{"of", term.of}, {"factor", json_number(term.factor)}});
+    list.push_back({{"name", term.of}, {"factor", json_number(term.factor)}});
   return list;
 }
 
@@ -345,16 +355,16 @@ LogJson json_of(const ScalarParameter& p) {
   if (std::isfinite(p.min)) json["min"] = p.min;
   if (std::isfinite(p.max)) json["max"] = p.max;
   for (const auto& keyframe : p.keyframes)
-    json["over_time"].push_back({json_number(keyframe.time), json_number(keyframe.value)});
-  if (!p.rule_terms.empty()) json["follows"] = json_of(p.rule_terms);
+    json["keyframes"].push_back({json_number(keyframe.time), json_number(keyframe.value)});
+  if (!p.rule_terms.empty()) json["terms"] = json_of(p.rule_terms);
   if (p.offset != 0) json["offset"] = json_number(p.offset);
   return json;
 }
 
 std::vector<ScalarParameter::Term> terms_of(const LogObject& o, const std::string& key) {
   std::vector<ScalarParameter::Term> terms;
-  for (const LogObject& term : o.objects(key, {"of", "factor"}))
-    terms.push_back({term.text("of"), term.number("factor")});
+  for (const LogObject& term : o.objects(key, {"name", "factor"}))
+    terms.push_back({term.text("name"), term.number("factor")});
   return terms;
 }
 

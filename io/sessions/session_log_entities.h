@@ -1,5 +1,5 @@
-// JSON serialisation of the entities in a session log: loads, stiffness fields, constraints, line
-// offsets, lines, parameters.
+// JSON serialisation of the entities in a session log: loads, stiffness fields, constraints, curve
+// offsets, curves, parameters.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace batten {
 
-// JSON access with error messages that state the line of the log.
+// JSON access with error messages that state the file and its line.
 
 /// JSON that keeps the order of keys.
 using LogJson = nlohmann::ordered_json;
@@ -43,7 +43,7 @@ class LogObject {
   LogObject(const LogJson& json, std::string where, std::string what,
             const std::vector<std::string>& keys)
       : json_(json), where_(std::move(where)), what_(std::move(what)) {
-    if (!json.is_object()) fail(what_ + " that is no {…}", "an object");
+    if (!json.is_object()) fail(what_ + " that is not {…}", "an object");
     for (const auto& [key, value] : json.items())
       if (std::find(keys.begin(), keys.end(), key) == keys.end())
         fail("'" + key + "' in " + what_, expected_one_of(key, keys));
@@ -150,8 +150,8 @@ LogJson json_of(const HermiteCurve& curve);
 LogJson json_of(const Load& load);
 LogJson json_of(const StiffnessField& weight);
 LogJson json_of(const Constraint& constraint);
-LogJson json_of(const LineOffset& move);
-/// Throws InputError for a line that is not piecewise cubic and C1.
+LogJson json_of(const LineOffset& offset);
+/// Throws InputError for a curve that is not piecewise cubic and C1.
 LogJson json_of(const CharacterLine& line);
 LogJson json_of(const std::vector<ScalarParameter::Term>& terms);
 LogJson json_of(const ScalarParameter& parameter);
@@ -161,12 +161,12 @@ LogJson json_of(const ScalarParameter& parameter);
 std::vector<Area::Painted::Stroke> strokes_of(const LogObject& parent, const std::string& key);
 std::vector<ScalarParameter::Term> terms_of(const LogObject& parent, const std::string& key);
 HermiteCurve curve_of(const LogObject& parent, const std::string& key);
-Load load_of(const LogObject& parent);                  // "load"
-StiffnessField weight_of(const LogObject& parent);      // "weight"
-Constraint constraint_of(const LogObject& parent);      // "constraint"
-LineOffset move_of(const LogObject& parent);            // "move"
-CharacterLine line_of(const LogObject& parent);         // "line"
-ScalarParameter parameter_of(const LogObject& parent);  // "parameter"
+Load load_of(const LogObject& parent);                     // "load"
+StiffnessField stiffness_of(const LogObject& parent);      // "stiffness"
+Constraint constraint_of(const LogObject& parent);         // "constraint"
+LineOffset offset_of(const LogObject& parent);             // "offset"
+CharacterLine character_line_of(const LogObject& parent);  // "curve"
+ScalarParameter parameter_of(const LogObject& parent);     // "parameter"
 /// Parses "parameters"; empty if the key is missing.
 std::vector<ScalarParameter> parameters_of(const LogObject& parent);
 

@@ -120,7 +120,7 @@ class AnalyticPlanner {
   }
 
  private:
-  // A line with the region on both sides would become two coincident edges.
+  // A curve with the model face on both sides would become two coincident edges.
   bool has_two_sided_line() const {
     std::map<std::string, int> uses;
     for (const FaceLoop& loop : boundary_.loops)
@@ -415,7 +415,6 @@ AnalyticFaces analytic_faces(StepPlan& plan, MeasuredShapes& shapes) {
 }
 
 namespace {
-
 
 double nearest_period(double angle, double near) {
   constexpr double whole = 2 * std::numbers::pi;

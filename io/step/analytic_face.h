@@ -1,5 +1,5 @@
-// Regions as faces on analytic surfaces (plane, cylinder, sphere, cone, torus): surface parameters,
-// pcurves, seams and poles.
+// Model faces as faces on analytic surfaces (plane, cylinder, sphere, cone, torus): surface
+// parameters, pcurves, seams and poles.
 #pragma once
 
 #include <Geom2d_BSplineCurve.hxx>
@@ -58,7 +58,7 @@ class AnalyticSurface {
 /// Recognises the primitive of an OpenCASCADE surface; Kind::Free for any other surface.
 FittedPrimitive shape_of(const Handle(Geom_Surface) & surface);
 
-/// A region as a face on a plane, cylinder, sphere, cone or torus.
+/// A model face as a face on a plane, cylinder, sphere, cone or torus.
 struct AnalyticFace {
   /// How the boundary loops wind around the surface.
   enum class Closing {
@@ -70,23 +70,23 @@ struct AnalyticFace {
   AnalyticSurface surface;
   Closing closing = Closing::None;
   double seam = 0;           ///< u (AroundV: v) of the seam
-  bool flipped = false;      ///< true if the region's normal is opposite to that of the surface
+  bool flipped = false;      ///< true if the model face's normal is opposite to that of the surface
   Vec2 near = Vec2::Zero();  ///< parameters near which loops that do not wind around are placed
-  /// Winding number of each loop, in the direction in which the region traverses it.
+  /// Winding number of each loop, in the direction in which the model face traverses it.
   std::vector<int> winding;
 
   /// For a loop that winds around: the index of the segment that starts at the seam.
   size_t seam_segment(const FaceLoop& loop) const;
 };
 
-/// Primitives fitted to the regions that are candidates for analytic faces.
+/// Primitives fitted to the model faces that are candidates for analytic faces.
 using MeasuredShapes = std::map<const SkinnedRegion*, FittedPrimitive>;
-/// The analytic face of each region that gets one.
+/// The analytic face of each model face that gets one.
 using AnalyticFaces = std::map<const SkinnedRegion*, AnalyticFace>;
 
-/// Plans the analytic faces of a file. Adds cuts to `plan` where their seams intersect lines.
-/// Removes from `shapes` each region that cannot be an analytic face: its boundary winds around in
-/// an unsupported manner, passes too close to a pole, or leaves no position for a seam.
+/// Plans the analytic faces of a file. Adds cuts to `plan` where their seams intersect curves.
+/// Removes from `shapes` each model face that cannot be an analytic face: its boundary winds around
+/// in an unsupported manner, passes too close to a pole, or leaves no position for a seam.
 /// O(boundary).
 AnalyticFaces analytic_faces(StepPlan& plan, MeasuredShapes& shapes);
 

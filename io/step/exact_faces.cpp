@@ -89,7 +89,7 @@ Cubic part_of(const Cubic& whole, double from, double to) {
   return part;
 }
 
-/// Makes the faces of regions; each shared vertex and edge is made once.
+/// Makes the CAD faces of model faces; each shared vertex and edge is made once.
 class FacesMaker {
  public:
   FacesMaker(const StepPlan& plan, double size)
@@ -109,7 +109,7 @@ class FacesMaker {
     return std::move(faces_);
   }
 
-  /// Copies the vertices and edges along lines to `shared`. Call it after all faces are made.
+  /// Copies the vertices and edges along curves to `shared`. Call it after all faces are made.
   void share(SharedEdges& shared) const {
     for (const auto& [name, chain] : numbering_.lines()) {
       const int n = isize(chain.edges);
@@ -256,7 +256,7 @@ class FacesMaker {
   BRep_Builder builder_;
   std::vector<TopoDS_Vertex> vertices_;
   std::vector<MadeEdge> edges_;
-  std::vector<TopoDS_Face> faces_;  // of the current region
+  std::vector<TopoDS_Face> faces_;  // of the current model face
 };
 
 }  // namespace
@@ -278,7 +278,7 @@ std::vector<int> add(int count, std::vector<int>& all) {
   all.insert(all.end(), numbers.begin(), numbers.end());
   return numbers;
 }
-/// The line's parameters at the vertices of an edge-aligned line.
+/// The curve's parameters at the vertices of an edge-aligned curve.
 std::vector<double> on_line(const StepLine& line, const EdgeAlignedLine& aligned_line,
                             double distance) {
   const HermiteCurve &curve = *line.curve, &fitted = aligned_line.fitted;
@@ -346,7 +346,7 @@ void ExactFaceNumbering::join(const EdgeAlignedLine& aligned_line, SharedEntityI
   std::vector<double> places{line.curve->start()};
   places.insert(places.end(), line.cuts.begin(), line.cuts.end());
   places.push_back(line.curve->end());
-  std::vector<int> at;  // index in `places` of each vertex of the aligned line
+  std::vector<int> at;  // index in `places` of each vertex of the aligned curve
   for (const double t : on_line(line, aligned_line, plan_.distance)) {
     const auto next = std::lower_bound(places.begin() + 1, places.end() - 1, t);
     at.push_back(static_cast<int>(next - places.begin()) - (*next - t > t - *(next - 1)));
@@ -371,8 +371,8 @@ void cut_at_vertices(StepPlan& plan) {
       if (region->surface.trim() || aligned_line.line.name.empty()) continue;
       StepLine& line = plan.lines.at(aligned_line.line.name);
       const double span = line.curve->end() - line.curve->start();
-      // Vertices of two regions at the same point count as one, even if their parameters differ by
-      // rounding.
+      // Vertices of two model faces at the same point count as one, even if their parameters differ
+      // by rounding.
       const double hair = plan.distance / line.curve->length() * span;
       const auto at = on_line(line, aligned_line, plan.distance);
       std::vector<double> added;

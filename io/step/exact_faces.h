@@ -1,4 +1,4 @@
-// Converts HCT regions to CAD faces that represent their surfaces exactly.
+// Converts HCT model faces to CAD faces that represent their surfaces exactly.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -11,14 +11,14 @@
 
 namespace batten {
 
-/// The faces of each region in StepPlan::regions.
+/// The CAD faces of each model face in StepPlan::regions.
 using RegionFaces = std::vector<std::vector<TopoDS_Face>>;
 
 /// Makes three bicubic faces per triangle, in the order of the triangles (see step.h). Trimmed
-/// regions get none. Each vertex and edge exists once: lines with the same name share them, and
-/// coincident line ends share one vertex. Edges along lines end at the cuts of the plan, so one
-/// side of a triangle may consist of several edges. `shared`, unless null, receives the vertices
-/// and edges along lines, for other faces and for their names. `size`: size of the model;
+/// model faces get none. Each vertex and edge exists once: curves with the same name share them,
+/// and coincident curve ends share one vertex. Edges along curves end at the cuts of the plan, so
+/// one side of a triangle may consist of several edges. `shared`, unless null, receives the
+/// vertices and edges along curves, for other faces and for their names. `size`: size of the model;
 /// tolerances are 1e-9 of it.
 ///
 /// Call cut_at_vertices() first. Throws InputError for an edge of length zero.
@@ -33,26 +33,27 @@ struct SideSubdivision {
   std::vector<double> fractions;     // position of each vertex on the side, 0 to 1
 };
 
-/// Global indices of a region's vertices and edges.
+/// Global indices of a model face's vertices and edges.
 struct SharedEntityIds {
   std::vector<int> vertices, edges;
-  std::map<int, SideSubdivision> on_lines;  // sides along named lines; replaces `edges` there
+  std::map<int, SideSubdivision> on_lines;  // sides along named curves; replaces `edges` there
 };
 
-/// Global indices of the vertices and edges along a line, from its start.
+/// Global indices of the vertices and edges along a curve, from its start.
 struct LineEntityIds {
   std::vector<int> vertices, edges;
 };
 
-/// Assigns global indices to the vertices and edges of all regions. Coincident vertices and edges
-/// on lines with the same name get the same index, and so do coincident ends of lines. Edges along
-/// lines end at the cuts of the plan (cut_at_vertices()). Trimmed regions share no indices.
+/// Assigns global indices to the vertices and edges of all model faces. Coincident vertices and
+/// edges on curves with the same name get the same index, and so do coincident ends of curves.
+/// Edges along curves end at the cuts of the plan (cut_at_vertices()). Trimmed model faces share no
+/// indices.
 class ExactFaceNumbering {
  public:
   /// Numbers all vertices and edges. Keeps a reference to `plan`.
   explicit ExactFaceNumbering(const StepPlan& plan);
 
-  /// The indices for each region of StepPlan::regions.
+  /// The indices for each model face of StepPlan::regions.
   const std::vector<SharedEntityIds>& regions() const { return numbers_; }
   const std::map<std::string, LineEntityIds>& lines() const { return lines_; }
   size_t vertex_count() const { return vertices_.size(); }
@@ -73,7 +74,7 @@ class ExactFaceNumbering {
   std::vector<SharedEntityIds> numbers_;
 };
 
-/// Adds a cut to the plan's lines at each triangle vertex of an exact face.
+/// Adds a cut to the plan's curves at each triangle vertex of an exact face.
 void cut_at_vertices(StepPlan& plan);
 
 }  // namespace batten

@@ -72,8 +72,8 @@ HermiteCurve shifted(const HermiteCurve& pcurve, double du) {
   return {pcurve.mesh(), std::move(dofs)};
 }
 
-/// Determines the direction of the segment along its line, and the map to the line's parameter. A
-/// segment has the direction of its loop, whatever the direction of the line.
+/// Determines the direction of the segment along its curve, and the map to the curve's parameter. A
+/// segment has the direction of its loop, whatever the direction of the curve.
 void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
                        const std::string& region) {
   const auto found = common.lines.find(whole.line);
@@ -83,7 +83,7 @@ void parameter_on_line(FaceBoundarySegment& whole, const StepPlan& common,
                      "faces share");
   const HermiteCurve& line = *found->second.curve;
   whole.reversed = direction_along(whole.curve, line, common.distance) < 0;
-  // A region that fitted the line itself has another parametrisation.
+  // A model face that fitted the curve itself has another parametrisation.
   whole.scale = (line.end() - line.start()) / (whole.curve.end() - whole.curve.start());
   if (whole.reversed) whole.scale = -whole.scale;
   whole.shared = found->second.sides > 1;
@@ -102,7 +102,7 @@ FaceLoop loop_of(const SkinnedRegion& region, const std::vector<BoundarySegment>
           1e-9 * (whole.curve.end() - whole.curve.start())))
       throw InputError("face '" + region.name + "': a boundary curve runs from " +
                        format_number(whole.curve.start()) + " to " +
-                       format_number(whole.curve.end()) + ", its image in (u, v) from " +
+                       format_number(whole.curve.end()) + ", its curve in (u, v) from " +
                        format_number(whole.pcurve.start()) + " to " +
                        format_number(whole.pcurve.end()));
     if (period > 0 && !loop.empty()) {

@@ -1,4 +1,4 @@
-// The boundary of a region, split into the segments that become edges of a CAD face.
+// The boundary of a model face, split into the segments that become edges of a CAD face.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ namespace batten {
 /// A smooth segment of the boundary, oriented along its loop.
 struct FaceBoundarySegment {
   HermiteCurve curve, pcurve;  ///< in space and in (u, v), over the same parameter range
-  std::string line;            ///< name of its line
-  bool reversed = false;       ///< true if the loop traverses the line backwards
-  /// Parameter on the line = shift + scale · parameter on the segment.
+  std::string line;            ///< name of its curve
+  bool reversed = false;       ///< true if the loop traverses the curve backwards
+  /// Parameter on the curve = shift + scale · parameter on the segment.
   double shift = 0, scale = 1;
-  bool shared = false;  ///< true if the line has more than one adjacent side
+  bool shared = false;  ///< true if the curve has more than one adjacent side
   /// Corrections to add to the surface's unit normal to get the common target normal of both
   /// adjacent faces, at evenly spaced parameters. nullopt where the surfaces meet at an angle.
   /// Empty until find_tangent_joins() sets them.
@@ -34,10 +34,10 @@ struct FaceBoundarySegment {
 /// The segments of one closed boundary loop, in order.
 using FaceLoop = std::vector<FaceBoundarySegment>;
 
-/// All boundary loops of a region.
+/// All boundary loops of a model face.
 struct FaceBoundary {
   std::vector<FaceLoop> loops;  ///< for an annulus, the first two form one wire with the seam
-  double period = 0;            ///< of the mesh in u; 0 if the region is not an annulus
+  double period = 0;            ///< of the mesh in u; 0 if the model face is not an annulus
   double seam = 0;              ///< u of the annulus's seam
   DomainLoops domain;
 
@@ -45,25 +45,25 @@ struct FaceBoundary {
   /// v) and are cut there. Whole: they are not cut.
   enum class AnnulusBoundary { AtSeam, Whole };
 
-  /// Splits the region's lines at corners and at the cuts of `common`. The boundary circles of an
-  /// annulus are also split at the seam (AnnulusBoundary::AtSeam). Throws InputError as
-  /// write_step_faces() does for invalid boundaries, and for a line without a name if `common` is
+  /// Splits the model face's curves at corners and at the cuts of `common`. The boundary circles of
+  /// an annulus are also split at the seam (AnnulusBoundary::AtSeam). Throws InputError as
+  /// write_step_faces() does for invalid boundaries, and for a curve without a name if `common` is
   /// given.
   explicit FaceBoundary(const SkinnedRegion& region, const StepPlan* common = nullptr,
                         AnnulusBoundary boundary_cut = AnnulusBoundary::AtSeam);
 
   /// True if (u, v) lies inside the boundary.
   bool contains(Vec2 uv) const;
-  /// Adds to the plan the interior parameters at which this boundary cuts its lines.
+  /// Adds to the plan the interior parameters at which this boundary cuts its curves.
   void add_cuts(StepPlan& plan) const;
 
  private:
   void unroll(const std::string& name);
 };
 
-/// Adds to the plan the cuts that the boundaries of these regions make, so that all regions cut
-/// their lines at the same points. Boundary circles of the regions in `whole` are not cut. Throws
-/// InputError as FaceBoundary does.
+/// Adds to the plan the cuts that the boundaries of these model faces make, so that all model faces
+/// cut their curves at the same points. Boundary circles of the model faces in `whole` are not cut.
+/// Throws InputError as FaceBoundary does.
 void cut_lines(StepPlan& plan, const std::vector<const SkinnedRegion*>& regions,
                const std::set<const SkinnedRegion*>& whole = {});
 

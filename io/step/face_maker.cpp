@@ -140,7 +140,7 @@ std::vector<CadCurveItem> SharedEdges::along_lines() const {
   return result;
 }
 
-// ---- one region -----------------------------------------------------------------------------
+// ---- one model face ------------------------------------------------------------------------
 
 FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options,
                      const StepPlan* common, const AnalyticFace* analytic)
@@ -249,7 +249,7 @@ TopoDS_Vertex FaceMaker::vertex(const FaceBoundarySegment& before,
 }
 
 // The edge of a segment, oriented along the loop. A shared edge that is made here runs along its
-// line.
+// curve.
 TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Vertex& a,
                             const TopoDS_Vertex& b) {
   bool reversed = shared_ && segment.reversed;
@@ -260,7 +260,7 @@ TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Ver
   TopoDS_Edge* result = &mine;
   if (shared_) {
     result = &shared_->edge(segment);
-    // A line with one face on both sides becomes two edges, because readers do not agree about
+    // A curve with one face on both sides becomes two edges, because readers do not agree about
     // slits.
     if (!result->IsNull() && used_.count(result->TShape().get())) result = &mine;
     if (!result->IsNull() && result->Orientation() == TopAbs_REVERSED) reversed = !reversed;

@@ -1,4 +1,4 @@
-// Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a region.
+// Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a model face.
 #pragma once
 
 #include <BRep_Builder.hxx>
@@ -25,7 +25,7 @@
 
 namespace batten {
 
-/// Edges and vertices shared by several faces: one edge per piece of a line between two cuts, one
+/// Edges and vertices shared by several faces: one edge per piece of a curve between two cuts, one
 /// vertex per point where such pieces end. Each is null until it is set.
 class SharedEdges {
  public:
@@ -35,25 +35,25 @@ class SharedEdges {
   /// The vertex at the start or end of a segment (along its loop), and the edge of the segment.
   TopoDS_Vertex& vertex(const FaceBoundarySegment& segment, bool end);
   TopoDS_Edge& edge(const FaceBoundarySegment& segment);
-  /// The vertex at a cut of the line. Cuts are counted from 1; 0 is the start of the line, and the
-  /// number after the last cut is its end.
+  /// The vertex at a cut of the curve. Cuts are counted from 1; 0 is the start of the curve, and
+  /// the number after the last cut is its end.
   TopoDS_Vertex& vertex(const std::string& line, int cut);
-  /// The edge that ends at this cut, or at the end of the line. Its orientation is forward if it
-  /// runs along the line.
+  /// The edge that ends at this cut, or at the end of the curve. Its orientation is forward if it
+  /// runs along the curve.
   TopoDS_Edge& edge(const std::string& line, int cut) { return edges_[{line, cut}]; }
-  /// All edges, with the names of their lines.
+  /// All edges, with the names of their curves.
   std::vector<CadCurveItem> along_lines() const;
 
  private:
   int cut_of(const FaceBoundarySegment& segment, bool end) const;
   const StepPlan& plan_;
   std::map<int, TopoDS_Vertex> end_points_;
-  std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // by line and cut
-  // By line and the cut at the edge's end.
+  std::map<std::pair<std::string, int>, TopoDS_Vertex> vertices_;  // by curve and cut
+  // By curve and the cut at the edge's end.
   std::map<std::pair<std::string, int>, TopoDS_Edge> edges_;
 };
 
-/// Fits a B-spline surface to a region and makes a trimmed face of it.
+/// Fits a B-spline surface to a model face and makes a trimmed face of it.
 class FaceMaker {
  public:
   /// Keeps references to `region`, `options` and `analytic`. `analytic`: the analytic face to make;
@@ -70,12 +70,12 @@ class FaceMaker {
   const AnalyticFace* analytic() const { return analytic_; }
   /// Number of knot cells of the fit; 64 for an analytic face.
   int cells() const;
-  /// Point of the region's surface at (u, v).
+  /// Point of the model face's surface at (u, v).
   Vec3 position(const Vec2& uv) const;
-  /// Unit normal of the region; zero if the surface is singular.
+  /// Unit normal of the model face; zero if the surface is singular.
   Vec3 normal(const Vec2& uv) const;
-  /// The last fit, relative to the centre of the region's bounding box; and a point of the face, in
-  /// model coordinates.
+  /// The last fit, relative to the centre of the model face's bounding box; and a point of the
+  /// face, in model coordinates.
   const BicubicPatch& patch() const { return fit_.patch; }
   Vec3 fitted_position(const Vec2& uv) const;
   Vec3 fitted_normal(const Vec2& uv) const;  ///< not normalised; its side is undefined
@@ -86,20 +86,20 @@ class FaceMaker {
 
   /// Fits the surface, including its tangent planes along joins with normal corrections. If these
   /// cannot be reached, the fit comes as close as possible. O(poles); takes seconds for large
-  /// regions.
+  /// model faces.
   void fit();
 
   /// Refits with more poles, given measurements of the last face. `deviation`: measured distance
-  /// from the region; `angle_deg`: measured angle across its smooth joins. Returns false and keeps
-  /// the last fit if nothing needs to be improved or no finer fit is better.
+  /// from the model face; `angle_deg`: measured angle across its smooth joins. Returns false and
+  /// keeps the last fit if nothing needs to be improved or no finer fit is better.
   bool refine(double deviation, double angle_deg);
 
-  /// The edges of the last face that lie on lines, with the names of the lines.
+  /// The edges of the last face that lie on curves, with the names of the curves.
   const std::vector<CadCurveItem>& along_lines() const { return along_lines_; }
 
-  /// Makes the face of the last fit. Edges on lines with another adjacent side are exactly the
-  /// lines; they are those of `shared`, or new ones if `shared` is null. All other edges are curves
-  /// on the face itself, approximated within `coincidence` (model units).
+  /// Makes the face of the last fit. Edges on curves with another adjacent side are exactly the
+  /// curves; they are those of `shared`, or new ones if `shared` is null. All other edges are
+  /// curves on the face itself, approximated within `coincidence` (model units).
   TopoDS_Face make(double coincidence, SharedEdges* shared = nullptr);
 
  private:

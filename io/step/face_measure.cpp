@@ -54,7 +54,7 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surfa
     double first, last;
     e.curve = BRep_Tool::Curve(edge, e.first, e.last);
     e.line = BRep_Tool::CurveOnSurface(edge, face, first, last);
-    // Readers insert degenerate edges where lines meet at a tangent.
+    // Readers insert degenerate edges where curves meet at a tangent.
     if (BRep_Tool::Degenerated(edge)) continue;
     if (e.curve.IsNull() || e.line.IsNull()) return std::nullopt;
     e.weight = parameter_weight(*e.curve);
@@ -74,7 +74,7 @@ std::optional<FileEdges> edges_of_face(const TopoDS_Face& face, const Geom_Surfa
 }
 
 /// Sample points inside the trim of the file's face, by its knot cells. (Close to the boundary, the
-/// region's own loops decide whether a point is inside. They are much faster, and the distance
+/// model face's own loops decide whether a point is inside. They are much faster, and the distance
 /// between the two boundaries is measured elsewhere.)
 std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurface& surface,
                                  const std::vector<FileEdge>& edges, const FaceMaker& made) {
@@ -98,8 +98,8 @@ std::vector<Vec2> points_of_face(const TopoDS_Face& face, const Geom_BSplineSurf
                       });
 }
 
-/// Distance of an edge of the file from the line, at the same fraction of the parameter. If no
-/// other region has the line, the distance from the region's own boundary.
+/// Distance of an edge of the file from the curve, at the same fraction of the parameter. If no
+/// other model face has the curve, the distance from the model face's own boundary.
 double apart(const FileEdge& e, const FaceBoundarySegment& segment, double fraction,
              const FaceMaker& made) {
   const double start = segment.curve.start(), end = segment.curve.end();
@@ -143,7 +143,7 @@ void measure_segment(const FaceBoundarySegment& segment, const FileEdge& edge, i
   }
 }
 
-/// The normals along a segment with normal corrections, in the direction of its line. `of_face`
+/// The normals along a segment with normal corrections, in the direction of its curve. `of_face`
 /// returns the normal of the face, given the fraction of the segment and (u, v).
 template <class Function>
 JoinNormals normals_along(const FaceBoundarySegment& segment, const FaceMaker& made,
@@ -198,7 +198,7 @@ struct JoinAngles {
   }
 };
 
-/// The faces adjacent to a piece of a line, by index.
+/// The faces adjacent to a piece of a curve, by index.
 struct JoinSides {
   std::array<size_t, 2> faces{};
   std::array<const JoinNormals*, 2> normals{};  // null: no fitted face on that side

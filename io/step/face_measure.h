@@ -1,4 +1,4 @@
-// Measures the faces of a STEP file that was read back against their regions.
+// Measures the faces of a STEP file that was read back against their model faces.
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -16,34 +16,34 @@
 
 namespace batten {
 
-/// Normals of one face along a piece of a line, at evenly spaced parameters.
+/// Normals of one face along a piece of a curve, at evenly spaced parameters.
 struct JoinNormals {
   std::string region;
   std::vector<Vec3> of_face;  ///< not normalised; zero where the surfaces meet at an angle
   std::vector<Vec3> of_surface,
       target_normals;  ///< unit normals of the surface, and the common target normals of both faces
 };
-/// The normals of one face along its smooth joins, by piece of line.
+/// The normals of one face along its smooth joins, by piece of curve.
 using FaceNormals = std::map<LineSegmentId, JoinNormals>;
 
-/// Measures a face of the file against the region it was made from. Sets all of `patch` except
+/// Measures a face of the file against the model face it was made from. Sets all of `patch` except
 /// names and poles. Returns the normals of the face along smooth joins. `plan` identifies the
-/// pieces of lines.
+/// pieces of curves.
 FaceNormals measure_face(const TopoDS_Face& face, const FaceMaker& made, const StepPlan& plan,
                          StepPatch& patch);
 
-/// True if the area of an analytic face equals that of its region within 1 %. Otherwise the face is
-/// the wrong part of its surface.
+/// True if the area of an analytic face equals that of its model face within 1 %. Otherwise the
+/// face is the wrong part of its surface.
 bool has_area_of_region(const TopoDS_Face& face, const FaceMaker& made);
 
 /// As measure_face(), but returns the normals of the last fit, before a file exists.
-/// normals_before_fit() returns those of an analytic face, or of the region's surface, before there
-/// is a fit.
+/// normals_before_fit() returns those of an analytic face, or of the model face's surface, before
+/// there is a fit.
 FaceNormals normals_of_fit(const FaceMaker& made, const StepPlan& plan);
 FaceNormals normals_before_fit(const FaceMaker& made, const StepPlan& plan);
 
-/// The joins between faces, by line. If one side has no fitted face, the angle is measured from the
-/// target normals.
+/// The joins between faces, by curve. If one side has no fitted face, the angle is measured from
+/// the target normals.
 std::vector<StepJoin> joins_between(const std::vector<FaceNormals>& faces, double join_deg);
 
 /// For each face, the largest angle at smooth joins that exceeds `join_deg` and that a better face
@@ -56,7 +56,7 @@ std::vector<double> correctable_angles(const std::vector<FaceNormals>& faces, do
 /// of the face alone, whatever the other face does.
 std::vector<double> angles_from_target(const std::vector<FaceNormals>& faces, double join_deg);
 
-// Sample points at which a region and its fitted face are compared.
+// Sample points at which a model face and its fitted face are compared.
 
 /// The maximum of value(0) … value(count - 1), computed on all threads; non-finite values count as
 /// infinity. 0 if count is 0.
@@ -74,7 +74,7 @@ double largest(size_t count, const Function& value) {
   return parts > 0 ? *std::max_element(of.begin(), of.end()) : 0;
 }
 
-/// Sample points of the region's surface in (u, v): about n²/2 per triangle, those inside the
+/// Sample points of the model face's surface in (u, v): about n²/2 per triangle, those inside the
 /// boundary.
 std::vector<Vec2> points_of_region(const FaceMaker& made);
 

@@ -26,7 +26,7 @@ namespace batten {
 namespace {
 
 /// Refines the fit until it meets the tolerance between its sample points, too. This avoids writing
-/// files of many regions twice.
+/// files of many model faces twice.
 void fit_to_tolerance(FaceMaker& made, double tolerance) {
   constexpr int most_fits = 5;
   for (int i = 0; i < most_fits; ++i) {
@@ -74,7 +74,7 @@ void fit_joins_to_tolerance(const FittedFaces& made, const StepPlan& plan,
   }
 }
 
-/// An adjacent region that has no fitted face.
+/// An adjacent model face that has no fitted face.
 struct NeighbourSide {
   FaceBoundary boundary;
   TriangleLocator locator;
@@ -102,8 +102,8 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
   find_tangent_joins(plan, sides, tolerance);
 }
 
-/// True if a region's analytic face is valid by itself and covers the part of the surface that the
-/// region covers.
+/// True if a model face's analytic face is valid by itself and covers the part of the surface that
+/// the model face covers.
 bool is_valid_alone(FaceMaker& made) {
   try {
     const TopoDS_Face face = made.make(1e-9 * made.size());
@@ -115,7 +115,7 @@ bool is_valid_alone(FaceMaker& made) {
   }
 }
 
-/// The regions whose analytic faces miss a smooth join whatever the other face is.
+/// The model faces whose analytic faces miss a smooth join whatever the other face is.
 std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, const StepPlan& plan,
                                                      double join_deg) {
   std::vector<const SkinnedRegion*> off;
@@ -129,7 +129,7 @@ std::vector<const SkinnedRegion*> analytic_off_joins(const FittedFaces& made, co
   return off;
 }
 
-/// True if a face of the file has the surface that was fitted to a region.
+/// True if a face of the file has the surface that was fitted to a model face.
 bool lies_on_region(const TopoDS_Face& face, const FaceMaker& made) {
   if (made.analytic())
     return shape_of(BRep_Tool::Surface(face)).kind == made.analytic()->surface.shape().kind;
@@ -144,7 +144,7 @@ bool lies_on_region(const TopoDS_Face& face, const FaceMaker& made) {
          hair * made.size();
 }
 
-/// Throws UnwritableRegions, with the names of the regions whose face was read back as several
+/// Throws UnwritableRegions, with the names of the model faces whose face was read back as several
 /// faces or not at all.
 void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces& made) {
   if (faces.size() == made.size()) return;
@@ -158,7 +158,7 @@ void require_as_written(const std::vector<TopoDS_Face>& faces, const FittedFaces
     other.push_back(&maker->region());
     names += (names.empty() ? " ('" : ", '") + maker->region().name + "'";
   }
-  // Faces after an unrecognised one cannot be assigned to regions.
+  // Faces after an unrecognised one cannot be assigned to model faces.
   if (next < faces.size()) other.clear();
   throw UnwritableRegions("OpenCASCADE reads " + std::to_string(faces.size()) + " faces where " +
                               std::to_string(made.size()) + " were written" +

@@ -29,8 +29,8 @@ constexpr const char* kFace =
 
 bool is_cut(const SkinnedRegion& region) { return region.surface.trim() != nullptr; }
 
-/// Diagonal of the bounding box of all mesh vertices. For trimmed regions, whose meshes extend
-/// beyond the boundary, that of their lines.
+/// Diagonal of the bounding box of all mesh vertices. For trimmed model faces, whose meshes extend
+/// beyond the boundary, that of their curves.
 double size_of(const std::vector<const SkinnedRegion*>& regions) {
   Box3 box;
   for (const SkinnedRegion* region : regions) {
@@ -46,9 +46,9 @@ double size_of(const std::vector<const SkinnedRegion*>& regions) {
   return box.diagonal().norm();
 }
 
-/// Throws InputError for regions that have no exact STEP form.
+/// Throws InputError for model faces that have no exact STEP form.
 void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_hct) {
-  std::map<std::string, std::string> edge_aligned;  // line name → a region aligned to it
+  std::map<std::string, std::string> edge_aligned;  // curve name → a model face aligned to it
   std::string cut;
   for (const SkinnedRegion* region : regions) {
     if (is_cut(*region)) {
@@ -79,7 +79,7 @@ void check_exact(const std::vector<const SkinnedRegion*>& regions, bool z12_as_h
   }
 }
 
-/// A file of exact faces, and fitted ones of trimmed regions, which share vertices and edges.
+/// A file of exact faces, and fitted ones of trimmed model faces, which share vertices and edges.
 class ModelFile {
  public:
   /// Plans the file and fits faces. Keeps a reference to `options`.
@@ -247,7 +247,7 @@ TopoDS_Shape save(const std::filesystem::path& path, const StepPlan& plan, const
   return shape;
 }
 
-/// True if all boundary lines have names.
+/// True if all boundary curves have names.
 bool lines_have_names(const StepPlan& plan) {
   for (const SkinnedRegion* region : plan.regions)
     for (const auto& loop : region->boundary)
@@ -261,7 +261,7 @@ bool lines_have_names(const StepPlan& plan) {
   return true;
 }
 
-/// The regions that are planes, cylinders … within the tolerance.
+/// The model faces that are planes, cylinders … within the tolerance.
 MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& options) {
   MeasuredShapes shapes;
   if (!options.analytic || !lines_have_names(plan)) return shapes;
@@ -280,8 +280,8 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
   return shapes;
 }
 
-/// Plans the analytic faces and cuts all lines. Regions that cannot be analytic faces are removed
-/// from `shapes`.
+/// Plans the analytic faces and cuts all curves. Model faces that cannot be analytic faces are
+/// removed from `shapes`.
 AnalyticFaces planned_faces(StepPlan& plan, MeasuredShapes& shapes) {
   const StepPlan before = plan;
   while (true) {
@@ -296,7 +296,7 @@ AnalyticFaces planned_faces(StepPlan& plan, MeasuredShapes& shapes) {
   }
 }
 
-/// The regions whose analytic faces cause a check of the file to fail.
+/// The model faces whose analytic faces cause a check of the file to fail.
 std::vector<const SkinnedRegion*> failed_faces(const FittedFaces& made, const StepReport& report) {
   std::vector<const SkinnedRegion*> failed;
   for (size_t k = 0; k < made.size(); ++k) {
@@ -320,7 +320,7 @@ StepReport write_step_faces(const std::filesystem::path& path,
   OccSettings occ;
   occ.set_unit(unit);
   try {
-    // Regions whose analytic faces fail become B-splines, and the file is written again.
+    // Model faces whose analytic faces fail become B-splines, and the file is written again.
     MeasuredShapes shapes = shapes_within(planned, options);
     StepReport report;
     while (true) {

@@ -187,7 +187,7 @@ bool on_unit_square(const TopoDS_Face& face) {
   return std::abs(u0) + std::abs(u1 - 1) + std::abs(v0) + std::abs(v1 - 1) < 1e-6;
 }
 
-/// The origin of a face of write_step(). The face of a trimmed region has triangle -1.
+/// The origin of a face of write_step(). The face of a trimmed model face has triangle -1.
 struct SubTriangle {
   int region, triangle, sub;
 };

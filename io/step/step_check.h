@@ -17,18 +17,18 @@ namespace batten {
 TopoDS_Shape read_step(const std::filesystem::path& path);
 
 /// Measures a shape. Sets everything in StepReport except file name, file size, area, and the
-/// comparison with regions. `region_of_face`: the region index of each face, in file order; faces
-/// beyond its end form one region.
+/// comparison with model faces. `region_of_face`: the model face index of each face, in file order;
+/// faces beyond its end form one model face.
 StepReport measure_shape(const TopoDS_Shape& shape, const std::vector<int>& region_of_face);
 
 /// Measures a file as check_step() does, but without the patches, in the unit of the current
-/// OccSettings. `fitted` receives the faces of the trimmed regions, in order. It stays empty if
-/// write_step() did not write the file from these regions.
+/// OccSettings. `fitted` receives the faces of the trimmed model faces, in order. It stays empty if
+/// write_step() did not write the file from these model faces.
 StepReport measured_file(const std::filesystem::path& path,
                          const std::vector<const SkinnedRegion*>& regions,
                          std::vector<TopoDS_Face>& fitted);
 
-/// The largest distance between sample points inside the face and the closest of the regions'
+/// The largest distance between sample points inside the face and the closest of the model faces'
 /// surfaces. O(triangles) per point.
 double nearest_deviation(const TopoDS_Face& face, const std::vector<const SkinnedRegion*>& regions);
 

@@ -17,8 +17,8 @@
 namespace batten {
 namespace {
 
-/// One side of a line: the adjacent region, and +1 if its loop runs along the line, -1 if against
-/// it.
+/// One side of a curve: the adjacent model face, and +1 if its loop runs along the curve, -1 if
+/// against it.
 struct LineSide {
   int region, orientation;
 };
@@ -197,7 +197,7 @@ class Planner {
   Box3 box_;
   StepPlan plan_;
   std::map<std::string, std::vector<LineSide>> sides_;
-  // True for a region with a boundary line that has no name, or without boundary.
+  // True for a model face with a boundary curve that has no name, or without boundary.
   std::vector<char> open_;
 };
 

@@ -15,7 +15,7 @@
 
 namespace batten {
 
-/// Measurements of the fitted face of one region. Lengths are in model units. check_step() sets
+/// Measurements of the fitted face of one model face. Lengths are in model units. check_step() sets
 /// only `region` and `deviation` (sampled at a few points of the face, with closest points of the
 /// surface).
 struct StepPatch {
@@ -27,22 +27,22 @@ struct StepPatch {
   bool reached = false;  ///< true if deviation ≤ tolerance
   /// Largest angle at joins that miss the limit and that a better face could reduce.
   double join_deg = 0;
-  /// Largest distance between the face and an edge or vertex of the file. Edges whose line belongs
-  /// to no other region lie on the face within 1e-7 mm, the distance at which readers treat points
-  /// as coincident. All others are exactly the lines; they deviate by line_gap and by the error of
-  /// the fit.
+  /// Largest distance between the face and an edge or vertex of the file. Edges whose curve belongs
+  /// to no other model face lie on the face within 1e-7 mm, the distance at which readers treat
+  /// points as coincident. All others are exactly the curves; they deviate by line_gap and by the
+  /// error of the fit.
   double edge_gap = 0;
-  /// Largest distance between the boundary curves and the region's own surface.
+  /// Largest distance between the boundary curves and the model face's own surface.
   double line_gap = 0;
-  /// Largest distance of the file's edges from lines shared by regions (rounding), and from the
-  /// region's own boundary elsewhere (error of the fit).
+  /// Largest distance of the file's edges from curves shared by model faces (rounding), and from
+  /// the model face's own boundary elsewhere (error of the fit).
   double edge_deviation = 0;
   int poles_u = 0, poles_v = 0;  ///< for a B-spline; 0 for an analytic face
   /// "plane", "cylinder", "sphere", "cone" or "torus" for an analytic face; else "B-spline".
   std::string surface = "B-spline";
 };
 
-/// A smooth join: a line along which the surfaces of two regions are tangent, measured between
+/// A smooth join: a curve along which the surfaces of two model faces are tangent, measured between
 /// their faces in the file.
 struct StepJoin {
   std::string line;
@@ -64,7 +64,7 @@ struct StepReport {
   int closed_shells = 0;  ///< shells without free edges
   int faces = 0;
   int edges = 0;       ///< edges of faces
-  int curves = 0;      ///< edges without a face: lines written in addition to the faces
+  int curves = 0;      ///< edges without a face: curves written in addition to the faces
   int free_edges = 0;  ///< edges with one face only; seams do not count
   /// True if OpenCASCADE's checks pass (BRepCheck_Analyzer). They also pass if there is a gap,
   /// because the reader widens the tolerance of the edge to cover it. max_gap shows the gap.
@@ -77,19 +77,21 @@ struct StepReport {
   /// faces), and between a vertex and the ends of its edges. Divide it by `size` for a relative
   /// gap.
   double max_gap = 0;
-  /// Largest angle between the outward normals of two faces of one region along their common edge,
-  /// 9 points per edge. If the regions of the file are unknown, all faces count as one region.
+  /// Largest angle between the outward normals of two faces of one model face along their common
+  /// edge,
+  /// 9 points per edge. If the model faces of the file are unknown, all faces count as one model
+  /// face.
   double max_normal_jump_deg = 0;
-  /// Largest distance of sample points of the faces from the regions' surfaces (15 points per face;
-  /// for fitted faces see StepPatch::deviation). Set only if regions were given. In a report of
-  /// write_step() it refers to the exact faces; `patches` has the fitted ones.
+  /// Largest distance of sample points of the faces from the model faces' surfaces (15 points per
+  /// face; for fitted faces see StepPatch::deviation). Set only if model faces were given. In a
+  /// report of write_step() it refers to the exact faces; `patches` has the fitted ones.
   std::optional<double> max_deviation;
   double max_tolerance = 0;  ///< largest tolerance of edges and vertices after reading
   /// Number of points at which one of these could not be measured: an edge without a pcurve on its
   /// face, or a singular point of a surface.
   int unmeasured = 0;
   /// Continuity across every edge of the file, in model units; set by the writers, and by
-  /// check_step() if it is given regions.
+  /// check_step() if it is given model faces.
   std::optional<ContinuityReport> continuity;
   std::vector<std::string> warnings;
 
@@ -104,7 +106,7 @@ struct StepReport {
 
 // Errors of the writers of STEP files.
 
-/// Thrown if the faces of these regions are not read back from the file as they were written.
+/// Thrown if the faces of these model faces are not read back from the file as they were written.
 class UnwritableRegions : public Error {
  public:
   UnwritableRegions(const std::string& what, std::vector<const SkinnedRegion*> regions)

@@ -19,20 +19,20 @@ namespace {
 constexpr int kPieces = 256;      // samples per segment
 constexpr double kNearby = 0.03;  // half-width of the smoothing window, as a fraction of a segment
 
-/// A piece of a line with its two sides.
+/// A piece of a curve with its two sides.
 struct Join {
   std::array<FaceBoundarySegment*, 2> segments;
   std::array<const TangentSide*, 2> sides;
   double same = 1;                               // -1: the normals of the two sides are opposite
-  std::vector<std::array<Vec3, 2>> of_surfaces;  // at points along the line; zero: not tangent
+  std::vector<std::array<Vec3, 2>> of_surfaces;  // at points along the curve; zero: not tangent
   std::vector<Vec3> common;                      // common normals, oriented as on the first side
 
-  /// Converts the index of a point along the line to the index along the segment of a side.
+  /// Converts the index of a point along the curve to the index along the segment of a side.
   int index(int side, int k) const {
     return segments[static_cast<size_t>(side)]->reversed ? kPieces - k : k;
   }
   double sign(int side) const { return side == 0 ? 1 : same; }  // of a side's normal
-  /// The position of a point along the line.
+  /// The position of a point along the curve.
   Vec3 position(int k) const {
     const HermiteCurve& curve = segments[0]->curve;
     const int i = index(0, k);
@@ -103,7 +103,7 @@ struct Corner {
   std::vector<std::pair<Join*, int>> ends;
 };
 using EndPointId =
-    std::pair<std::string, int>;  // a cut of a line, or "" and a point index of the plan
+    std::pair<std::string, int>;  // a cut of a curve, or "" and a point index of the plan
 
 EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool end) {
   const StepLine& line = plan.lines.at(piece.first);
@@ -164,7 +164,7 @@ std::optional<TwistEnd> end_of(const Join& join, bool last) {
   return TwistEnd{(along - along.dot(n) * n).normalized(), n, slope - slope.dot(n) * n};
 }
 
-/// Rotates the normals near an end about the line, by rate · s (1 - s/S)² at arc length s from the
+/// Rotates the normals near an end about the curve, by rate · s (1 - s/S)² at arc length s from the
 /// end. This moves the face off its surface by about rate S² / 25, which may be up to a third of
 /// the tolerance.
 void twist(Join& join, bool last, double rate, double tolerance) {

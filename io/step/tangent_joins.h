@@ -1,4 +1,4 @@
-// Finds the lines along which adjacent surfaces are tangent, and the common normals that their
+// Finds the curves along which adjacent surfaces are tangent, and the common normals that their
 // faces must have.
 #pragma once
 
@@ -17,19 +17,19 @@ namespace batten {
 /// within 0.1 degrees.
 constexpr double kTangentDeg = 0.2;
 
-/// A side of lines: the boundary of a region, and the unit normal of its surface at (u, v).
+/// One side of curves: the boundary of a model face, and the unit normal of its surface at (u, v).
 struct TangentSide {
   FaceBoundary* boundary;
   std::function<Vec3(const Vec2& uv)> normal;
 };
 
-/// A piece of a line between two cuts of the plan: the name of the line, and the number of cuts
+/// A piece of a curve between two cuts of the plan: the name of the curve, and the number of cuts
 /// before the piece.
 using LineSegmentId = std::pair<std::string, int>;
 LineSegmentId segment_id_of(const StepPlan& plan, const FaceBoundarySegment& segment);
 
 /// Sets the normal corrections of all segments that are shared by two sides. The common normals lie
-/// between those of the two surfaces, are smooth along the line, and agree for all joins that meet
+/// between those of the two surfaces, are smooth along the curve, and agree for all joins that meet
 /// at a point. `tolerance`: allowed deviation of the faces, model units. O(segments).
 void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
                         double tolerance);
@@ -40,7 +40,7 @@ double angle_between_planes(const Vec3& a, const Vec3& b);
 
 // Twist compatibility of faces at the vertices where smooth joins meet.
 
-/// The end of a smooth join at a vertex: the unit tangent of its line, pointing away from the
+/// The end of a smooth join at a vertex: the unit tangent of its curve, pointing away from the
 /// vertex, the unit normal of both faces, and the derivative of that normal with respect to arc
 /// length.
 struct TwistEnd {
@@ -58,7 +58,7 @@ struct TwistCorner {
 /// with continuous curvature, both sides imply the same twist: n₁'·t₂ = n₂'·t₁. Surfaces of C1
 /// elements need not satisfy this. Then the angle error of a C2 spline decreases only with the size
 /// of its first knot interval. Returns for each end the rate c by which its normals rotate about
-/// the line, n' + c n × t. The rates are small and satisfy the condition in all corners as well as
+/// the curve, n' + c n × t. The rates are small and satisfy the condition in all corners as well as
 /// possible:
 ///
 ///   min Σ over corners and their two ends |n' + c n × t + B t|² + ε Σ c²,

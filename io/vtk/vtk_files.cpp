@@ -56,7 +56,7 @@ vtkSmartPointer<Array> array(const char* name, int components) {
   return a;
 }
 
-/// The points of one region, with their data.
+/// The points of one face, with their data.
 struct RegionPoints {
   struct Point {
     Vec3 x, normal;
@@ -88,7 +88,7 @@ struct RegionPoints {
   }
 };
 
-/// The points of all regions, with their data.
+/// The points of all faces, with their data.
 struct PointTable {
   vtkNew<vtkPoints> points;
   vtkSmartPointer<vtkDoubleArray> normals = array<vtkDoubleArray>("Normals", 3);
@@ -139,11 +139,11 @@ struct PointTable {
   }
 };
 
-/// Region, element and line index of each cell.
+/// Face, element and curve index of each cell.
 struct CellTable {
-  vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Region", 1);
+  vtkSmartPointer<vtkIntArray> region = array<vtkIntArray>("Face", 1);
   vtkSmartPointer<vtkIntArray> triangle = array<vtkIntArray>("Triangle", 1);
-  vtkSmartPointer<vtkIntArray> line = array<vtkIntArray>("Line", 1);
+  vtkSmartPointer<vtkIntArray> line = array<vtkIntArray>("Curve", 1);
   vtkSmartPointer<vtkIntArray> join = array<vtkIntArray>("Join", 1);
   vtkSmartPointer<vtkDoubleArray> angle = array<vtkDoubleArray>("Join_angle", 1);
   const std::vector<VtkLine>* of_model;
@@ -174,8 +174,8 @@ struct CellTable {
       grid.GetCellData()->AddArray(join);
       grid.GetCellData()->AddArray(angle);
     }
-    const auto region_names = array<vtkStringArray>("Region_names", 1);
-    const auto line_names = array<vtkStringArray>("Line_names", 1);
+    const auto region_names = array<vtkStringArray>("Face_names", 1);
+    const auto line_names = array<vtkStringArray>("Curve_names", 1);
     for (const auto* r : regions) {
       region_names->InsertNextValue(r->name.c_str());
       if (!of_model->empty()) continue;
@@ -189,7 +189,7 @@ struct CellTable {
   }
 };
 
-/// Assigns indices to the lines of the regions; -1 if another region has written the line already.
+/// Assigns indices to the curves of the faces; -1 if another face has written the curve already.
 class LineIndex {
  public:
   explicit LineIndex(const std::vector<VtkLine>& lines) : of_model_(!lines.empty()) {

@@ -17,21 +17,21 @@ class vtkPolyData;
 
 namespace batten {
 
-/// A line of a model with several regions.
+/// A curve of a model with several faces.
 struct VtkLine {
   std::string name;
   /// ModelJoin::Kind as a number: 0 free edge, 1 crease, 2 smooth, 3 branching (non-manifold); -1
-  /// for a line inside a region.
+  /// for a curve inside a face.
   int join = -1;
-  double angle_deg = 0;  ///< largest angle between the surface normals across the line, degrees
+  double angle_deg = 0;  ///< largest angle between the surface normals across the curve, degrees
 };
 
-/// Lists the lines of a network that the model's regions use: boundary lines first, then inner
-/// lines.
+/// Lists the curves of a network that the model's faces use: boundary curves first, then inner
+/// curves.
 std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model);
 
 /// An additional point data array: name, number of components, and a function that evaluates it at
-/// a location in a region's mesh. The function is called from several threads.
+/// a location in a face's mesh. The function is called from several threads.
 struct VtkField {
   std::string name;
   int components = 1;
@@ -40,38 +40,38 @@ struct VtkField {
 
 /// Options of to_poly_data(), write_vtp() and write_vtu().
 struct VtkOptions {
-  /// Reference surfaces from which displacements are measured: none, or one per region, on the same
+  /// Reference surfaces from which displacements are measured: none, or one per face, on the same
   /// mesh.
   std::vector<const Surface*> references;
-  /// Number of facets along each element edge; in a region with embedded lines, along each edge of
+  /// Number of facets along each element edge; in a face with embedded curves, along each edge of
   /// its quadratic_elements(). VTP only. 0: 4, or fewer to keep the total at 400,000 facets or
   /// less.
   int facets_per_edge = 0;
   bool curvatures = true;  ///< write the curvature arrays
   std::vector<VtkField> fields = {};
-  /// The lines of a model. Each is written once, from the first region that has a line of its name.
-  /// Empty: all lines of each region are written.
+  /// The curves of a model. Each is written once, from the first face that has a curve of its name.
+  /// Empty: all curves of each face are written.
   std::vector<VtkLine> lines = {};
 };
 
-/// Converts regions to facets, and their character lines to polylines through the same points.
-/// Facets end exactly at embedded boundaries (skinning/facets/facets.h). Regions that share such a
-/// line have the same points on it.
+/// Converts faces to facets, and their curves to polylines through the same points.
+/// Facets end exactly at embedded boundaries (skinning/facets/facets.h). Faces that share such a
+/// curve have the same points on it.
 ///
 ///   point data  Normals (unit, exact, x_u × x_v; zero where the surface is singular),
 ///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures), uv (u, v, 0),
 ///               Displacement (with references), and options.fields
-///   cell data   Region (index), Triangle (element of the region, -1 on lines), Line (index, -1 on
+///   cell data   Face (index), Triangle (element of the face, -1 on curves), Curve (index, -1 on
 ///               facets); with options.lines also Join (VtkLine::join) and Join_angle (degrees),
 ///               both -1 on facets
-///   field data  Region_names, Line_names (text; edge-aligned and embedded lines, region after
-///               region; or those of options.lines)
+///   field data  Face_names, Curve_names (text; edge-aligned and embedded curves, face after face;
+///               or those of options.lines)
 ///
-/// Along a shared line, each region has its own coincident points, because normals, curvatures and
-/// u, v belong to the region.
+/// Along a shared curve, each face has its own coincident points, because normals, curvatures and
+/// u, v belong to the face.
 ///
-/// Cells are in VTK's order: first the lines, then the facets. Coordinates are doubles. O(facets).
-/// Throws InputError: no region, references that do not match, and the errors of facets().
+/// Cells are in VTK's order: first the curves, then the facets. Coordinates are doubles. O(facets).
+/// Throws InputError: no face, references that do not match, and the errors of facets().
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options = {});
 
@@ -83,8 +83,8 @@ void write_vtp(const std::filesystem::path& path, const std::vector<const Skinne
 
 /// Writes the finite elements as a .vtu file. Each element becomes a VTK_QUADRATIC_TRIANGLE, in
 /// order. Its nodes are the vertices, then the surface points at the parametric midpoints of the
-/// edges 12, 23, 31. Each element edge on a line becomes a VTK_QUADRATIC_EDGE. The data arrays are
-/// those of to_poly_data(). In a region with embedded lines, the elements are its
+/// edges 12, 23, 31. Each element edge on a curve becomes a VTK_QUADRATIC_EDGE. The data arrays are
+/// those of to_poly_data(). In a face with embedded curves, the elements are its
 /// quadratic_elements(), and Triangle is the mesh element at their centre. Throws InputError as
 /// write_vtp().
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
@@ -134,8 +134,8 @@ struct DeformedData {
   std::vector<std::string> feature_names;
 };
 
-/// Converts the faces to VTK polygons, in double precision. A second-order face becomes a polygon
-/// through all its nodes, in cyclic order.
+/// Converts the shell elements to VTK polygons, in double precision. A second-order element becomes
+/// a polygon through all its nodes, in cyclic order.
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
 
 /// Writes the mesh with its nodes at `shells.points` as a .vtp file, with point data Displacement

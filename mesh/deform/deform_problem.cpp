@@ -54,6 +54,23 @@ Vec3 HandleTransform::operator()(const Vec3& p) const {
   return about + scale * rotated(rotation_vector, p - about) + translation;
 }
 
+std::vector<LinearConstraint> position_constraints(const std::string& name,
+                                                   const std::vector<int>& vertices,
+                                                   const std::vector<Vec3>& targets) {
+  if (targets.size() != vertices.size())
+    throw InputError("the chain '" + name + "': found " + std::to_string(targets.size()) +
+                     " targets, expected " + std::to_string(vertices.size()) +
+                     ", one for each vertex");
+  std::vector<LinearConstraint> rows;
+  for (size_t i = 0; i < vertices.size(); ++i)
+    rows.push_back({name + ", vertex " + std::to_string(i + 1),
+                    {{{vertices[i], 1.0}}},
+                    targets[i],
+                    -1,
+                    std::nullopt});
+  return rows;
+}
+
 DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topology) {
   if (topology.node_count() == topology.vertex_count()) return problem;
   problem.fixed = topology.expand_to_nodes(std::move(problem.fixed));

@@ -122,6 +122,13 @@ struct DeformEdit {
                               ///< problem
 };
 
+/// Hard constraints that move each vertex to its target, such as the vertices of a chain to points
+/// of a curve. They are named "NAME, vertex 1" and so on. Throws InputError if the numbers of
+/// vertices and targets differ.
+std::vector<LinearConstraint> position_constraints(const std::string& name,
+                                                   const std::vector<int>& vertices,
+                                                   const std::vector<Vec3>& targets);
+
 /// Extends fixed vertices, handles, features and region to all coincident vertices of their nodes,
 /// see MeshTopology::expand_to_nodes(). Whatever fixes or moves one vertex of a node then applies
 /// to all.

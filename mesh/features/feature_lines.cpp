@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <queue>
+#include <utility>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -188,6 +192,71 @@ class LineFinder {
 
 FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options) {
   return LineFinder(mesh, options).find();
+}
+
+namespace {
+
+/// The length of an edge with dihedral angle a is divided by 1 + (a / 10 degrees)².
+double crease_length(const TriangleMesh& mesh, int v, int u) {
+  const auto& edges = mesh.topology().edges();
+  const auto e = std::lower_bound(
+      edges.begin(), edges.end(), std::pair(std::min(v, u), std::max(v, u)),
+      [](const auto& edge, const auto& ends) { return std::pair(edge.low, edge.high) < ends; });
+  const double length = (mesh.point(u) - mesh.point(v)).norm();
+  if (e->left < 0 || e->right < 0) return length;
+  const Vec3 a = mesh.area_vector(e->left), b = mesh.area_vector(e->right);
+  const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+  return length / (1 + degrees * degrees / 100);
+}
+
+/// Appends the shortest path from one vertex to another, without the first vertex. Dijkstra's
+/// algorithm from the goal, so that the path is obtained in forward order.
+void append_shortest_path(const TriangleMesh& mesh, int from, int goal, std::vector<int>& path) {
+  const MeshTopology& topology = mesh.topology();
+  std::vector<double> distance(mesh.vertex_count(), std::numeric_limits<double>::infinity());
+  std::vector<int> next(mesh.vertex_count(), -1);
+  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>
+      queue;
+  distance[goal] = 0;
+  queue.emplace(0, goal);
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance[v]) continue;
+    if (v == from) break;
+    const auto offer = [&](int u, double longer) {
+      if (!(longer < distance[u])) return;
+      distance[u] = longer;
+      next[u] = v;
+      queue.emplace(longer, u);
+    };
+    for (const int u : topology.neighbours(v)) offer(u, d + crease_length(mesh, v, u));
+    for (const int u : topology.coincident_vertices(v)) offer(u, d);
+  }
+  if (!std::isfinite(distance[from]))
+    throw InputError(
+        "found a path between parts of the mesh that are not connected, expected one "
+        "part");
+  for (int v = from; v != goal; v = next[v]) path.push_back(next[v]);
+}
+
+}  // namespace
+
+std::vector<int> crease_path(const TriangleMesh& mesh, std::vector<int> through, bool closed) {
+  if (through.empty()) throw InputError("found a path through no vertices, expected one or more");
+  for (const int v : through)
+    if (v < 0 || v >= mesh.vertex_count())
+      throw InputError("found vertex " + std::to_string(v) + ", expected one of 0 to " +
+                       std::to_string(mesh.vertex_count() - 1));
+  if (closed) through.push_back(through.front());
+  std::vector<int> path = {through.front()};
+  for (size_t s = 0; s + 1 < through.size(); ++s)
+    append_shortest_path(mesh, through[s], through[s + 1], path);
+  // Manifold patches that meet at a node have separate vertices there.
+  for (int& v : path) v = mesh.topology().node_of(v);
+  path.erase(std::unique(path.begin(), path.end()), path.end());
+  if (closed && path.size() > 1) path.pop_back();
+  return path;
 }
 
 }  // namespace batten

@@ -49,4 +49,14 @@ struct FeatureLines {
 /// InputError for angles outside (0, 180). O(edges).
 FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options = {});
 
+/// Finds the shortest path along edges through some vertices, in their order (Dijkstra's algorithm).
+/// The length of an edge with dihedral angle a is divided by 1 + (a / 10°)², so that the path follows
+/// creases.
+///
+/// `closed`: the path returns to its first vertex, which is not repeated. The result lists nodes, see
+/// MeshTopology::node_of(). Throws InputError if `through` is empty, a vertex is out of range, or two
+/// of them are in parts of the mesh that are not connected. O(n log n) per vertex of `through`.
+std::vector<int> crease_path(const TriangleMesh& mesh, std::vector<int> through,
+                             bool closed = false);
+
 }  // namespace batten

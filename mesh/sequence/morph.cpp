@@ -434,4 +434,67 @@ MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitte
   return result;
 }
 
+namespace {
+
+/// Six times the enclosed volume of a closed mesh, negative if its faces point inwards; 0 for an
+/// open mesh.
+double six_times_volume(const TriangleMesh& mesh) {
+  if (!mesh.topology().boundary_loops().empty()) return 0;
+  const Eigen::RowVector3d middle = mesh.points().colwise().mean();
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles()) {
+    const Vec3 p = mesh.points().row(a) - middle, q = mesh.points().row(b) - middle,
+               r = mesh.points().row(c) - middle;
+    sum += p.dot(q.cross(r));
+  }
+  return sum;
+}
+
+/// The mesh with all faces reversed.
+ShellMesh with_reversed_faces(const ShellMesh& shells) {
+  ShellMesh result;
+  result.points = shells.points;
+  for (int f = 0; f < shells.face_count(); ++f) {
+    std::vector<int> face(shells.corners(f).begin(), shells.corners(f).end());
+    std::ranges::reverse(face);
+    result.add_face(face);
+  }
+  return result;
+}
+
+}  // namespace
+
+RegisteredTarget registered_target(const MeshSequence& source, const TriangleMesh& mesh,
+                                   int source_frame, const MeshSequence& target, int target_frame,
+                                   const std::vector<MorphLandmark>& landmarks,
+                                   const TargetFitOptions& options, const Progress& progress) {
+  if (source_frame < 0 || source_frame >= source.frame_count() || target_frame < 0 ||
+      target_frame >= target.frame_count())
+    throw InputError("found a registration of frame " + std::to_string(source_frame + 1) +
+                     " to frame " + std::to_string(target_frame + 1) +
+                     ", expected frames of 1 to " + std::to_string(source.frame_count()) +
+                     " and of 1 to " + std::to_string(target.frame_count()));
+  const Points& ours = source.frames[source_frame];
+  ShellMesh shells = target.shells;
+  shells.points = target.frames[target_frame];
+  TriangleMesh target_mesh = prepare(shells).mesh;
+  Points vertices(mesh.vertex_count(), 3);
+  for (int v = 0; v < vertices.rows(); ++v) vertices.row(v) = ours.row(mesh.topology().node_of(v));
+  const TriangleMesh our_mesh = mesh.with_points(std::move(vertices));
+  if (six_times_volume(our_mesh) * six_times_volume(target_mesh) < 0)
+    target_mesh = prepare(with_reversed_faces(shells)).mesh;
+  std::vector<LandmarkPair> pairs;
+  for (const MorphLandmark& l : landmarks) {
+    int node = 0;
+    (ours.rowwise() - l.from.transpose()).rowwise().squaredNorm().minCoeff(&node);
+    pairs.push_back({node, l.to});
+  }
+  RegisteredTarget result;
+  result.fit = fit_to_target(our_mesh, target_mesh, pairs, options, progress);
+  result.target_size = target_mesh.size();
+  result.sequence = transfer_target_motion(source.shells, result.fit.positions, target, target_mesh,
+                                           target_frame);
+  return result;
+}
+
 }  // namespace batten

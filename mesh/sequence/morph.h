@@ -124,4 +124,30 @@ MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitte
                                     const MeshSequence& target, const TriangleMesh& target_mesh,
                                     int frame);
 
+/// A pair of corresponding points of two sequences, for registered_target().
+struct MorphLandmark {
+  Vec3 from = Vec3::Zero();  ///< on the source; the nearest node is the landmark
+  Vec3 to = Vec3::Zero();    ///< on the target
+};
+
+/// Result of registered_target().
+struct RegisteredTarget {
+  MeshSequence sequence;   ///< the frames of the target, with the faces of the source
+  TargetFit fit;           ///< quality of the registration
+  double target_size = 0;  ///< size of the target in the registered frame, model units
+};
+
+/// Gives a target with other faces the faces of the source, so that morph() accepts it: registers
+/// the mesh in frame `source_frame` to the target in frame `target_frame` (fit_to_target()), and lets
+/// it follow the target (transfer_target_motion()). Of closed meshes with opposite orientation the
+/// target is inverted first.
+///
+/// `mesh`: any frame of the source, converted by prepare(). Frames are 0-based. Throws InputError
+/// like prepare() and fit_to_target(), and for frames out of range.
+RegisteredTarget registered_target(const MeshSequence& source, const TriangleMesh& mesh,
+                                   int source_frame, const MeshSequence& target, int target_frame,
+                                   const std::vector<MorphLandmark>& landmarks,
+                                   const TargetFitOptions& options = {},
+                                   const Progress& progress = {});
+
 }  // namespace batten

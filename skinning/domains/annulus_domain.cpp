@@ -134,7 +134,7 @@ class AnnulusBuilder {
   void fit(BoundaryCircle& circle) const {
     if (circle.prescribed()) return take_prescribed(circle);
     FitOptions fit;
-    fit.tolerance = task_.tolerance;
+    fit.tolerance = task_.options.tolerance;
     fit.corner_angle = 180;
     fit.fixed_parameters = true;
     fit.bisection_only = true;
@@ -193,10 +193,10 @@ class AnnulusBuilder {
 
   // Width of columns as a fraction of the circle: near-square cells, at least eight around.
   double column_width() const {
-    const double h = std::min({task_.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
+    const double h = std::min({task_.options.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
     const double expected =
-        2 * U_ * V_ * task_.size * task_.size / (task_.edge_length * task_.edge_length);
-    require_mesh_size(std::max(expected, 2 / h), task_.edge_length, task_.size, "an annular face");
+        2 * U_ * V_ * task_.size * task_.size / (task_.options.edge_length * task_.options.edge_length);
+    require_mesh_size(std::max(expected, 2 / h), task_.options.edge_length, task_.size, "an annular face");
     return h;
   }
 
@@ -270,7 +270,7 @@ class AnnulusBuilder {
   std::shared_ptr<const ParametricMesh> mesh() const {
     const int n = isize(columns_);
     const int rows =
-        std::max(1, static_cast<int>(std::lround(V_ * task_.size / task_.edge_length)));
+        std::max(1, static_cast<int>(std::lround(V_ * task_.size / task_.options.edge_length)));
     std::vector<Vec2> vertices;
     for (int j = 0; j <= rows; ++j)
       for (const Column& c : columns_) {

@@ -34,7 +34,7 @@ bool circles_have_same_direction(const std::vector<Vec3>& a, const std::vector<V
 /// line's end point.
 ///
 /// The mesh has right triangles in rows × columns, with alternating diagonals. The cells are as
-/// close to squares of side `task.edge_length` as the nodes of the lines allow.
+/// close to squares of side `task.options.edge_length` as the nodes of the lines allow.
 ///
 /// `a`, `b`: loops without corners from make_loops(). The result has a mesh, one edge-aligned line
 /// per input line (those of circle A first, in order along each circle), and two boundary loops:

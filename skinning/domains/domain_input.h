@@ -14,10 +14,8 @@ namespace batten {
 
 /// Input that is the same for all types of domain. Lengths are in model units.
 struct DomainInput {
-  SkinOptions options;
+  SkinOptions options;   ///< with tolerance and edge_length above 0: defaults are resolved
   double size;           ///< diagonal of the bounding box of all lines
-  double tolerance;      ///< largest distance of a fitted curve from its line
-  double edge_length;    ///< target length of element edges
   double gap_tolerance;  ///< ends of lines within this distance are joined
   Progress progress{};
 };
@@ -99,7 +97,7 @@ std::vector<EmbeddedLine> fit_loop_lines(const Outline& loop, const DomainInput&
 /// Fits a C1 cubic curve to an inner line. The pcurve stays empty.
 EmbeddedLine fit_inner_line(const SmoothSegment& line, const DomainInput& task);
 
-/// Builds a grid of squares of side `task.edge_length` (scaled), split by alternating diagonals,
+/// Builds a grid of squares of side `task.options.edge_length` (scaled), split by alternating diagonals,
 /// that covers the bounding box of the loops. Throws InputError for more than two million
 /// triangles.
 std::shared_ptr<const ParametricMesh> make_grid_mesh(const DomainLoops& loops,

@@ -89,7 +89,7 @@ class Embedder {
 
   /// Adds a line. `evenly`: its pcurve is proportional to the curve's arc length.
   void line(EmbeddedLine line, bool evenly) {
-    const HermiteCurve nodes = with_close_nodes(line.fitted, task_.edge_length);
+    const HermiteCurve nodes = with_close_nodes(line.fitted, task_.options.edge_length);
     line.pcurve = nearest(line, nodes);
     if (evenly) line.pcurve = match_arc_length(nodes, line.pcurve);
     geometry_.embedded.push_back(std::move(line));
@@ -143,7 +143,7 @@ class Embedder {
       Eigen::Matrix<double, 3, 2> J;
       J << jet.x_u, jet.x_v;
       const auto pull = [&](const Vec3& slope) -> Vec3 {
-        const Vec2 d = solve_symmetric(Mat2(J.transpose() * J), Vec2(J.transpose() * slope));
+        const Vec2 d = solve_symmetric_2x2(J.transpose() * J, J.transpose() * slope);
         return round_slope_to_grid({d.x(), d.y(), 0}, span);
       };
       dofs.row(nodes.mesh().position_dof(i)) << round_to_grid(uv.x()), round_to_grid(uv.y()), 0;
@@ -198,7 +198,7 @@ constexpr double kFitToleranceFraction = 0.25;
 
 FitOptions fit_options(const DomainInput& task, bool closed) {
   FitOptions fit;
-  fit.tolerance = kFitToleranceFraction * task.tolerance;
+  fit.tolerance = kFitToleranceFraction * task.options.tolerance;
   fit.corner_angle = 180;
   fit.closed = closed;
   fit.fixed_parameters = true;

@@ -18,22 +18,22 @@ namespace {
 constexpr int kGapSamples = 20;  // per interval between collocation points
 
 // Lower limit of triangle sizes in the domain.
-double smallest_size(const DomainInput& task) { return task.edge_length / task.size / 64; }
+double smallest_size(const DomainInput& task) { return task.options.edge_length / task.size / 64; }
 
 // True if the mesh may be bisected at the marks; most marked triangles become two.
 bool may_bisect(const RegionGeometry& geometry, const std::vector<char>& marked,
                 const DomainInput& task) {
   const auto more = std::count(marked.begin(), marked.end(), 1);
   return static_cast<double>(geometry.mesh->triangle_count() + more) <=
-         max_refined_triangles(task.edge_length, task.size);
+         max_refined_triangles(task.options.edge_length, task.size);
 }
 
 void warn_of_coarse_mesh(RegionGeometry& geometry, const DomainInput& task) {
   const std::string warning =
       "the mesh was not refined beyond " +
-      format_number(max_refined_triangles(task.edge_length, task.size)) +
+      format_number(max_refined_triangles(task.options.edge_length, task.size)) +
       " triangles: the surface may miss embedded curves by more than the tolerance " +
-      format_number(task.tolerance);
+      format_number(task.options.tolerance);
   if (std::find(geometry.warnings.begin(), geometry.warnings.end(), warning) ==
       geometry.warnings.end())
     geometry.warnings.push_back(warning);

@@ -210,11 +210,11 @@ class Junctions {
   void require_near(const EmbeddedLine& line, const std::string& other, const Vec3& p,
                     const Vec3& q) const {
     const double away = (p - q).norm();
-    if (away > task_.tolerance)
+    if (away > task_.options.tolerance)
       throw InputError("curves '" + other + "' and '" + line.line.name +
                        "' intersect in the parameter domain near " + format_point(p) +
                        ", but are " + format_number(away) + " apart in space, expected at most " +
-                       format_number(task_.tolerance));
+                       format_number(task_.options.tolerance));
   }
 
   RegionGeometry& geometry_;
@@ -320,7 +320,7 @@ void to_nearest(const InputCurve& a, double& t, const InputCurve& b, double& s) 
     const Vec3 da = a.evaluate(t, 1), db = b.evaluate(s, 1), gap = b.evaluate(s) - a.evaluate(t);
     Eigen::Matrix2d m;
     m << da.dot(da), -da.dot(db), -da.dot(db), db.dot(db);
-    const Vec2 step = solve_symmetric(m, Vec2(da.dot(gap), -db.dot(gap)));
+    const Vec2 step = solve_symmetric_2x2(m, Vec2(da.dot(gap), -db.dot(gap)));
     if (!step.allFinite()) return;
     t = std::clamp(t + step[0], a.start(), a.end());
     s = std::clamp(s + step[1], b.start(), b.end());

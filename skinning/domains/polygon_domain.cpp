@@ -241,11 +241,11 @@ HermiteCurve fit_aligned_segment(const PolygonDomain& domain, const SmoothSegmen
     // Fraction of the target: shorter segments would crowd the mesh.
     constexpr double shortest_edge = 0.3;
     const auto exact =
-        reuse_cubic_input(s, shortest_edge * domain.task.edge_length, start.position, end.position);
+        reuse_cubic_input(s, shortest_edge * domain.task.options.edge_length, start.position, end.position);
     if (exact && (exact->segment_count() == 1 || !evenly_cut)) return *exact;
   }
   FitOptions fit;
-  fit.tolerance = domain.task.tolerance;
+  fit.tolerance = domain.task.options.tolerance;
   fit.corner_angle = 180;
   fit.closed = false;
   fit.start = {start.position, start.outgoing};
@@ -337,7 +337,7 @@ std::optional<Junction> junction(const PolygonDomain& domain, int end, const Vec
     return std::nullopt;
   }
   if (aligned_segment.prescribed()) return on_vertex(domain, found, fraction, p, reason);
-  const double snap = std::min(domain.task.gap_tolerance, 0.05 * domain.task.edge_length) /
+  const double snap = std::min(domain.task.gap_tolerance, 0.05 * domain.task.options.edge_length) /
                       aligned_segment.fitted.end();
   fraction = round_to_grid(fraction);
   for (const double u : aligned_segment.fitted.parameters())
@@ -430,7 +430,7 @@ void fix_nodes(AlignedSegment& aligned_segment) {
 
 ParametricMesh delaunay(PolygonDomain& domain) {
   PlanarMeshInput task;
-  task.edge_length = round_to_grid(domain.task.edge_length / domain.task.size);
+  task.edge_length = round_to_grid(domain.task.options.edge_length / domain.task.size);
   task.keep_segments = domain.prescribed();
   task.size_field = domain.task.options.size_field;
   task.progress = domain.task.progress;
@@ -508,7 +508,7 @@ ParametricMesh fan(const PolygonDomain& domain) {
   int refinements = domain.task.options.fan_refinements;
   if (refinements < 0) {
     refinements = 0;
-    while (longest > 1.3 * round_to_grid(domain.task.edge_length / domain.task.size) *
+    while (longest > 1.3 * round_to_grid(domain.task.options.edge_length / domain.task.size) *
                          std::pow(2.0, refinements) &&
            refinements < 9)
       ++refinements;
@@ -549,12 +549,12 @@ ParametricMesh mesh_polygon(PolygonDomain& domain) {
       counted ? static_cast<double>(domain.polygon.size()) *
                     std::pow(4.0, domain.task.options.fan_refinements)
               : area * domain.task.size * domain.task.size /
-                    (std::sqrt(3.0) / 4 * domain.task.edge_length * domain.task.edge_length);
+                    (std::sqrt(3.0) / 4 * domain.task.options.edge_length * domain.task.options.edge_length);
   if (counted && expected > kMaxTriangles)
     throw InputError("refine = " + std::to_string(domain.task.options.fan_refinements) +
                      " creates " + format_number(expected) + " triangles, expected at most " +
                      format_number(kMaxTriangles));
-  require_mesh_size(expected, domain.task.edge_length, domain.task.size, "a face");
+  require_mesh_size(expected, domain.task.options.edge_length, domain.task.size, "a face");
   for (AlignedSegment& s : domain.aligned_segments) {
     if (s.prescribed()) {
       fix_nodes(s);

@@ -157,10 +157,10 @@ bool has_simple_projection(const Outline& loop, const DomainInput& task) {
 
 std::shared_ptr<const ParametricMesh> make_grid_mesh(const DomainLoops& outside,
                                                      const DomainInput& task) {
-  const double h = round_to_grid(task.edge_length / task.size);
+  const double h = round_to_grid(task.options.edge_length / task.size);
   const Vec2 extent = outside.high() - outside.low();
   const double expected = 2 * extent.x() * extent.y() / (h * h);
-  require_mesh_size(expected, task.edge_length, task.size, "a face");
+  require_mesh_size(expected, task.options.edge_length, task.size, "a face");
   const int columns = static_cast<int>(std::ceil(extent.x() / h)) + 2,
             rows = static_cast<int>(std::ceil(extent.y() / h)) + 2;
   const Vec2 origin =

@@ -281,7 +281,7 @@ void cut_and_refine(RegionGeometry& geometry, const DomainInput& task, const Pro
   constexpr int max_rounds = 8;
   for (int round = 0; round < max_rounds; ++round) {
     const Surface shape = min_bending_surface(geometry, task.options.element);
-    if (!refine_at_gaps(geometry, shape, 0.5 * task.tolerance, task)) break;
+    if (!refine_at_gaps(geometry, shape, 0.5 * task.options.tolerance, task)) break;
     progress.update("meshing", 0.5 + 0.5 * (round + 1) / max_rounds);
   }
 }
@@ -296,7 +296,6 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
   size_ = diagonal_of(lines);
   tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
   require_tolerance(tolerance_, size_);
-  edge_length_ = options.edge_length > 0 ? options.edge_length : size_ / 20;
   gap_tolerance_ = std::max(tolerance_, 1e-6 * size_);
   DomainInput task = this->task();
   task.progress = progress;
@@ -322,7 +321,10 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
 }
 
 DomainInput RegionLayout::task() const {
-  return {options_, size_, tolerance_, edge_length_, gap_tolerance_};
+  DomainInput input{options_, size_, gap_tolerance_};
+  input.options.tolerance = tolerance_;
+  input.options.edge_length = options_.edge_length > 0 ? options_.edge_length : size_ / 20;
+  return input;
 }
 
 bool RegionLayout::refine(const Surface& shape, double target) {

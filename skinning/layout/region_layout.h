@@ -125,7 +125,7 @@ class RegionLayout {
   std::vector<std::string> line_names() const;
   std::string name_;
   SkinOptions options_;
-  double size_ = 1, tolerance_ = 0, edge_length_ = 0, gap_tolerance_ = 0;
+  double size_ = 1, tolerance_ = 0, gap_tolerance_ = 0;
   RegionGeometry geometry_;
 };
 

@@ -10,6 +10,8 @@
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/elements/quadrature.h"
+#include "batten/fem/refinement.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/model/boundary_sweep.h"
 #include "batten/skinning/model/join_edge.h"
 #include "batten/skinning/model/section_surface.h"
@@ -355,6 +357,28 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
       progress);
   result.dofs += origin;
   return result;
+}
+
+Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer) {
+  std::vector<Points> each;
+  for (int r = 0; r < layout.region_count(); ++r)
+    each.push_back(
+        finer.region(r).mesh() == layout.region(r).mesh()
+            ? layout.region_dofs(r, dofs)
+            : interpolate_onto(layout.skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
+  return finer.all_dofs(each);
+}
+
+double bending_energy(const ModelLayout& layout, const Points& dofs, SurfaceStiffness material) {
+  material.alpha.setZero();
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
+  SparseMatrix K = assembler.pattern();
+  auto materials = layout.scale_to_regions({material});
+  materials.resize(static_cast<size_t>(layout.mesh()->triangle_count()), materials[0]);
+  assembler.stiffness(materials, K);
+  const Points q = dofs - layout.position_dofs() * layout.origin().transpose();
+  const double energy = 0.5 * q.cwiseProduct(Points(K.selfadjointView<Eigen::Lower>() * q)).sum();
+  return std::max(0.0, energy) / (layout.size() * layout.size());
 }
 
 }  // namespace batten

@@ -38,6 +38,10 @@ Points rest_dofs(const RegionLayout& region);
 /// choice among surfaces through the boundary curves: see the table in docs/fairness.md.
 bool has_many_sides(const RegionLayout& region);
 
+/// Bending energy ½ qᵀKq of a shape, that of a flat rest state being 0, on the model scaled to size
+/// 1; at least 0. `dofs`: absolute. `material`: its alpha is not used. One assembly.
+double bending_energy(const ModelLayout& layout, const Points& dofs, SurfaceStiffness material);
+
 // Deviation of a surface from the rest shape of its boundary curves.
 
 /// Largest distance of a region from its rest shape (rest_dofs()), with lengths for comparison.
@@ -128,5 +132,12 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
                                    const ConstraintSet& constraints,
                                    MinimumVariationOptions options = {},
                                    const Progress& progress = {});
+
+// Transfer of a shape to another mesh.
+
+/// Interpolates a shape onto a finer layout of the same regions, for example after
+/// ModelLayout::refine(). `dofs`: absolute dofs on `layout`; returns those on `finer`. Exact where
+/// the meshes agree; see interpolate_onto(Surface, ParametricMesh) in fem/refinement.h.
+Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
 
 }  // namespace batten

@@ -172,7 +172,7 @@ void minimise(FittedPrimitive& s, const PrimitiveSamples& samples) {
       Eigen::Matrix<double, 8, 8> damped = A;
       damped.diagonal() += lambda * A.diagonal();
       damped.diagonal().array() += 1e-12 * samples.count();
-      const FittedPrimitive next = stepped(s, solve_symmetric(MatX(damped), MatX(-b)));
+      const FittedPrimitive next = stepped(s, solve_symmetric(damped, -b));
       const double found = sum_of_squares(next, samples);
       if (!(found < error)) continue;
       better = true;

@@ -12,7 +12,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
-#include "batten/fem/refinement.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -35,16 +34,6 @@ void mark_along(const ModelLayout& layout, const JoinSide& side, std::vector<cha
     const Vec3 c = line.pcurve.evaluate(start + span * i / samples);
     own[locator.locate({c.x(), c.y()}).triangle] = 1;
   }
-}
-
-Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer) {
-  std::vector<Points> each;
-  for (int r = 0; r < layout.region_count(); ++r)
-    each.push_back(
-        finer.region(r).mesh() == layout.region(r).mesh()
-            ? layout.region_dofs(r, dofs)
-            : interpolate_onto(layout.skinned(r, dofs).surface, *finer.region(r).mesh()).dofs);
-  return finer.all_dofs(each);
 }
 
 namespace {

@@ -17,9 +17,6 @@ namespace batten {
 /// entry per triangle of the model.
 void mark_along(const ModelLayout& layout, const JoinSide& side, std::vector<char>& marks);
 
-/// Interpolates a shape onto a finer layout of the same regions. Returns the dofs on `finer`.
-Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
-
 /// A model layout with a shape on it.
 struct JoinedModel {
   std::shared_ptr<const ModelLayout> layout;

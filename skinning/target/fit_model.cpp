@@ -11,8 +11,8 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/region/skinned_region.h"
-#include "batten/skinning/surfaces/model_joins.h"
 #include "batten/skinning/target/target_fit_iterations.h"
 #include "batten/skinning/target/target_surface.h"
 

@@ -160,7 +160,7 @@ VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()
 
 }  // namespace
 
-TEST_CASE("a shell moves freely in six ways, and no strain comes of that") {
+TEST_CASE("a shell moves freely in six ways, and no strain comes of that", "[analysis][shell]") {
   for (const TriangleElement kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = bumpy(kind);
@@ -189,7 +189,7 @@ TEST_CASE("a shell moves freely in six ways, and no strain comes of that") {
   }
 }
 
-TEST_CASE("the matrix is the energy of the strains") {
+TEST_CASE("the matrix is the energy of the strains", "[analysis][shell]") {
   Random random(3);
   for (const TriangleElement kind : kBothElements) {
     const Surface surface = bumpy(kind, 2);
@@ -220,7 +220,7 @@ TEST_CASE("the matrix is the energy of the strains") {
   }
 }
 
-TEST_CASE("the obstacle course agrees with the reference numbers") {
+TEST_CASE("the obstacle course agrees with the reference numbers", "[analysis][shell]") {
   const TriangleElement HCT = TriangleElement::HCT, Z12 = TriangleElement::Z12;
   CHECK(scordelis_lo(4, HCT) == Approx(0.298672).epsilon(2e-4));
   CHECK(scordelis_lo(8, HCT) == Approx(0.30050631).epsilon(2e-5));
@@ -232,7 +232,8 @@ TEST_CASE("the obstacle course agrees with the reference numbers") {
   CHECK(hemisphere(16, HCT) == Approx(0.093257167).epsilon(2e-3));
 }
 
-TEST_CASE("the wall of a cylinder under pressure carries p R around, better with each refinement") {
+TEST_CASE("the wall of a cylinder under pressure carries p R around, better with each refinement",
+          "[analysis][shell]") {
   const double R = 2, t = 0.01, p = 3;
   double last = 1;
   for (const int n : {4, 8, 16}) {
@@ -257,7 +258,8 @@ TEST_CASE("the wall of a cylinder under pressure carries p R around, better with
   CHECK(last < 2e-5);
 }
 
-TEST_CASE("rows on a shell that mix x, y and z hold, and equal a saddle point system") {
+TEST_CASE("rows on a shell that mix x, y and z hold, and equal a saddle point system",
+          "[analysis][shell]") {
   const Surface surface = bumpy(TriangleElement::HCT, 2);
   const int n = surface.dof_map().count();
   const ShellAssembler shell(surface, {{ShellMaterial::isotropic(100, 0.3), 0.1}});
@@ -281,7 +283,8 @@ TEST_CASE("rows on a shell that mix x, y and z hold, and equal a saddle point sy
   CHECK(sum.norm() < 1e-9 * F.norm());
 }
 
-TEST_CASE("an orthotropic material with equal moduli is isotropic, whatever its direction") {
+TEST_CASE("an orthotropic material with equal moduli is isotropic, whatever its direction",
+          "[analysis][shell]") {
   const Surface surface = bumpy(TriangleElement::HCT);
   const double E = 70, nu = 0.33;
   const SparseMatrix K =
@@ -293,7 +296,8 @@ TEST_CASE("an orthotropic material with equal moduli is isotropic, whatever its 
   CHECK((K - other).norm() < 1e-13 * K.norm());
 }
 
-TEST_CASE("the same bits on one thread and on two, and the same from one section or many") {
+TEST_CASE("the same bits on one thread and on two, and the same from one section or many",
+          "[analysis][shell]") {
   const Surface surface = bumpy(TriangleElement::HCT, 20);
   const ShellSection section{ShellMaterial::isotropic(70, 0.3), 0.02};
   const SparseMatrix K = ShellAssembler(surface, {section}).stiffness();
@@ -303,7 +307,7 @@ TEST_CASE("the same bits on one thread and on two, and the same from one section
   CHECK((K - ShellAssembler(surface, many).stiffness()).norm() == 0);
 }
 
-TEST_CASE("what is no shell is refused in words") {
+TEST_CASE("an invalid shell is refused with the reason", "[analysis][shell]") {
   const Surface surface = bumpy(TriangleElement::HCT);
   const ShellMaterial steel = ShellMaterial::isotropic(210000, 0.3);
   CHECK_THROWS_WITH(ShellMaterial::isotropic(-1, 0.3),

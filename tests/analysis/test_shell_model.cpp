@@ -57,7 +57,8 @@ Vec3 downwards(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
 
 }  // namespace
 
-TEST_CASE("reactions balance every kind of load, and the work is twice the energy") {
+TEST_CASE("reactions balance every kind of load, and the work is twice the energy",
+          "[analysis][shell]") {
   const Arm arm;
   const ShellModel shell = arm.shell({LineSupport::clamped("foot")}, {}, 0.3);
   const ShellLocation knob = nearest_location(arm.layout, arm.shape, {0.7, 0.2, Arm::H + 0.1});
@@ -77,7 +78,7 @@ TEST_CASE("reactions balance every kind of load, and the work is twice the energ
   CHECK(2 * shell.energy(q) == Approx(F.cwiseProduct(q).sum()).epsilon(1e-9));
 }
 
-TEST_CASE("loads have the resultants that their words say") {
+TEST_CASE("loads have the resultants that their definitions state", "[analysis][shell]") {
   const Arm arm;
   const double W = Plates::W, L = Arm::L, H = Arm::H;
   const auto check = [&](const Points& F, const Vec3& force, const Vec3& moment) {
@@ -96,7 +97,7 @@ TEST_CASE("loads have the resultants that their words say") {
   CHECK_THROWS_AS(surface_traction(arm.layout, arm.shape, downwards, {{2}}), InputError);
 }
 
-TEST_CASE("what nothing holds is named by its motion") {
+TEST_CASE("unsupported motions are named", "[analysis][shell]") {
   const Arm arm;
   using Support = LineSupport;
   const std::string not_held = "the supports do not constrain the shell: ";
@@ -116,7 +117,8 @@ TEST_CASE("what nothing holds is named by its motion") {
   CHECK(arm.rejection_reason({Support::pinned("foot"), Support::pinned("tip")}, {"knee"}).empty());
 }
 
-TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tension on top") {
+TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tension on top",
+          "[analysis][shell]") {
   const Arm arm;
   const ShellModel shell = arm.shell({LineSupport::clamped("foot")});
   constexpr double m = 1e-4;
@@ -138,7 +140,7 @@ TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tens
   CHECK(std::abs(s2) < 1e-6 * sigma);
 }
 
-TEST_CASE("the error estimate follows the true error as the mesh gets finer") {
+TEST_CASE("the error estimate follows the true error as the mesh gets finer", "[analysis][shell]") {
   // A strip under its own weight, clamped at one end: its moment is q (L - x)^2 / 2.
   const double L = 1, q = Plates::q;
   const double exact = q * q * std::pow(L, 5) / (40 * Plates::EI) * Plates::W;
@@ -167,7 +169,7 @@ TEST_CASE("the error estimate follows the true error as the mesh gets finer") {
   }
 }
 
-TEST_CASE("sections belong to regions, and are checked before anything is made of them") {
+TEST_CASE("sections belong to faces and are checked before they are used", "[analysis][shell]") {
   const Arm arm;
   const ShellSection good{ShellMaterial::isotropic(Plates::E, 0), Plates::t},
       none{good.material, 0};
@@ -181,7 +183,8 @@ TEST_CASE("sections belong to regions, and are checked before anything is made o
   CHECK_THROWS_AS(made({good, none}), InputError);
 }
 
-TEST_CASE("springs give way by force over stiffness, and their reactions balance") {
+TEST_CASE("springs give way by force over stiffness, and their reactions balance",
+          "[analysis][shell]") {
   const Arm arm;
   const double W = Plates::W, L = Arm::L;
   // Everything rests on one foundation of the shelf and springs along the foot.
@@ -206,7 +209,8 @@ TEST_CASE("springs give way by force over stiffness, and their reactions balance
   CHECK(std::abs(reactions[1].resultant.force.z()) < 1e-12);
 }
 
-TEST_CASE("one adjoint tells how goals change with the shape, as solving again does") {
+TEST_CASE("one adjoint solution gives the same sensitivities of targets as solving again",
+          "[analysis][shell]") {
   const Arm arm;
   // In a thick wall strains are as large as turns: rows that turn with the shape count there.
   for (const auto& [pinned, thickness] :
@@ -243,7 +247,8 @@ TEST_CASE("one adjoint tells how goals change with the shape, as solving again d
   }
 }
 
-TEST_CASE("a very thin shell comes out the same to eleven digits, whatever factors its system") {
+TEST_CASE("a very thin shell comes out the same to eleven digits, whatever factors its system",
+          "[analysis][shell]") {
   class EigenBackend : public LinearSolverBackend {
    public:
     void factorize(const SparseMatrix& A) override { factor_.compute(A); }
@@ -266,7 +271,7 @@ TEST_CASE("a very thin shell comes out the same to eleven digits, whatever facto
   CHECK(differs(one.solver().solve(F), other.solver().solve(F)) > 1e-11);  // without refinement
 }
 
-TEST_CASE("a shell that moves is the shell that is made anew") {
+TEST_CASE("a shell that moves is the shell that is made anew", "[analysis][shell]") {
   const Arm arm;
   ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}},
                              {LineSupport::clamped("foot")},
@@ -292,7 +297,8 @@ TEST_CASE("a shell that moves is the shell that is made anew") {
   CHECK_THROWS_WITH(moving.update_shape(Points::Zero(3, 3)), Contains("3 dofs"));
 }
 
-TEST_CASE("a point support holds its direction, by the displacement that it is given") {
+TEST_CASE("a point support holds its direction, by the displacement that it is given",
+          "[analysis][shell]") {
   const Arm arm;
   const ShellLocation jack = nearest_location(arm.layout, arm.shape, {Arm::L, 0.25, Arm::H});
   const ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}},

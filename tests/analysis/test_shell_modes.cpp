@@ -52,7 +52,8 @@ const std::vector<std::string> kEdges = {"a", "b", "ab 0", "ab W"};
 
 }  // namespace
 
-TEST_CASE("a simply supported plate has its frequencies, also where two are equal") {
+TEST_CASE("a simply supported plate has its frequencies, also where two are equal",
+          "[analysis][modes]") {
   const OnePlate plate(Plates::W, Plates::W / 8);
   constexpr double nu = 0.3;
   std::vector<LineSupport> supports;
@@ -69,7 +70,8 @@ TEST_CASE("a simply supported plate has its frequencies, also where two are equa
     CHECK(modes.frequencies[k] == Approx(first * times[k] / 2).epsilon(5e-3));
 }
 
-TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of a free beam") {
+TEST_CASE("an unsupported strip has six rigid-body modes, then the bending modes of a free beam",
+          "[analysis][modes]") {
   const OnePlate strip(6 * Plates::W, Plates::W / 3);
   using Free = ShellModel::RigidBodyHandling;
   const ShellModel shell(strip.layout, strip.shape, strip.made_of(0), Free::Shifted);
@@ -89,7 +91,7 @@ TEST_CASE("a strip that nothing holds has six rigid motions, then the bending of
   CHECK_THROWS_WITH(natural_modes(weightless, 2), Contains("density"));
 }
 
-TEST_CASE("a free ring of two halves swings as Hoppe says") {
+TEST_CASE("a free ring of two halves has the natural frequencies of Hoppe", "[analysis][modes]") {
   constexpr double R = 1, b = 0.2, t = 0.01, E = 1000;
   TestModelBuilder p;
   p.options.edge_length = 0.1;
@@ -205,7 +207,7 @@ struct Sector {
 
 }  // namespace
 
-TEST_CASE("a cylinder buckles under axial load where Donnell says") {
+TEST_CASE("a cylinder buckles under axial load at the load of Donnell", "[analysis][modes]") {
   const Sector sector(0.6, 0.4, 0.004, 0.025);
   const ShellModel shell = sector.shell();
   const Points q = shell.solve(line_force(sector.layout, sector.shape, "high", {0, 0, -1}) +
@@ -221,7 +223,7 @@ TEST_CASE("a cylinder buckles under axial load where Donnell says") {
   CHECK(found == Approx(least).epsilon(0.02));
 }
 
-TEST_CASE("a cylindrical panel vibrates as Donnell says") {
+TEST_CASE("a cylindrical panel has the natural frequencies of Donnell", "[analysis][modes]") {
   const Sector sector(0.2, 0.2, 0.002, 0.02);
   const ShellModes modes = natural_modes(sector.shell(), 6);
   for (const auto& [m, n] : {std::pair(1, 1), std::pair(1, 2)}) {
@@ -231,7 +233,8 @@ TEST_CASE("a cylindrical panel vibrates as Donnell says") {
   }
 }
 
-TEST_CASE("a square plate buckles under the pressure of two sides where Bryan says") {
+TEST_CASE("a square plate buckles under the pressure of two sides at the load of Bryan",
+          "[analysis][modes]") {
   const OnePlate plate(Plates::W, Plates::W / 8);
   constexpr double nu = 0.3;
   std::vector<LineSupport> supports;

@@ -228,7 +228,8 @@ void check_estimate(const ShellResult& a, double energy) {
 
 }  // namespace
 
-TEST_CASE("the obstacle course comes out the same in one region, in two, and trimmed") {
+TEST_CASE("the obstacle course gives the same results with one face, with two, and trimmed",
+          "[analysis][shell]") {
   for (const Subdivision cut : {Subdivision::One, Subdivision::Two, Subdivision::Trimmed}) {
     INFO(name(cut));
     CHECK(scordelis_lo(16, cut).displacement == Approx(0.30059).epsilon(2e-3));
@@ -238,7 +239,8 @@ TEST_CASE("the obstacle course comes out the same in one region, in two, and tri
 }
 
 TEST_CASE(
-    "the skin of a sphere under pressure carries p R/2 both ways, better with each refinement") {
+    "the skin of a sphere under pressure carries p R/2 both ways, better with each refinement",
+    "[analysis][shell]") {
   const double R = 2, t = 0.01, p = 3, E = 1000, nu = 0.3;
   // R (a, b, 1 - a - b)/|…|: an octant.
   const Piece octant{[R](double a, double b) {
@@ -287,7 +289,7 @@ TEST_CASE(
   CHECK(last < 2e-3);
 }
 
-TEST_CASE("plates bend as theory says, clamped and simply supported") {
+TEST_CASE("plates bend as in theory, clamped and simply supported", "[analysis][shell]") {
   constexpr double t = 0.01, E = 1000, nu = 0.3, q = 1e-5;
   const double D = E * t * t * t / (12 * (1 - nu * nu));
   const Piece square{[](double a, double b) {
@@ -314,7 +316,8 @@ TEST_CASE("plates bend as theory says, clamped and simply supported") {
     }
 }
 
-TEST_CASE("the error estimate is right within a factor of two, also where elements lock") {
+TEST_CASE("the error estimate is right within a factor of two, also where elements lock",
+          "[analysis][shell]") {
   for (const Subdivision cut : {Subdivision::One, Subdivision::Two, Subdivision::Trimmed}) {
     INFO(name(cut));
     const double roof = scordelis_lo(24, cut).energy;

@@ -45,7 +45,8 @@ Vec3 weight_down(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
 
 }  // namespace
 
-TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
+TEST_CASE("loads in a box are those of its part of the surface, or of a curve",
+          "[analysis][assemblies]") {
   const Strip strip;
   // Borders of the box are nowhere near an element's.
   for (const auto& [from, to] : {std::pair(0.237, 0.681), {0.51, 0.532}}) {
@@ -69,7 +70,8 @@ TEST_CASE("loads in a box are those of its part of the surface, or of a line") {
                     Contains("in the box"));
 }
 
-TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
+TEST_CASE("a supported part clamps the rest, and follows its prescribed displacement",
+          "[analysis][assemblies]") {
   const Strip strip;
   ShellDefinition definition = strip.definition();
   constexpr double held = 0.3;
@@ -97,7 +99,7 @@ TEST_CASE("a part that is held is a clamp for the rest, and is moved as told") {
                     Contains("'jaw' contains no part"));
 }
 
-TEST_CASE("half of a line is held as all of it is") {
+TEST_CASE("half of a curve is supported in the same way as all of it", "[analysis][assemblies]") {
   const Strip strip;
   ShellDefinition definition = strip.definition();
   definition.lines = {LineSupport::clamped("foot")};
@@ -115,7 +117,7 @@ TEST_CASE("half of a line is held as all of it is") {
   CHECK(tip() > 2 * rows);
 }
 
-TEST_CASE("thickness may change from vertex to vertex") {
+TEST_CASE("thickness may change from vertex to vertex", "[analysis][assemblies]") {
   const Strip strip;
   ShellDefinition definition = strip.definition();
   definition.lines = {LineSupport::clamped("foot")};

@@ -42,7 +42,8 @@ Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& 
 
 }  // namespace
 
-TEST_CASE("a plate in two regions bends as one, whatever the line between them") {
+TEST_CASE("a plate of two faces bends as one, whatever the curve between them",
+          "[analysis][ties]") {
   Plates plates;
   const double L = 1, exact = Plates::q * L * L * L * L / (8 * Plates::EI);
   plates.across("foot", {0, 0, 0}, {0, 0, 0});
@@ -55,7 +56,7 @@ TEST_CASE("a plate in two regions bends as one, whatever the line between them")
   CHECK(-sum == Approx(exact).epsilon(1e-3));
 }
 
-TEST_CASE("a crease carries moments around its corner, a hinge does not") {
+TEST_CASE("a crease carries moments around its corner, a hinge does not", "[analysis][ties]") {
   Plates plates;
   const double L = 0.8, H = 0.6, q = Plates::q, EI = Plates::EI;
   plates.across("foot", {0, 0, 0}, {0, 0, 0});
@@ -73,7 +74,7 @@ TEST_CASE("a crease carries moments around its corner, a hinge does not") {
   CHECK_THROWS_WITH(solved(plates, 1, {"kne"}), Contains("knee"));
 }
 
-TEST_CASE("a third plate at a crease goes along, whatever its angle") {
+TEST_CASE("a third plate at a crease goes along, whatever its angle", "[analysis][ties]") {
   Plates plates;
   const double L = 0.8, H = 0.6, q = Plates::q, EI = Plates::EI;
   plates.across("foot", {0, 0, 0}, {0, 0, 0});
@@ -92,7 +93,7 @@ TEST_CASE("a third plate at a crease goes along, whatever its angle") {
   CHECK(moved.z() == Approx(turn * 0.2).epsilon(2e-3));
 }
 
-TEST_CASE("a box beam in torsion turns as Bredt says") {
+TEST_CASE("a box beam in torsion rotates as in Bredt's formula", "[analysis][ties]") {
   // Four plates around, clamped at one end; a closed rim of moments is a torque at the other.
   constexpr double L = 4, a = 0.5, b = 0.3, t = 0.02, E = 1000, nu = 0.3;
   Plates plates;
@@ -137,7 +138,7 @@ TEST_CASE("a box beam in torsion turns as Bredt says") {
   CHECK(turn_at(3) - turn_at(1) == Approx(torque * 2 / (G * J)).epsilon(1e-2));
 }
 
-TEST_CASE("rigid motions of a model keep its ties") {
+TEST_CASE("rigid motions of a model keep its ties", "[analysis][ties]") {
   Plates plates;
   plates.across("foot", {0, 0, 0}, {0.1, 0, 0});
   plates.across("knee", {0, 0, 0.5}, {0, 0, 0.6});

@@ -1,4 +1,4 @@
-// The program as its users meet it: in a folder of its own, without a display.
+// Runs the program in a separate folder, without a display.
 #pragma once
 
 #include <fcntl.h>
@@ -31,7 +31,7 @@ inline void write(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// A folder with what one case needs, and the program in it. No display unless asked for.
+/// A folder with the files of one case, in which the program runs. No display unless requested.
 class CliCase {
  public:
   explicit CliCase(const std::string& name) : folder_(scratch("cli_" + name)) {}
@@ -67,7 +67,7 @@ class CliCase {
   }
   CliResult run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
 
-  /// `batten run s.toml --out out` on this scene: it must fail like this and leave nothing.
+  /// `batten run s.toml --out out` on this scene must fail with this message and leave no files.
   void fails(const std::string& scene, int code, const std::vector<std::string>& parts,
              const std::vector<std::string>& more = {}, const std::string& command = "run") const {
     file("s.toml", scene);

@@ -1,4 +1,4 @@
-// A scene that tests of documents work on.
+// A scene for tests of documents.
 #pragma once
 
 #include <string>

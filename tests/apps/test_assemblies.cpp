@@ -1,4 +1,4 @@
-// batten deform on whole assemblies: joints, spiders, bushes, means, solids; and public decks.
+// batten deform on whole assemblies: joints, spiders, bushes, RBE3, solids; and public decks.
 #include <cmath>
 #include <map>
 
@@ -15,8 +15,8 @@ using batten::Vec3;
 
 namespace {
 
-/// A plate of 12 × 8 quads with a stiffener along its middle, bricks under a corner of it, a second
-/// plate below that hangs on two bushes, a spider, a mean and a mass.
+/// A plate of 12 × 8 quads with a stiffener along its middle, bricks under one of its corners, a
+/// second plate below that is connected by two bushes, a spider, an RBE3 and a point mass.
 std::string assembly() {
   std::string deck = "BEGIN BULK\n";
   const auto grid = [&](int id, double x, double y, double z) {
@@ -57,7 +57,7 @@ std::string assembly() {
       card("CHEXA", 4,
            {brick(i, j), brick(i + 1, j), brick(i + 1, j + 1), brick(i, j + 1), at(9 + i, 5 + j),
             at(10 + i, 5 + j)});
-  // Continued with the last two corners, card by card.
+  // The last two corners are on continuation cards.
   std::string all;
   size_t from = 0;
   for (int j = 0; j < 2; ++j)
@@ -120,7 +120,7 @@ struct AssemblyRun {
 
 }  // namespace
 
-TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
+TEST_CASE("everything follows the plate to which it is connected", "[apps][assemblies]") {
   const CliCase c("assembly");
   const AssemblyRun ran(c, kScene + kLift);
   INFO(ran.result.err);
@@ -129,15 +129,16 @@ TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
   CHECK(attached["connections"] == 3);  // two bushes, a spider
   CHECK(attached["elements"]["CHEXA"] == 4);
   CHECK(attached["max_rigid_error"].get<double>() < 1e-13);
-  CHECK(attached["moved_with_shells"] == 10);  // nine of bricks, one mean
+  CHECK(attached["moved_with_shells"] == 10);  // nine of bricks, one of the RBE3
   CHECK(attached["inverted_solids"].empty());
-  // The spider's centre keeps its distances, the bushes their lengths, the plate below came along.
+  // The spider's centre keeps its distances, the bushes keep their lengths, the plate below
+  // follows.
   for (const long foot : {29, 31, 17, 43})
     CHECK(ran.length(4000, foot) == Approx(std::sqrt(26)).epsilon(1e-9));
   CHECK(ran.length(19, 2001) ==
         Approx((ran.before.at(19) - ran.before.at(2001)).norm()).epsilon(1e-9));
   CHECK(ran.moved(2012));
-  // The mean's node is above the middle of its two.
+  // The RBE3's node is above the midpoint of its two nodes.
   const Vec3 middle = (ran.after.at(84) + ran.after.at(86)) / 2;
   CHECK((ran.after.at(4001) - middle).norm() == Approx(4).epsilon(1e-9));
   // Bricks keep their height.
@@ -147,7 +148,7 @@ TEST_CASE("everything goes with the plate that it hangs on", "[deform]") {
   }
 }
 
-TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") {
+TEST_CASE("fixed parts stay, and destroyed solids are reported", "[apps][assemblies]") {
   const CliCase c("assembly_stay");
   const AssemblyRun ran(
       c, kScene + "[attached]\nsolids = \"stay\"\nbushes = \"stay\"\nrigid = \"stay\"\n" + kLift +
@@ -165,7 +166,7 @@ TEST_CASE("what is told to stay stays, and ruined solids are said", "[deform]") 
   CHECK(bad.err.find("b.toml:10") != std::string::npos);
 }
 
-TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[deform]") {
+TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[apps][assemblies]") {
   const CliCase c("assembly_null");
   std::string still = kScene + kLift;
   still.replace(still.find("[0, 0, 1]"), 9, "[0, 0, 0]");
@@ -174,7 +175,7 @@ TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[deform]
   CHECK(contents(c / "out/a-deformed.bdf") == assembly());
 }
 
-TEST_CASE("relations between features", "[deform]") {
+TEST_CASE("relations between features", "[apps][assemblies]") {
   const CliCase c("relations");
   c.file("plate.obj", contents(BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/plate.obj"));
   const std::string head =
@@ -223,7 +224,7 @@ TEST_CASE("relations between features", "[deform]") {
   look();
   CHECK((centre["hole-1"] + centre["hole-4"]).y() == Approx(300).epsilon(1e-9));
   CHECK(std::abs((centre["hole-1"] - centre["hole-4"]).x()) < 1e-8);
-  // Scaling one hole leaves the others where they are.
+  // Scaling one hole does not change the others.
   REQUIRE(run("", "[[edit.scale]]\nfeature = \"hole-3\"\nfactor = 1.3\n").code == 0);
   look();
   CHECK((centre["hole-3"] - free).norm() < 1e-8);
@@ -240,7 +241,7 @@ TEST_CASE("relations between features", "[deform]") {
         std::string::npos);
 }
 
-TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform]") {
+TEST_CASE("features tilt with the sheet that is lifted without rotation", "[apps][assemblies]") {
   const CliCase c("tilt");
   c.file("plate.obj", contents(BATTEN_SOURCE_DIR "/examples/10-plate-with-holes/plate.obj"));
   const std::string scene =
@@ -263,7 +264,8 @@ TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform
     return degrees;
   };
   for (const auto& [name, degrees] : turned("rotation_mode = \"harmonic\"\n")) CHECK(degrees < 1e-6);
-  // The middle of an S of 120 over 280: 3/2 of 120/280, a little less for the hole.
+  // Slope in the middle of a cubic S-shape of 120 over 280: 3/2 of 120/280, slightly less due to
+  // the hole.
   for (const std::string way : {"estimated", "dual", "nonlinear"}) {
     INFO(way);
     const auto degrees = turned("rotation_mode = \"" + way + "\"\n");
@@ -284,7 +286,7 @@ TEST_CASE("features tilt with the sheet that is lifted without a turn", "[deform
 }
 
 TEST_CASE("public decks are edited whole, and come back to the byte where nothing moves",
-          "[data]") {
+          "[apps][assemblies][data]") {
   const auto folder = optional_data("decks-public");
   if (folder.empty()) {
     WARN("skipped: no decks-public beside the project (BATTEN_TEST_DATA)");
@@ -370,7 +372,7 @@ TEST_CASE("public decks are edited whole, and come back to the byte where nothin
             other.kind == batten::NonShellElement::Kind::Rigid) {
           const auto fit =
               batten::fit_similarity(a.shells().points, b.shells().points, other.nodes, 1);
-          CHECK(fit.max_error < 1e-9);  // as far as wide fields tell
+          CHECK(fit.max_error < 1e-9);  // limited by the large field format
         }
       CHECK(batten::inverted_solids(a.other_elements(), a.shells().points, b.shells().points)
                 .empty());

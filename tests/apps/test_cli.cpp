@@ -1,4 +1,4 @@
-// The program as its users meet it: every case runs batten itself.
+// Tests of the command line as users call it: every case runs batten itself.
 #include "batten/tests/apps/cli_case.h"
 
 #include <signal.h>
@@ -17,7 +17,7 @@ std::string line(const std::string& name, const std::string& points) {
   return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
 }
 
-/// A square of four lines, 100 wide.
+/// A square of four curves, 100 wide.
 std::string square() {
   return line("south", "[0,0,0], [100,0,0]") + line("east", "[100,0,0], [100,100,0]") +
          line("north", "[100,100,0], [0,100,0]") + line("west", "[0,100,0], [0,0,0]");
@@ -29,7 +29,7 @@ const std::string kPressure =
 
 }  // namespace
 
-TEST_CASE("run makes what the scene asks for and reports it", "[cli]") {
+TEST_CASE("run makes the outputs of the scene and reports them", "[apps][cli]") {
   const CliCase c("run");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + R"(
 [[constraint]]
@@ -53,7 +53,7 @@ calculix = "s.inp"
   REQUIRE(r.code == 0);
   CHECK(r.out.find("  normals     point to the convex side\n") != std::string::npos);
   CHECK(r.out.find("  displaced   by up to ") != std::string::npos);
-  if (BATTEN_TEST_CGAL) CHECK(r.err.empty());  // without CGAL it warns
+  if (BATTEN_TEST_CGAL) CHECK(r.err.empty());  // without CGAL there is a warning
   for (const char* name : {"s.step", "s.vtp", "s.vtu", "s.inp", "report.json"}) {
     CHECK(fs::file_size(c / ("a/b/" + std::string(name))) > 100);
     CHECK(r.out.find(name) != std::string::npos);
@@ -66,19 +66,19 @@ calculix = "s.inp"
   const auto& s = json["surface"];
   CHECK(s["max_curve_residual"] < 1e-10);
   CHECK(s["max_constraint_residual"] < 1e-10);
-  CHECK(s["area"] > 10000);  // the square, and the bulge
+  CHECK(s["area"] > 10000);  // the square plus the bulge
   CHECK(s["area"] < 12000);
   CHECK(s["size"] == Approx(100 * std::sqrt(2.0)));
   CHECK(json["step"]["valid"] == true);
   CHECK(json["step"]["faces"] == 3 * s["triangles"].get<int>());
   CHECK(json["step"]["max_gap"] < 1e-9 * s["size"].get<double>());
-  // What pushes the surface up must be held down by the constraints together.
+  // Equilibrium: the reactions balance the pressure.
   bool peak = false;
   for (const auto& reaction : json["reactions"]) peak |= reaction["name"] == "peak";
   CHECK(peak);
 }
 
-TEST_CASE("a parameter set on the command line changes the shape", "[cli]") {
+TEST_CASE("a parameter set on the command line changes the shape", "[apps][cli]") {
   const CliCase c("set");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure);
   REQUIRE(c.run({"run", "s.toml", "--out", "a"}).code == 0);
@@ -89,12 +89,12 @@ TEST_CASE("a parameter set on the command line changes the shape", "[cli]") {
   const double a = report(c, "a")["surface"]["area"], b = report(c, "b")["surface"]["area"];
   CHECK(a > 10000 * (1 + 1e-9));
   CHECK(b == Approx(10000).epsilon(1e-12));
-  // Twice the stiffness under twice the load is the same shape.
+  // Twice the stiffness under twice the load gives the same shape.
   CHECK(report(c, "c")["surface"]["area"].get<double>() == Approx(a).epsilon(1e-9));
   CHECK(report(c, "c")["parameters"][0]["value"] == 10);
 }
 
-TEST_CASE("the same scene in metres is the same shape", "[cli]") {
+TEST_CASE("the same scene in metres is the same shape", "[apps][cli]") {
   const CliCase c("units");
   c.file("mm.toml", kUnit + "[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\n" + kCoarse + kPressure);
   c.file("m.toml",
@@ -109,7 +109,7 @@ TEST_CASE("the same scene in metres is the same shape", "[cli]") {
   CHECK(m["area"].get<double>() == Approx(1e-6 * mm["area"].get<double>()).epsilon(1e-9));
 }
 
-TEST_CASE("the pentagon of 1991 rises as high as its gold number", "[cli]") {
+TEST_CASE("the pentagon of 1991 rises to its reference height", "[apps][cli]") {
   const CliCase c("pentagon");
   std::string scene = "unit = \"m\"\n";
   for (int k = 0; k < 5; ++k) {
@@ -159,7 +159,7 @@ calculix = "s.inp"
         gold_case["alpha"] == 1 && gold_case["beta"] == 1)
       gold = gold_case["centre_z"];
   REQUIRE(gold > 0);
-  // The deck is text: "node, x, y, z" rows, the centre among them.
+  // The deck is text: rows "node, x, y, z", among them the centre.
   bool found = false;
   std::istringstream deck(contents(c / "out/s.inp"));
   for (std::string row; std::getline(deck, row);) {
@@ -168,12 +168,12 @@ calculix = "s.inp"
     if (std::sscanf(row.c_str(), "%d , %lf , %lf , %lf", &node, &x, &y, &z) != 4) continue;
     if (std::hypot(x, y) > 1e-9) continue;
     found = true;
-    CHECK(z == Approx(gold).epsilon(1e-8));  // the domain's polygon is iterated
+    CHECK(z == Approx(gold).epsilon(1e-8));  // the domain's polygon is computed iteratively
   }
   CHECK(found);
 }
 
-TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
+TEST_CASE("skin makes a surface directly from files of curves", "[apps][cli]") {
   const CliCase c("skin");
   c.file("rim.csv", "0 0 0\n10 0 1\n10 10 0\n0 10 1\n0 0 0\n");
   c.file("keel.txt", "5 0 0.5\n5 5 1\n5 10 0.5\n");
@@ -204,7 +204,7 @@ TEST_CASE("skin goes from files of lines straight to a surface", "[cli]") {
   CHECK(info.out.find("valid") != std::string::npos);
 }
 
-TEST_CASE("info tells lines, lengths and parameters", "[cli]") {
+TEST_CASE("info lists curves, lengths and parameters", "[apps][cli]") {
   const CliCase c("info");
   c.file("s.toml", kUnit + square() + kPressure);
   const CliResult scene = c.run({"info", "s.toml"});
@@ -221,7 +221,8 @@ TEST_CASE("info tells lines, lengths and parameters", "[cli]") {
   CHECK(none.err.find("rum.csv: found no such file") != std::string::npos);
 }
 
-TEST_CASE("choices of a network are drawn, or nothing is where there is no display", "[cli]") {
+TEST_CASE("choices of a network are drawn, or nothing is where there is no display",
+          "[apps][cli]") {
   const CliCase c("choices");
   c.file("rim.csv", "0 0\n3 4\n\n3 4\n3 5\n");
   const CliResult r = c.run({"info", "rim.csv", "--alternatives", "out"});
@@ -230,7 +231,7 @@ TEST_CASE("choices of a network are drawn, or nothing is where there is no displ
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
-TEST_CASE("old options are refused with their new names", "[cli]") {
+TEST_CASE("old options are refused with their new names", "[apps][cli]") {
   const CliCase c("old_options");
   c.file("rim.csv", "0 0 0\n10 0 1\n10 10 0\n0 10 1\n0 0 0\n");
   const auto refused = [&](const std::vector<std::string>& words, const std::string& message) {
@@ -254,7 +255,7 @@ TEST_CASE("old options are refused with their new names", "[cli]") {
         std::string::npos);
 }
 
-TEST_CASE("help and version", "[cli]") {
+TEST_CASE("help and version", "[apps][cli]") {
   const CliCase c("help");
   const CliResult help = c.run({"--help"});
   CHECK(help.code == 0);
@@ -268,7 +269,7 @@ TEST_CASE("help and version", "[cli]") {
   CHECK(c.run({"run", "s.toml"}).code == 1);
 }
 
-TEST_CASE("lines that are no outline are refused in words", "[cli]") {
+TEST_CASE("curves that form no outline are refused with the reason", "[apps][cli]") {
   const CliCase c("lines");
   const auto refused = [&](const std::string& lines, const std::vector<std::string>& parts) {
     c.fails(kUnit + lines + kCoarse, 1, parts);
@@ -322,7 +323,7 @@ TEST_CASE("lines that are no outline are refused in words", "[cli]") {
   }
 }
 
-TEST_CASE("CAD files that are cut short are refused", "[cli]") {
+TEST_CASE("CAD files that are cut short are refused", "[apps][cli]") {
   const CliCase c("cad");
   const std::string start =
       "                                                                        S      1\n"
@@ -347,7 +348,7 @@ TEST_CASE("CAD files that are cut short are refused", "[cli]") {
   c.fails(kUnit + "[[curves]]\nfile = \"w.iges\"\n", 1, {"w.iges"});
 }
 
-TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
+TEST_CASE("wrong scenes end with exit code 1", "[apps][cli]") {
   const CliCase c("scenes");
   c.fails(kUnit + square() + "[mesh]\nedge_lenght = 3\n", 1,
           {"s.toml:15:1: found key 'edge_lenght' in [mesh]", "did you mean 'edge_length'?"});
@@ -373,7 +374,7 @@ TEST_CASE("wrong scenes end with exit code 1", "[cli]") {
           1, {"found the curve 'suoth'", "did you mean 'south'?"});
 }
 
-TEST_CASE("an output folder that cannot be is refused before the work", "[cli]") {
+TEST_CASE("an output folder that cannot be is refused before the work", "[apps][cli]") {
   const CliCase c("folder");
   c.file("s.toml", kUnit + square() + kCoarse);
   c.file("plain", "not a folder");
@@ -385,7 +386,7 @@ TEST_CASE("an output folder that cannot be is refused before the work", "[cli]")
   CHECK(contents(c / "plain") == "not a folder");
 }
 
-TEST_CASE("constraints in conflict are named", "[cli]") {
+TEST_CASE("constraints in conflict are named", "[apps][cli]") {
   const CliCase c("conflict");
   const auto point = [](const std::string& name, const std::string& to) {
     return "[[constraint]]\nname = \"" + name + "\"\ntype = \"point\"\nat = [50,50,0]\nto = " + to +
@@ -398,12 +399,12 @@ TEST_CASE("constraints in conflict are named", "[cli]") {
       2, {"'pull'", "'south'"});
 }
 
-TEST_CASE("a pressure past its limit has no solution", "[cli]") {
+TEST_CASE("a pressure past its limit has no solution", "[apps][cli]") {
   const CliCase c("limit");
   c.fails(kUnit + square() + kCoarse + kPressure, 3, {"pressure"}, {"--set", "crown=1e8"});
 }
 
-TEST_CASE("a run that fails leaves the files of the run before", "[cli]") {
+TEST_CASE("a run that fails leaves the files of the run before", "[apps][cli]") {
   const CliCase c("before");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
@@ -414,7 +415,7 @@ TEST_CASE("a run that fails leaves the files of the run before", "[cli]") {
   CHECK(std::distance(fs::directory_iterator(c / "out"), fs::directory_iterator()) == 2);
 }
 
-TEST_CASE("the same scene gives the same files", "[cli]") {
+TEST_CASE("the same scene gives the same files", "[apps][cli]") {
   const CliCase c("same");
   c.file("s.toml", kUnit + square() + kCoarse + kPressure + "[output]\nvtp = \"s.vtp\"\n");
   REQUIRE(c.run({"run", "s.toml", "--out", "a", "--threads", "1"}).code == 0);
@@ -426,7 +427,7 @@ TEST_CASE("the same scene gives the same files", "[cli]") {
   CHECK(a == b);
 }
 
-TEST_CASE("without a display everything but the pictures is made", "[cli]") {
+TEST_CASE("without a display everything but the pictures is made", "[apps][cli]") {
   const CliCase c("display");
   c.file("s.toml",
          kUnit + square() + kCoarse + "[output]\nvtp = \"s.vtp\"\n[[picture]]\nfile = \"s.png\"\n");
@@ -442,9 +443,9 @@ TEST_CASE("without a display everything but the pictures is made", "[cli]") {
   CHECK_FALSE(fs::exists(c / "v.png"));
 }
 
-TEST_CASE("a failed check is a failure, with name and amount", "[cli]") {
+TEST_CASE("a failed check is a failure, with name and amount", "[apps][cli]") {
   const CliCase c("promise");
-  // A normal that stands the surface on edge at one vertex folds it.
+  // A normal that makes the surface vertical at one vertex folds it.
   c.file("s.toml", kUnit + square() + kCoarse +
                        "[[constraint]]\nname = \"edge on\"\ntype = \"normal\"\nat = [50,50,0]\n"
                        "direction = [1,0,0]\n");
@@ -456,10 +457,10 @@ TEST_CASE("a failed check is a failure, with name and amount", "[cli]") {
   CHECK(fs::exists(c / "out/report.json"));
 }
 
-TEST_CASE("an interrupted run leaves nothing", "[cli]") {
+TEST_CASE("an interrupted run leaves nothing", "[apps][cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const CliCase c("interrupt");
-    // Far more work than the wait below takes; the hidden folder says that it has begun.
+    // Takes far longer than the wait below; the hidden folder shows that it has started.
     c.file("s.toml", kUnit + square() + "[mesh]\nedge_length = 0.3\n" + kPressure +
                          "[output]\nstep = \"s.step\"\n");
     const pid_t child = c.start({"run", "s.toml", "--out", "out"});
@@ -476,7 +477,8 @@ TEST_CASE("an interrupted run leaves nothing", "[cli]") {
   }
 }
 
-TEST_CASE("what a killed run left is removed by the next, what a living one has is not", "[cli]") {
+TEST_CASE("files of a killed run are removed by the next, those of a running one are not",
+          "[apps][cli]") {
   const CliCase c("killed");
   c.file("s.toml", kUnit + square() + "[mesh]\nedge_length = 0.3\n" + kPressure);
   c.file("small.toml", kUnit + square());
@@ -503,7 +505,7 @@ TEST_CASE("what a killed run left is removed by the next, what a living one has 
   CHECK_FALSE(fs::exists(hidden));
   CHECK(fs::exists(c / "out/report.json"));
 
-  // A single file: the number of a process that cannot be.
+  // A single file: the number of a process that cannot exist.
   c.file(".faired.4194305-1.csv", "half");
   c.file(".faired.4194305-x.csv", "somebody's own");
   c.file("wave.csv", "x,y,z\n0,0,0\n1,1,0\n2,0,0\n3,1,0\n");
@@ -512,7 +514,7 @@ TEST_CASE("what a killed run left is removed by the next, what a living one has 
   CHECK(fs::exists(c / ".faired.4194305-x.csv"));
 }
 
-TEST_CASE("work that hears nothing is ended all the same", "[cli]") {
+TEST_CASE("work that does not respond to cancellation is ended all the same", "[apps][cli]") {
   const CliCase c("deaf");
   const pid_t child = fork();
   if (child == 0) {

@@ -1,4 +1,4 @@
-// batten convert and batten info of CAD files, as users meet them.
+// batten convert and batten info on CAD files.
 #include <cmath>
 
 #include "batten/io/meshes/mesh_file.h"
@@ -32,7 +32,8 @@ const char* const kTetrahedron =
 
 }  // namespace
 
-TEST_CASE("what a scene writes is told by info and converted with its names", "[cli][convert]") {
+TEST_CASE("files that a scene writes are listed by info and converted with their names",
+          "[apps][convert]") {
   const CliCase c("convert_own");
   c.file("s.toml", kSquare);
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
@@ -52,7 +53,7 @@ TEST_CASE("what a scene writes is told by info and converted with its names", "[
   CHECK(iges.code == 0);
   contains_text(iges.err, "IGES cannot store names of edges between faces: 4 are lost");
   contains_text(c.run({"info", "t.igs"}).out, "name 'square': 1 face");
-  // A scene in metres is one in the file too.
+  // A scene in metres is written in metres.
   std::string metres = kSquare;
   metres.replace(metres.find("mm"), 2, "m");
   c.file("m.toml", metres);
@@ -60,14 +61,14 @@ TEST_CASE("what a scene writes is told by info and converted with its names", "[
   const std::string large = c.run({"info", "m/s.step"}).out;
   contains_text(large, "STEP AP214, in m: 1 product, 1 face");
   contains_text(large, "area 10000 m²");
-  // Lines of the file, by their names; and the same surface again from them.
+  // The curves of the file, by name; they give the same surface again.
   const CliResult lines = c.run({"convert", "out/s.step", "lines.csv"});
   CHECK(lines.code == 0);
   contains_text(contents(c / "lines.csv"), "# a\n");
   CHECK(c.run({"skin", "t.stp", "--unit", "mm", "--out", "again"}).code == 0);
 }
 
-TEST_CASE("triangles of CAD faces say their chord and their deviation", "[cli][convert]") {
+TEST_CASE("triangles of CAD faces state their chord and their deviation", "[apps][convert]") {
   const CliCase c("convert_mesh");
   c.file("s.toml", kSquare);
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
@@ -89,7 +90,7 @@ TEST_CASE("triangles of CAD faces say their chord and their deviation", "[cli][c
   CHECK_FALSE(fs::exists(c / "u.obj"));
 }
 
-TEST_CASE("meshes are converted into each other, with their groups", "[cli][convert]") {
+TEST_CASE("meshes are converted into each other, with their groups", "[apps][convert]") {
   const CliCase c("convert_meshes");
   c.file("t.obj", kTetrahedron);
   std::string last = "t.obj";
@@ -113,7 +114,7 @@ TEST_CASE("meshes are converted into each other, with their groups", "[cli][conv
   CHECK(c.run({"convert", (kSeeds / "meshes/sheet.bdf").string(), "deck.stl"}).code == 0);
 }
 
-TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "[cli][convert]") {
+TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "[apps][convert]") {
   const CliCase c("convert_glb");
   c.file("t.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
   c.file("t.obj", "mtllib t.mtl\nusemtl blue\n" + std::string(kTetrahedron) +
@@ -128,7 +129,7 @@ TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "
   contains_text(text, "\"name\":\"#ff0000\"");
   contains_text(text, "\"name\":\"#0000ff\"");
   CHECK(c.run({"convert", "t.obj", "t.3mf", "--from-unit", "in"}).code == 0);
-  // The colours of faces of a CAD file are those of its triangles; two files are made of OBJ.
+  // The colours of faces of a CAD file become those of its triangles; two files are made of OBJ.
   c.file("two.toml",
          "unit = \"mm\"\nname = \"two\"\n\n"
          "[[curve]]\nname = \"a\"\npoints = [[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,0]]\n"
@@ -145,7 +146,7 @@ TEST_CASE("meshes become GLB and 3MF in their units, with colours on the way", "
   contains_text(printed.out, "in mm, ");
 }
 
-TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") {
+TEST_CASE("curves are converted between formats and into CAD files", "[apps][convert]") {
   const CliCase c("convert_lines");
   c.file("l.csv",
          "name,x,y,z\nrail,0,0,0\nrail,10,0,0\nrail,20,5,0\nrail,30,5,1\nrib,0,0,0\nrib,0,7,0\n");
@@ -158,12 +159,12 @@ TEST_CASE("lines are converted into each other and into CAD", "[cli][convert]") 
   CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
   CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
   contains_text(contents(c / "back.csv"), "# rib");
-  CHECK(c.run({"convert", "l.step", "l.obj"}).code == 0);  // without faces it is lines
+  CHECK(c.run({"convert", "l.step", "l.obj"}).code == 0);  // without faces: curves
   contains_text(contents(c / "l.obj"), "\nl 1 2 ");
   CHECK(c.run({"convert", (kSeeds / "drawings/plate.svg").string(), "plate.step"}).code == 0);
 }
 
-TEST_CASE("what convert does not do, it says", "[cli][convert]") {
+TEST_CASE("conversions that are not supported are refused with the reason", "[apps][convert]") {
   const CliCase c("convert_refused");
   c.file("t.obj", kTetrahedron);
   c.file("s.toml", kSquare);
@@ -194,7 +195,7 @@ TEST_CASE("what convert does not do, it says", "[cli][convert]") {
   CHECK_FALSE(fs::exists(c / "t.inp"));
 }
 
-TEST_CASE("real CAD files keep their contents in every format", "[cli][convert]") {
+TEST_CASE("real CAD files keep their contents in every format", "[apps][convert]") {
   const fs::path data = optional_data("step-parts");
   if (data.empty()) {
     WARN("no step-parts beside the project: skipped");
@@ -216,7 +217,7 @@ TEST_CASE("real CAD files keep their contents in every format", "[cli][convert]"
     }
 }
 
-TEST_CASE("hulls of IGES files are meshed without cracks", "[cli][convert]") {
+TEST_CASE("hulls of IGES files are meshed without cracks", "[apps][convert]") {
   const fs::path data = optional_data("lines-ship-iges");
   if (data.empty()) {
     WARN("no lines-ship-iges beside the project: skipped");

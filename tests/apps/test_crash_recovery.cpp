@@ -1,4 +1,4 @@
-// A window that is killed at any moment loses nothing that was saved, and little that was not.
+// A window that is killed at any moment loses no saved data, and little of the unsaved changes.
 #include <csignal>
 #include <cstdlib>
 #include <random>
@@ -29,7 +29,7 @@ type = "pressure"
 value = 0
 )";
 
-/// This program, doing what the hidden case below does in a folder.
+/// Runs the hidden test case below in a folder, in a process of this program.
 pid_t start_victim_process(const fs::path& folder) {
   const pid_t child = fork();
   if (child != 0) return child;
@@ -46,7 +46,7 @@ double crown_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("drags and saves without an end", "[.victim]") {
+TEST_CASE("drags and saves without an end", "[apps][documents][.victim]") {
   const char* const folder = std::getenv("BATTEN_VICTIM");
   if (!folder) return;
   DocumentWorker worker([] {}, fs::path(folder) / "changes.toml");
@@ -61,7 +61,8 @@ TEST_CASE("drags and saves without an end", "[.victim]") {
   }
 }
 
-TEST_CASE("killed while dragging and saving, the scene is the old or the new one", "[document]") {
+TEST_CASE("killed while dragging and saving, the scene is the old or the new one",
+          "[apps][documents]") {
   const CliCase folder("killed");
   std::mt19937 random(7);
   int saves = 0, kept = 0;
@@ -70,7 +71,7 @@ TEST_CASE("killed while dragging and saving, the scene is the old or the new one
     fs::remove(folder / "changes.toml");
     const pid_t child = start_victim_process(folder.folder());
     REQUIRE(child > 0);
-    // From when it has begun: the changes of the first settle are there.
+    // Starts when the changes of the first equilibrium are there.
     for (int i = 0; i < 2000 && !fs::exists(folder / "changes.toml"); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 60000));
@@ -80,9 +81,9 @@ TEST_CASE("killed while dragging and saving, the scene is the old or the new one
     INFO("round " << round << "\n" << text);
     CHECK(text.starts_with("# Whatever happens, this line is here.\n"));
     const double saved = crown_of(text);
-    CHECK(saved == 3 * std::floor(saved / 3));  // that of a save, whole
+    CHECK(saved == 3 * std::floor(saved / 3));  // the value of a complete save
     saves += saved > 0;
-    if (!fs::exists(folder / "changes.toml")) continue;  // all was saved
+    if (!fs::exists(folder / "changes.toml")) continue;  // everything was saved
     ++kept;
     Document document;
     document.apply({.kind = CommandKind::Recover, .file = folder / "changes.toml"});

@@ -1,4 +1,4 @@
-// batten deform as its users meet it.
+// batten deform on the command line.
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +20,7 @@ std::string without_pictures(const std::string& file) {
   return text.substr(0, text.find("[[picture]]"));
 }
 
-/// A square of 4 × 4 quads in [0, 4]², with what a scene needs before its edits.
+/// A square of 4 × 4 quads in [0, 4]², with a scene that lacks only its edits.
 const std::string kHead =
     "unit = \"mm\"\nmesh = \"grid.off\"\n"
     "[[select]]\nname = \"left\"\nbox = [[0,0,-1],[0,4,1]]\n"
@@ -44,8 +44,8 @@ void put_grid(const CliCase& c) {
 
 }  // namespace
 
-TEST_CASE("the plate's lessons keep their promises", "[deform]") {
-  // The file is the model of the tests.
+TEST_CASE("the plate's tutorials pass their checks", "[apps][deform]") {
+  // The file of the example is the model of the tests.
   const CliCase c("deform_plate");
   batten::write_mesh(c / "plate.obj", plate_with_holes().shells);
   CHECK(contents(c / "plate.obj") == contents(kPlate + "plate.obj"));
@@ -63,7 +63,7 @@ TEST_CASE("the plate's lessons keep their promises", "[deform]") {
     for (const auto& f : j["features"]) CHECK(f["max_rigid_error"].get<double>() < 1e-13);
     double out_of_round = 0;
     for (const auto& h : j["holes"]) {
-      if (h["nodes"] == 200) continue;  // the outer border
+      if (h["nodes"] == 200) continue;  // the outer boundary
       const auto &before = h["before"], &after = h["after"];
       out_of_round =
           std::max(out_of_round, after["roundness"].get<double>() / before["radius"].get<double>());
@@ -77,11 +77,11 @@ TEST_CASE("the plate's lessons keep their promises", "[deform]") {
   }
 }
 
-TEST_CASE("the panel's deck comes back with other coordinates and nothing else", "[deform]") {
+TEST_CASE("the panel's deck comes back with other coordinates and nothing else", "[apps][deform]") {
   const CliCase c("deform_panel");
   fs::copy(kPanel + "panel.bdf", c / "panel.bdf");
   c.file("edit.toml", without_pictures(kPanel + "edit.toml"));
-  const CliResult r = c.run({"run", "edit.toml", "--out", "out"});  // run knows edits, too
+  const CliResult r = c.run({"run", "edit.toml", "--out", "out"});  // `run` accepts edits, too
   REQUIRE(r.code == 0);
   CHECK(r.err.find("large_field") != std::string::npos);
   std::istringstream before(contents(c / "panel.bdf")), after(contents(c / "out/panel-longer.bdf"));
@@ -96,7 +96,7 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
   }
   CHECK(after.peek() == EOF);
   CHECK(changed > 5000);
-  // What was written holds its holes to the rounding of eight columns.
+  // The written file keeps the shape of holes within the rounding of eight columns.
   const auto file = batten::MeshFile::read(c / "out/panel-longer.bdf");
   const auto mesh = batten::prepare(file.shells()).mesh;
   const auto j = report(c, "out");
@@ -115,7 +115,7 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
   for (const char* deck : {"out/before.inp", "out/after.inp"})
     CHECK(contents(c / deck).find("*FREQUENCY") != std::string::npos);
 
-  // Wide nodes: two lines a node, sixteen columns a number.
+  // Large field format: two lines per node, sixteen columns per number.
   c.file("wide.toml", without_pictures(kPanel + "edit.toml") + "\n");
   std::string wide = contents(c / "wide.toml");
   wide.insert(wide.find("[output]") + 9, "large_field = true\n");
@@ -124,7 +124,8 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
   CHECK(report(c, "wide")["file_rounding"].get<double>() < 1e-9);
 }
 
-TEST_CASE("door, grill and sheet keep their promises, and their files are the models", "[deform]") {
+TEST_CASE("door, grill and sheet pass their checks, and their files are the models",
+          "[apps][deform]") {
   const CliCase c("deform_parts");
   const std::string folder = BATTEN_SOURCE_DIR "/examples/12-door-grill-sheet/";
   for (const auto& [name, model] :
@@ -150,7 +151,7 @@ TEST_CASE("door, grill and sheet keep their promises, and their files are the mo
   }
 }
 
-TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
+TEST_CASE("the same mesh in every format gives the same result", "[apps][deform]") {
   const CliCase c("deform_formats");
   const auto model = plate_with_holes();
   double expected = 0;
@@ -166,14 +167,14 @@ TEST_CASE("the same mesh in every format gives the same answer", "[deform]") {
     REQUIRE(r.code == 0);
     const double moved = report(c, ending)["displacement"]["largest"];
     if (expected == 0) expected = moved;
-    // STL: single precision, and quads come as triangles.
+    // STL: single precision; quads become triangles.
     CHECK(moved == Approx(expected).epsilon(ending == "stl" ? 2e-2 : 1e-9));
     CHECK(fs::exists(c / (ending + "/plate-deformed." + ending)));
     batten::MeshFile::read(c / (ending + "/plate-deformed." + ending));
   }
 }
 
-TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written", "[deform]") {
+TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written", "[apps][deform]") {
   const CliCase c("deform_conflict");
   put_grid(c);
   const std::string strut =
@@ -187,7 +188,7 @@ TEST_CASE("constraints in conflict: exit 2, all of them named, nothing written",
           2, {"'g'", "'fixed'"}, {}, "deform");
 }
 
-TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]") {
+TEST_CASE("invalid scenes of edits: exit 1, the position, what was expected", "[apps][deform]") {
   const CliCase c("deform_bad");
   put_grid(c);
   const auto fails = [&](const std::string& scene, const std::vector<std::string>& parts) {
@@ -227,7 +228,7 @@ TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]
         {"0.7"});
   c.fails(kHead + kMove, 1, {"'edit-1.right.w'", "edit-1.right.x"}, {"--set", "edit-1.right.w=3"},
           "deform");
-  // A mesh that no deformation can stand on.
+  // A mesh that cannot be deformed.
   c.file("grid.off", "OFF\n5 2 0\n0 0 0\n4 0 0\n0 1 0\n0 -1 0\n2 0 0\n3 0 1 2\n3 0 1 4\n");
   fails(kHead + kMove, {"grid.off", "without area"});
   put_grid(c);
@@ -237,7 +238,8 @@ TEST_CASE("bad scenes of edits: exit 1, the place, what was expected", "[deform]
   fails(kHead + kMove, {"grid.off"});
 }
 
-TEST_CASE("parameters are set from outside, an edit that folds the mesh is reported", "[deform]") {
+TEST_CASE("parameters are set from outside, an edit that folds the mesh is reported",
+          "[apps][deform]") {
   const CliCase c("deform_set");
   put_grid(c);
   c.file("s.toml", kHead + kMove);
@@ -249,7 +251,7 @@ TEST_CASE("parameters are set from outside, an edit that folds the mesh is repor
   CHECK(info.code == 0);
   CHECK(info.out.find("edit-1.right.z = 1") != std::string::npos);
   CHECK(info.out.find("loop 1: 16 nodes") != std::string::npos);
-  // The handle goes past the fixed strip.
+  // The handle moves beyond the fixed strip.
   c.file("s.toml", kHead + "[[select]]\nname = \"strip\"\nany = \"left\"\ngrow = 1\n" +
                        "[[edit]]\nfixed = \"strip\"\n[[edit.handle]]\nname = \"right\"\n");
   const CliResult folded = c.run({"deform", "s.toml", "--out", "b", "--set", "edit-1.right.x=-9",
@@ -259,7 +261,7 @@ TEST_CASE("parameters are set from outside, an edit that folds the mesh is repor
   CHECK(fs::exists(c / "b/grid-deformed.off"));
 }
 
-TEST_CASE("selections say what they say", "[deform]") {
+TEST_CASE("selections contain the specified nodes", "[apps][deform]") {
   const CliCase c("deform_select");
   put_grid(c);
   const auto moved = [&](const std::string& rule) {
@@ -291,7 +293,7 @@ TEST_CASE("selections say what they say", "[deform]") {
 }
 
 TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordinates change only",
-          "[deform]") {
+          "[apps][deform]") {
   const CliCase c("deform_decks");
   const auto model = plate_with_holes();
   const auto& shells = model.shells;
@@ -372,13 +374,13 @@ TEST_CASE("Abaqus and LS-DYNA decks: properties and sets are selections, coordin
     CHECK(after.peek() == EOF);
     CHECK(changed > 2000);
     CHECK(last - first < shells.node_count());  // the block of nodes
-    // Exact where the file has room for it.
+    // Exact if the fields are wide enough.
     const double rounding = report(c, ending)["file_rounding"];
     CHECK((ending == "inp" ? rounding < 1e-12 : rounding < 1e-6));
   }
 }
 
-TEST_CASE("a feature cut out of a band by the program", "[deform]") {
+TEST_CASE("a feature cut out of a band by the program", "[apps][deform]") {
   const CliCase c("deform_cut");
   batten::write_mesh(c / "sheet.obj", sheet_with_cavities().shells);
   const auto scene = [](const std::string& cut) {
@@ -404,7 +406,8 @@ TEST_CASE("a feature cut out of a band by the program", "[deform]") {
 }
 
 TEST_CASE(
-    "a curve drives its vertices exactly, by its loads and parameters, and mistakes are said") {
+    "a curve drives its vertices exactly, by its loads and parameters, and errors are reported",
+    "[apps][deform]") {
   const CliCase c("deform_curve");
   put_grid(c);
   const std::string curve =
@@ -424,7 +427,7 @@ TEST_CASE(
   const auto j = report(c, "out");
   CHECK(j["curves"][0]["max_residual"].get<double>() < 1e-14);
   CHECK(j["curves"][0]["largest_displacement"].get<double>() == Approx(1).epsilon(1e-3));
-  // A quarter of it: the spring is as stiff as the curve (192 for a clamped beam) times a third.
+  // A quarter of it: the spring is as stiff as the curve (192 for a clamped beam), times a third.
   r = c.run({"run", "s.toml", "--out", "soft", "--set", "rib.lift=64"});
   REQUIRE(r.code == 0);
   CHECK(heights("soft").first == Approx(0.25).epsilon(1e-3));
@@ -441,7 +444,7 @@ TEST_CASE(
               edit,
           1, {"more than one fairing option"});
   d.fails(kHead + curve + edit, 1, {"'rib.lift'", "0"}, {"--set", "rib.lift=-1"});
-  // What holds a vertex of the curve elsewhere is a conflict, and named.
+  // A contradictory constraint on a vertex of the curve is a conflict, and is named.
   d.fails(kHead + curve + "[[position_constraint]]\nname = \"other\"\nnode = 12\nto = [2, 2, 5]\n" + edit, 2,
           {"'other'", "rib, vertex 3"});
 }

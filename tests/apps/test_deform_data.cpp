@@ -1,4 +1,4 @@
-// Real meshes, where they are beside the project: panels, scans, machine parts, bad ones.
+// Real meshes, if they are available: panels, scans, machine parts, invalid ones.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -39,14 +39,14 @@ std::vector<fs::path> meshes_in(const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("every manifold mesh is deformed once, its features kept", "[data]") {
+TEST_CASE("every manifold mesh is deformed once, its features kept", "[apps][deform][data]") {
   for (const char* folder : {"meshes-cgal", "meshes-pmp"})
     for (const fs::path& path : meshes_in(folder)) {
       INFO(path.string());
       const MeshFile file = MeshFile::read(path);
       const TriangleMesh mesh = prepare(file.shells()).mesh;
-      // Held: a tenth of the first part at its lowest x; the handle: what is farthest from it along
-      // the surface.
+      // Fixed: a tenth of the first part at its lowest x; handle: the vertices farthest from it
+      // along the surface.
       const auto& component = mesh.topology().component();
       double low = INFINITY, high = -INFINITY;
       for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -80,12 +80,12 @@ TEST_CASE("every manifold mesh is deformed once, its features kept", "[data]") {
       CHECK(deformer.hard_residual() < 1e-12);
       for (const auto& f : problem.features)
         CHECK(fit_similarity(mesh.points(), deformer.positions(), f.vertices).max_error < 1e-12);
-      // Nothing flies away: no vertex moves much farther than the handle does.
+      // Stability: no vertex moves much farther than the handle.
       CHECK((deformer.positions() - mesh.points()).rowwise().norm().maxCoeff() < 0.6 * mesh.size());
     }
 }
 
-TEST_CASE("meshes that are no manifolds are prepared as sheets", "[data]") {
+TEST_CASE("non-manifold meshes are prepared as manifold patches", "[apps][deform][data]") {
   const auto folder = optional_data("meshes-geometry-central");
   if (folder.empty()) {
     WARN("skipped: no meshes-geometry-central beside the project (BATTEN_TEST_DATA)");
@@ -104,13 +104,13 @@ TEST_CASE("meshes that are no manifolds are prepared as sheets", "[data]") {
 }
 
 TEST_CASE("the bottle support: 13 holes exact while it is bent and stretched, deck untouched",
-          "[data]") {
+          "[apps][deform][data]") {
   const auto path = optional_data("panel-bottle-support/W1000BO_pid_1_a_tri.obj");
   if (path.empty()) {
     WARN("skipped: no panel-bottle-support beside the project (BATTEN_TEST_DATA)");
     return;
   }
-  // As a Nastran deck, small fields.
+  // As a Nastran deck in small field format.
   const MeshFile source = MeshFile::read(path);
   std::string deck = "$ bottle support\r\nBEGIN BULK\r\n";
   const auto field = [](double x) {
@@ -183,7 +183,7 @@ TEST_CASE("the bottle support: 13 holes exact while it is bent and stretched, de
   }
 }
 
-TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]") {
+TEST_CASE("the body side: door openings rigid while sill and roof move", "[apps][deform][data]") {
   const auto path = optional_data("panel-neon-side/neon_side.off");
   if (path.empty()) {
     WARN("skipped: no panel-neon-side beside the project (BATTEN_TEST_DATA)");
@@ -219,7 +219,7 @@ TEST_CASE("the body side: door openings rigid while sill and roof move", "[data]
 }
 
 TEST_CASE("the sill of a body side is faired and pulled by one spring, door openings stay rigid",
-          "[data]") {
+          "[apps][deform][data]") {
   const auto path = optional_data("panel-neon-side/neon_side.off");
   if (path.empty()) {
     WARN("skipped: no panel-neon-side beside the project (BATTEN_TEST_DATA)");

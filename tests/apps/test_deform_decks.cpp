@@ -1,4 +1,4 @@
-// Decks as a run edits them: in several files, and where nothing moves.
+// Decks edited by a run: split over several files, and without any motion.
 #include <cmath>
 #include <optional>
 
@@ -34,9 +34,9 @@ std::string edit(const std::string& move) {
          move + "]\n";
 }
 
-/// A public deck, edited: its nodes before and after, both as we read the files.
+/// A public deck, edited: its nodes before and after, both read by our reader.
 struct PublicDeck {
-  /// None, with a warning, where these decks are not beside the project.
+  /// None, with a warning, if these decks are not available.
   static std::optional<PublicDeck> edited(const CliCase& c, const std::string& name,
                                           const std::string& scene) {
     const auto folder = optional_data("decks-public");
@@ -67,7 +67,7 @@ struct PublicDeck {
 
 }  // namespace
 
-TEST_CASE("a deck of several files is written beside itself, again and again", "[deform]") {
+TEST_CASE("a deck of several files is written beside itself, again and again", "[apps][deform]") {
   const CliCase c("deform_includes");
   plate(c);
   c.file("edit.toml", edit("0, 1, 0.5"));
@@ -87,7 +87,7 @@ TEST_CASE("a deck of several files is written beside itself, again and again", "
   }
 }
 
-TEST_CASE("an edit that moves nothing changes no byte of a deck", "[deform]") {
+TEST_CASE("an edit that moves nothing changes no byte of a deck", "[apps][deform]") {
   const CliCase c("deform_null");
   plate(c);
   c.file("edit.toml", edit("0, 0, 0") + "[output]\nlarge_field = true\n");
@@ -97,7 +97,8 @@ TEST_CASE("an edit that moves nothing changes no byte of a deck", "[deform]") {
     CHECK(contents(c / ("out/" + std::string(name))) == contents(c / name));
 }
 
-TEST_CASE("one bay of a box becomes a tenth wider, its rib and the other bay stay", "[data]") {
+TEST_CASE("one bay of a box becomes a tenth wider, its rib and the other bay stay",
+          "[apps][deform][data]") {
   // A box along y with a rib in its middle: property 2, at y = 20.
   const double width = 20, wider = 2;
   for (const bool first : {true, false}) {
@@ -120,7 +121,7 @@ TEST_CASE("one bay of a box becomes a tenth wider, its rib and the other bay sta
     for (int v = 0; v < deck->before.node_count(); ++v) {
       const batten::Vec3 move = deck->moved(v);
       beside = std::max(beside, std::hypot(move.x(), move.z()));
-      // The bay is clamped at both ends: least bending is a cubic.
+      // The bay is clamped at both ends: the minimum bending energy gives a cubic.
       const double s = (deck->place(v).y() - (first ? 0 : width)) / width;
       if (s < 1e-6 || s > 1 - 1e-6)
         other_bay = std::max(other_bay, std::abs(move.y() - (s < 0.5 ? 0 : wider)));
@@ -128,14 +129,15 @@ TEST_CASE("one bay of a box becomes a tenth wider, its rib and the other bay sta
         from_cubic = std::max(from_cubic, std::abs(move.y() - wider * s * s * (3 - 2 * s)));
     }
     CHECK(beside < 1e-12);
-    CHECK(other_bay < 1e-12);  // the rib is at the end of both
+    CHECK(other_bay < 1e-12);  // the rib is the end of both bays
     CHECK(from_cubic < 0.02 * wider);
   }
 }
 
-TEST_CASE("the webs of a panel become a tenth higher, bends and skin stay", "[data]") {
-  // Property 1 is a skin in the plane z = 0, property 2 four webs 50 high below it, in a system
-  // turned about z; where they meet is the only bend of the section.
+TEST_CASE("the webs of a panel become a tenth higher, bends and skin stay",
+          "[apps][deform][data]") {
+  // Property 1 is a skin in the plane z = 0, property 2 four webs 50 high below it, in a coordinate
+  // system rotated about z; the section bends only where they meet.
   std::string scene =
       "[[select]]\nname = \"skin\"\nproperty = \"1\"\n"
       "[[select]]\nname = \"edges\"\nplane = { origin = [0, 0, -49.9], normal = [0, 0, -1] }\n";
@@ -156,7 +158,7 @@ TEST_CASE("the webs of a panel become a tenth higher, bends and skin stay", "[da
     const double z = deck->place(v).z();
     const batten::Vec3 move = deck->moved(v);
     CHECK(std::hypot(move.x(), move.y()) < 1e-9);
-    // Three rows of elements: the first belongs to the bend.
+    // Three rows of elements: the first one is part of the bend.
     if (z > -17) CHECK(move.z() == 0);
     if (z < -17 && z > -49) CHECK(move.z() == Approx(-2.5).margin(0.5));
     if (z < -49) CHECK(move.z() == Approx(-5).epsilon(1e-9));

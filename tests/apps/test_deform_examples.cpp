@@ -1,4 +1,5 @@
-// The lessons of batten deform on features that lean with their sheet, and on a built-up structure.
+// The examples of batten deform: feature regions that rotate with their sheet, and a built-up
+// structure.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,7 +14,7 @@ using batten::Vec3;
 
 namespace {
 
-/// One lesson's folder: its mesh is what its script writes, its scenes run without pictures.
+/// The folder of one example: its script writes the mesh, its scenes run without pictures.
 class DeformExample {
  public:
   DeformExample(const std::string& folder, const std::string& mesh, const std::string& script)
@@ -42,7 +43,7 @@ class DeformExample {
     return j;
   }
 
-  /// Largest and mean change of an edge's length of a result, of its length.
+  /// Largest and mean relative change of an edge's length.
   std::pair<double, double> edge_length_change(const std::string& result) const {
     const auto before = batten::MeshFile::read(case_ / mesh_),
                after = batten::MeshFile::read(case_ / result);
@@ -87,7 +88,7 @@ std::vector<double> rotation_angles(const nlohmann::json& report) {
 
 }  // namespace
 
-TEST_CASE("letters lean with the wall, or stay level where they are told to", "[deform]") {
+TEST_CASE("letters lean with the wall, or stay level where this is prescribed", "[apps][deform]") {
   DeformExample wall("20-letters", "wall.obj", "make_wall.py");
   CHECK(wall.run("free")["features"].empty());
   const auto level = rotation_angles(wall.run("harmonic")),
@@ -95,7 +96,7 @@ TEST_CASE("letters lean with the wall, or stay level where they are told to", "[
              nonlinear = rotation_angles(wall.run("nonlinear")),
              bent = rotation_angles(wall.run("bent"));
   REQUIRE(level.size() == 3);
-  // The chord of the lift rises by 25.6 degrees.
+  // The chord of the lifted part rises by 25.6 degrees.
   for (size_t k = 0; k < 3; ++k) {
     CHECK(level[k] < 1e-6);
     CHECK(found[k] == Approx(28).margin(5));
@@ -109,7 +110,7 @@ TEST_CASE("letters lean with the wall, or stay level where they are told to", "[
   wall.run("bent-free");
 }
 
-TEST_CASE("suckers go round with the arm of an octopus", "[deform]") {
+TEST_CASE("suckers go round with the arm of an octopus", "[apps][deform]") {
   DeformExample arm("21-octopus", "arm.obj", "make_arm.py");
   CHECK(arm.run("free")["features"].empty());
   for (const std::string scene : {"nonlinear", "dual", "harmonic"}) {
@@ -124,19 +125,19 @@ TEST_CASE("suckers go round with the arm of an octopus", "[deform]") {
   CHECK(arm.edge_length_change("harmonic/arm-deformed.obj").first > 0.5);
 }
 
-TEST_CASE("a head's six organs keep their shape and lean with it", "[deform]") {
+TEST_CASE("a head's six organs keep their shape and lean with it", "[apps][deform]") {
   DeformExample head("22-head", "head.obj", "make_head.py");
   CHECK(head.run("free")["features"].empty());
   const auto degrees = rotation_angles(head.run("kept"));
   REQUIRE(degrees.size() == 6);
   for (size_t a = 0; a < 6; ++a) {
     CHECK(degrees[a] == Approx(14.6).margin(1.5));
-    // Six features: each turns by itself.
+    // Six features, each with its own rotation.
     for (size_t b = 0; b < a; ++b) CHECK(std::abs(degrees[a] - degrees[b]) > 1e-6);
   }
 }
 
-TEST_CASE("a built-up structure becomes longer with all that hangs on it", "[deform]") {
+TEST_CASE("a built-up structure becomes longer with everything connected to it", "[apps][deform]") {
   DeformExample deck("23-assembly", "assembly.bdf", "make_deck.py");
   for (const std::string scene : {"longer", "block"}) {
     const auto j = deck.run(scene);
@@ -155,11 +156,12 @@ TEST_CASE("a built-up structure becomes longer with all that hangs on it", "[def
     CHECK(round == 5);
     const auto before = deck.nodes("assembly.bdf"),
                after = deck.nodes(scene + "/assembly-" + scene + ".bdf");
-    // Small fields round "longer" to 5e-4, wide ones "block" hardly.
+    // Small fields round "longer" to 5e-4; large fields leave "block" almost exact.
     const auto original = deck.file("assembly.bdf"),
                edited = deck.file(scene + "/assembly-" + scene + ".bdf");
     check_deck_changes(original, edited, scene == "block" ? 1e-9 : 1e-3);
-    // Bolts, the bush, and the motor above the middle of its hole: upright and as long as before.
+    // Bolts, the bush, and the motor above the middle of its hole: vertical and with unchanged
+    // length.
     for (const auto& [a, b] : {std::pair{477L, 478L}, {479L, 480L}, {104L, 425L}})
       CHECK((after.at(b) - after.at(a) - Vec3(0, 0, 5)).norm() < 2e-3);
     const std::vector<Vec3> block = [&] {
@@ -179,7 +181,8 @@ TEST_CASE("a built-up structure becomes longer with all that hangs on it", "[def
   }
 }
 
-TEST_CASE("the other reader of decks sees what an edit must not touch", "[deform]") {
+TEST_CASE("an independent reader of decks finds the data unchanged that an edit must not touch",
+          "[apps][deform]") {
   const CliCase c("other_reader");
   const std::string deck = contents(BATTEN_SOURCE_DIR "/examples/23-assembly/assembly.bdf");
   c.file("a.bdf", deck);

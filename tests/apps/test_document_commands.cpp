@@ -1,4 +1,4 @@
-// What acts on a document's surface: what a brush paints, motions, how its shell swings.
+// Commands on a document's surface: brushes, motions, and mode shapes of its shell.
 #include <chrono>
 #include <numbers>
 #include <thread>
@@ -41,7 +41,7 @@ double height_at(const Document& document, const Vec3& p) {
 
 }  // namespace
 
-TEST_CASE("what is painted acts there, and is taken away where the brush erases", "[document]") {
+TEST_CASE("a painted area takes effect, and is removed by the eraser", "[apps][documents]") {
   const CliCase folder("document_paint");
   Document document = panel(folder);
   document.apply({.kind = CommandKind::SetSlider, .key = "crown", .value = 0});
@@ -61,10 +61,10 @@ TEST_CASE("what is painted acts there, and is taken away where the brush erases"
   apply_all(document, paint_edits(document.text(), bulge, left, true));
   REQUIRE(painted_dabs(document.text(), bulge).size() == 1);
   CHECK(height_at(document, {320, 150, 0}) > height_at(document, {110, 150, 0}));
-  CHECK(paint_edits(document.text(), bulge, left, true).empty());  // nothing there any more
+  CHECK(paint_edits(document.text(), bulge, left, true).empty());  // nothing left there
   apply_all(document, paint_edits(document.text(), bulge, right, true));
   CHECK_FALSE(document.text().has(bulge));
-  // A stiffness is painted alike; what acts near a line is not.
+  // A stiffness is painted in the same way; loads close to a curve are not.
   document.apply(new_paint("stiff", "beta", left));
   CHECK(is_painted(document.text(), {"stiffness", "stiff"}));
   document.apply(
@@ -74,8 +74,8 @@ TEST_CASE("what is painted acts there, and is taken away where the brush erases"
   CHECK_FALSE(is_painted(document.text(), {"load", "edge"}));
 }
 
-TEST_CASE("tangents of a straight line are moved by hand, and the line stays one thing",
-          "[document]") {
+TEST_CASE("tangents of a straight line are edited, and the curve stays in one piece",
+          "[apps][documents]") {
   const CliCase folder("document_tangents");
   folder.file("s.toml", R"(unit = "mm"
 
@@ -102,19 +102,20 @@ points = [[90, 0, 0], [90, 60, 0]]
   CHECK(height_at(document, {45, 1, 0}) == Approx(0).margin(1e-9));
   document.apply(move_point_command({30, 0, 0}, {30, 0, 40}));
   document.apply(move_point_command({60, 0, 0}, {60, 0, 40}));
-  CHECK(height_at(document, {45, 1, 29}) == Approx(30).epsilon(0.05));  // 3/4 of 40 at the rim
+  CHECK(height_at(document, {45, 1, 29}) == Approx(30).epsilon(0.05));  // 3/4 of 40 at the boundary
   CHECK(tangent_edits(document.text(), "front").empty());
-  // Lines that meet at an end are still moved together, and another shape replaces the tangents.
+  // Curves with a common end still move together, and another shape replaces the tangents.
   document.apply(move_point_command({0, 0, 0}, {-10, 0, 0}));
   CHECK(defining_points(document.text(), "left").front() == Vec3(-10, 0, 0));
   CHECK(defining_points(document.text(), "front").front() == Vec3(-10, 0, 0));
   document.apply(points_edit("front", {{-10, 0, 0}, {45, 0, 20}, {90, 0, 0}}, LineKey::Arc));
   CHECK(line_key(document.text(), "front") == LineKey::Arc);
   CHECK(document.content().problem().empty());
-  CHECK(split_edits(view_of(document), "front", 1).empty());  // it goes through no given points
+  CHECK(split_edits(view_of(document), "front", 1).empty());  // the curve does not interpolate given points
 }
 
-TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[document]") {
+TEST_CASE("a motion oscillates, follows sliders, and ends in the shape at rest",
+          "[apps][documents]") {
   const CliCase folder("document_motion");
   Document document = panel(folder);
   const Points rest = document.session()->dofs();
@@ -136,7 +137,7 @@ TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[doc
   document.apply({.kind = CommandKind::Undo});
   CHECK((document.session()->dofs() - rest).cwiseAbs().maxCoeff() < 1e-9 * 400);
 
-  // Another command ends a motion first; a script of steps gives the same bits.
+  // Another command ends a motion first; a script of operations gives the same bits.
   folder.file("s.batten",
               "open s.toml\nslide crown 9\nstep 0.02\nstep 0.02\nstep 0.02\n"
               "add load { name = \"p\", type = \"point\", at = [100, 100, 0], direction = [0, 0, "
@@ -151,7 +152,7 @@ TEST_CASE("a motion swings, takes sliders, and ends in the shape at rest", "[doc
   CHECK_THROWS_AS(Document().apply({.kind = CommandKind::Step, .value = 0.1}), InputError);
 }
 
-TEST_CASE("a worker lets the shape move until it is told to rest", "[document]") {
+TEST_CASE("a worker runs the motion until it is stopped", "[apps][documents]") {
   const CliCase folder("document_moves");
   folder.file("s.toml", kMovingPanel);
   DocumentWorker worker([] {}, folder / "changes.toml");
@@ -168,14 +169,14 @@ TEST_CASE("a worker lets the shape move until it is told to rest", "[document]")
   worker.set_simulating(true);
   worker.post({.kind = CommandKind::SetSlider, .key = "crown", .value = 12});
   worker.post(
-      {.kind = CommandKind::SolveToEquilibrium});  // of a slider that is let go: it swings on
+      {.kind = CommandKind::SolveToEquilibrium});  // after release of the slider it oscillates
   int frames = 0;
   REQUIRE(wait_for([&](const auto& news) {
     CHECK(news.simulating);
     frames += news.frame ? 1 : 0;
     return frames > 8;
   }));
-  // What a hand has set is kept while it moves.
+  // Values set by the user stay during the motion.
   CHECK(contents(folder / "changes.toml").find("value = 12") != std::string::npos);
   worker.set_simulating(false);
   REQUIRE(wait_for([](const auto& news) { return !news.busy && news.view && !news.simulating; }));
@@ -186,7 +187,7 @@ TEST_CASE("a worker lets the shape move until it is told to rest", "[document]")
   worker.discard_changes();
 }
 
-TEST_CASE("what one gesture of a hand makes is one step to undo", "[document]") {
+TEST_CASE("one gesture of the user is one undo step", "[apps][documents]") {
   const CliCase folder("document_gestures");
   Document document = panel(folder);
   const std::string before = document.text().text();
@@ -198,7 +199,7 @@ TEST_CASE("what one gesture of a hand makes is one step to undo", "[document]") 
   const auto slide = [](double value) {
     return DocumentCommand{.kind = CommandKind::SetSlider, .key = "push 1", .value = value};
   };
-  // A push: its load comes and grows.
+  // A push: its load is created and grows.
   apply_all(document, {push,
                        slide(1),
                        {.kind = CommandKind::SolvePreview},
@@ -211,7 +212,7 @@ TEST_CASE("what one gesture of a hand makes is one step to undo", "[document]") 
   CHECK_FALSE(document.can_undo());
   document.apply({.kind = CommandKind::Redo});
   CHECK(document.text().text() == pushed);
-  // Slid later, it is another step; so it is where a step ended between.
+  // A later change of the slider is a separate step; likewise if a step ended in between.
   apply_all(document,
             {slide(40), {.kind = CommandKind::SolveToEquilibrium}, {.kind = CommandKind::Undo}});
   CHECK(document.text().text() == pushed);
@@ -223,7 +224,7 @@ TEST_CASE("what one gesture of a hand makes is one step to undo", "[document]") 
   CHECK(document.text().text() == at_rest);
 }
 
-TEST_CASE("a point that is dragged passes others, and is one step", "[document]") {
+TEST_CASE("a point that is dragged passes others, and is one step", "[apps][documents]") {
   Document document;
   const std::vector<Vec3> corners = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
   for (size_t i = 0; i < 4; ++i)
@@ -231,7 +232,7 @@ TEST_CASE("a point that is dragged passes others, and is one step", "[document]"
         line_command("side " + std::to_string(i + 1), {corners[i], corners[(i + 1) % 4]}));
   document.apply(line_command("other", {{300, 0, 0}, {400, 0, 0}}));
   const std::string before = document.text().text();
-  // Over the end of another line, which stays where it is.
+  // Over the end of another curve, which does not move.
   const auto go = [&](const Vec3& to) { document.apply(move_point_command({200, 0, 0}, to)); };
   go({250, 0, 0});
   CHECK(document.session());
@@ -246,14 +247,14 @@ TEST_CASE("a point that is dragged passes others, and is one step", "[document]"
   CHECK(end("other", 0) == Vec3(300, 0, 0));
   document.apply({.kind = CommandKind::Undo});
   CHECK(document.text().text() == before);
-  // What was slid between two moves stays.
+  // A slider changed between two moves keeps its value.
   go({210, 0, 0});
   document.apply({.kind = CommandKind::SetSlider, .key = "beta", .value = 2});
-  CHECK_THROWS_AS(go({220, 0, 0}), InputError);  // there is no point any more
+  CHECK_THROWS_AS(go({220, 0, 0}), InputError);  // the point no longer exists
   CHECK(document.text().value({"skin", ""}, "beta") == "2");
   apply_all(document, {{.kind = CommandKind::Undo}, {.kind = CommandKind::Undo}});
   CHECK(document.text().text() == before);
-  // Another drag from the same place is another step.
+  // Another drag from the same position is a separate step.
   go({210, 0, 0});
   document.apply({.kind = CommandKind::SolveToEquilibrium});
   document.apply(move_point_command({210, 0, 0}, {230, 0, 0}));
@@ -262,7 +263,8 @@ TEST_CASE("a point that is dragged passes others, and is one step", "[document]"
   CHECK(end("side 1", 1) == Vec3(210, 0, 0));
 }
 
-TEST_CASE("a skin that is asked for in vain is refused, and the surface stays", "[document]") {
+TEST_CASE("a skin that is asked for in vain is refused, and the surface stays",
+          "[apps][documents]") {
   const CliCase folder("document_skin_refused");
   Document document = panel(folder);
   const std::string before = document.text().text();
@@ -279,7 +281,7 @@ TEST_CASE("a skin that is asked for in vain is refused, and the surface stays", 
   CHECK(document.session()->dofs().rows() != shape.rows());
 }
 
-TEST_CASE("numbers that lists of the scene keep are written as they were", "[document]") {
+TEST_CASE("numbers that lists of the scene keep are written as they were", "[apps][documents]") {
   const CliCase folder("document_numbers");
   Document document = panel(folder, R"([[load]]
 name = "spot"
@@ -292,7 +294,7 @@ paint = [{ at = [55.56, 50.05, 0.1], radius = 40.31 }, { at = [300, 150, 0], rad
         "[{ at = [55.56, 50.05, 0.1], radius = 40.31 }]");
 }
 
-TEST_CASE("how a plate swings is what Navier says of it", "[document]") {
+TEST_CASE("the natural frequencies of a plate are those of Navier", "[apps][documents]") {
   const CliCase folder("document_modes");
   Document document = panel(folder, R"([stress]
 thickness = 2

@@ -1,4 +1,4 @@
-// Documents: a scene's text, what is made of it, and commands that change both.
+// Documents: the text of a scene, its results, and commands that change both.
 #include <chrono>
 #include <thread>
 
@@ -40,7 +40,7 @@ double apart(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCo
 
 }  // namespace
 
-TEST_CASE("what is added live is what the saved scene makes", "[document]") {
+TEST_CASE("items added interactively give the same shape as the saved scene", "[apps][documents]") {
   const CliCase folder("document_live");
   Document document = opened(folder, kInflatedPanel);
   REQUIRE(document.session());
@@ -64,7 +64,7 @@ TEST_CASE("what is added live is what the saved scene makes", "[document]") {
   CHECK(document.text().text().starts_with("# A panel that swells.\n"));
 }
 
-TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document]") {
+TEST_CASE("undo goes back to the text and the shape, and redo forth", "[apps][documents]") {
   const CliCase folder("document_undo");
   Document document = opened(folder, kInflatedPanel);
   std::vector<std::string> texts = {document.text().text()};
@@ -97,7 +97,7 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[document
   CHECK_FALSE(document.can_redo());
 }
 
-TEST_CASE("a command that is refused leaves text and shape as they were", "[document]") {
+TEST_CASE("a command that is refused leaves text and shape as they were", "[apps][documents]") {
   const CliCase folder("document_refused");
   Document document = opened(folder, kInflatedPanel);
   document.apply(add("constraint",
@@ -131,7 +131,7 @@ TEST_CASE("a command that is refused leaves text and shape as they were", "[docu
   CHECK_THROWS_AS(document.apply({.kind = CommandKind::Open, .file = folder / "bad.toml"}),
                   InputError);
   same();
-  // Pressure past its limit: the last values that had a solution stay.
+  // Pressure beyond its limit: the last values with a solution remain.
   CHECK_THROWS_AS(
       [&] {
         document.apply(slide("crown", 1e7));
@@ -142,8 +142,8 @@ TEST_CASE("a command that is refused leaves text and shape as they were", "[docu
   CHECK(document.session()->parameters().value("crown") < 1e7);
 }
 
-TEST_CASE("lines become a surface as soon as they close, and say what is missing before",
-          "[document]") {
+TEST_CASE("curves become a surface as soon as they close, and missing ones are reported before",
+          "[apps][documents]") {
   Document document;
   CHECK(document.session() == nullptr);
   CHECK(document.content().problem().empty());
@@ -164,7 +164,7 @@ TEST_CASE("lines become a surface as soon as they close, and say what is missing
   CHECK(document.session() != nullptr);
 }
 
-TEST_CASE("changes of a killed window are taken up from any folder", "[document]") {
+TEST_CASE("changes of a killed window are taken up from any folder", "[apps][documents]") {
   const CliCase folder("document_recovery");
   folder.file("line.csv", "0,0,0\n400,0,0\n400,300,0\n0,300,0\n0,0,0\n");
   Document document =
@@ -189,7 +189,7 @@ TEST_CASE("changes of a killed window are taken up from any folder", "[document]
                   InputError);
 }
 
-TEST_CASE("a command and its line of a script say the same", "[document]") {
+TEST_CASE("a command and its line in a script are equivalent", "[apps][documents]") {
   const std::vector<DocumentCommand> commands = {
       {.kind = CommandKind::Open, .file = "a folder/b\"c.toml"},
       {.kind = CommandKind::New, .key = "in"},
@@ -223,9 +223,12 @@ TEST_CASE("a command and its line of a script say the same", "[document]") {
   }
   CHECK_THROWS_WITH(parse_command("settle", "x:1:1: "),
                     "x:1:1: found the old command 'settle', expected 'solve'");
+  CHECK_THROWS_WITH(parse_command("answer", "x:1:1: "),
+                    "x:1:1: found the old command 'answer', expected 'update'");
 }
 
-TEST_CASE("a script gives the same bits each time, and says where it stopped", "[document]") {
+TEST_CASE("a script gives the same bits each time, and says where it stopped",
+          "[apps][documents]") {
   const CliCase folder("document_script");
   folder.file("s.toml", kInflatedPanel);
   folder.file("a.batten",
@@ -246,7 +249,7 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped", "
   CHECK(two.err.find("did you mean 'crown'") != std::string::npos);
 }
 
-TEST_CASE("words about a line's join are changed where they stand", "[document]") {
+TEST_CASE("settings of a curve's join are changed in their place", "[apps][documents]") {
   const SceneText scene(
       "unit = \"mm\"\n\n[[join]]\ncurves = [\"a\", \"b\"]\ncontinuity = "
       "\"G0\"\n[[join]]\ncurves = [\"c\"]\ncontinuity = \"smooth\"\n");
@@ -268,7 +271,7 @@ TEST_CASE("words about a line's join are changed where they stand", "[document]"
   CHECK(after("d", "G0").words({"join", "#3"}, "curves") == std::vector<std::string>{"d"});
 }
 
-TEST_CASE("a worker passes over slides that are old, and stops when asked", "[document]") {
+TEST_CASE("a worker skips outdated slides, and stops when asked", "[apps][documents]") {
   const CliCase folder("document_worker");
   folder.file("s.toml", kInflatedPanel);
   DocumentWorker worker([] {}, folder / "changes.toml");
@@ -311,7 +314,8 @@ TEST_CASE("a worker passes over slides that are old, and stops when asked", "[do
   CHECK_FALSE(fs::exists(folder / "changes.toml"));
 }
 
-TEST_CASE("supports and loads of a shell are changed and taken away one by one", "[document]") {
+TEST_CASE("supports and loads of a shell are changed and taken away one by one",
+          "[apps][documents]") {
   SceneText scene(kInflatedPanel + R"([stress]
 thickness = 1
 material = "steel"
@@ -339,14 +343,14 @@ loads = [{ pressure = 0.001, face = "rim" }, { point = [1, 2, 0], force = [0, 0,
   CHECK(after[0].of.empty());
   CHECK(std::count(after[2].values.begin(), after[2].values.end(),
                    SceneText::Value("force", "[0, 0, -5]")) == 1);
-  CHECK(remove_stress_part(scene, parts[1]).empty());  // there is no second support any more
+  CHECK(remove_stress_part(scene, parts[1]).empty());  // the second support no longer exists
 }
 
-TEST_CASE("stresses of a document are those of batten stress", "[document]") {
+TEST_CASE("stresses of a document are those of batten stress", "[apps][documents]") {
   const fs::path scene = BATTEN_SOURCE_DIR "/examples/18-lean/scene.toml";
   Document document;
   document.apply({.kind = CommandKind::Open, .file = scene});
-  CHECK(document.stress(Analysis::Stress) == nullptr);  // nothing is drawn yet
+  CHECK(document.stress(Analysis::Stress) == nullptr);  // nothing is displayed yet
   Frame frame;
   REQUIRE(document.draw(frame));
   const auto stress = document.stress(Analysis::Stress);

@@ -1,4 +1,4 @@
-// The examples run from the clone alone and keep their promises.
+// The examples run from a fresh clone and pass their checks.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ RunResult run(const std::string& scene, const std::string& name, const std::stri
 
 const std::string kExamples = BATTEN_SOURCE_DIR "/examples/";
 const bool kDisplay = std::getenv("DISPLAY") != nullptr;
-// Without a display the pictures are the one promise that is missed.
+// Without a display, only the check of the pictures fails.
 const int kDone = kDisplay ? 0 : 4;
 
 int count(const std::string& text, const std::string& word) {
@@ -52,7 +52,7 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What every surface promises, and a STEP file of one face with that many loops around it.
+/// Checks of every surface, and of a STEP file of one face with the given number of loops.
 void check_report(const RunResult& result, double tolerance, const std::string& step, int loops) {
   CHECK(result.report["failed_checks"].empty() == kDisplay);
   const auto& surface = result.report["surface"];
@@ -79,7 +79,7 @@ void check_report(const RunResult& result, double tolerance, const std::string& 
   CHECK(count(text, "FACE_BOUND") + count(text, "FACE_OUTER_BOUND") == loops);
 }
 
-/// Largest displacement of a deck as CalculiX finds it; below 0: it failed.
+/// Largest displacement of a deck by CalculiX; below 0: it failed.
 double ccx_displacement(const fs::path& deck) {
   const fs::path answer = deck.string() + ".answer";
   if (std::system(("'" BATTEN_SOURCE_DIR "/scripts/ccx_max_displacement' '" + deck.string() +
@@ -122,7 +122,7 @@ bool have_ccx() { return std::system("command -v ccx > /dev/null") == 0; }
 
 }  // namespace
 
-TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
+TEST_CASE("the hood passes its checks, and is the same shape in metres", "[apps][examples]") {
   if (!BATTEN_TEST_CGAL) {
     WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
     return;
@@ -179,7 +179,8 @@ TEST_CASE("the hood keeps its promises, and is the same shape in metres") {
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("the hood with details keeps its six lines exactly, five more nearly") {
+TEST_CASE("the hood with details passes exactly through six curves and nearly through five",
+          "[apps][examples]") {
   if (!BATTEN_TEST_CGAL) {
     WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
     return;
@@ -199,7 +200,8 @@ TEST_CASE("the hood with details keeps its six lines exactly, five more nearly")
   if (have_ccx()) CHECK(ccx_displacement(result.out / "hood_details.inp") > 0);
 }
 
-TEST_CASE("the door passes through its embedded lines and ends at its handle") {
+TEST_CASE("the door passes through its embedded curves and ends at its handle",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "05-door/scene.toml", "door");
   REQUIRE(result.code == kDone);
   check_report(result, 0.1, "door.step", 2);
@@ -211,7 +213,7 @@ TEST_CASE("the door passes through its embedded lines and ends at its handle") {
   const auto lines = batten::read_point_lines(kExamples + "05-door/lines/handle.csv");
   const auto rim = nodes_of(text_of(result.out / "door.inp"), "HANDLE");
   CHECK(rim.size() >= 20);
-  // Between points of the file, 3 mm apart.
+  // Between points of the file, at distances of 3 mm.
   for (const batten::Vec3& x : rim) {
     double nearest = 1e9;
     for (const batten::Vec3& p : lines[0].points) nearest = std::min(nearest, (p - x).norm());
@@ -220,22 +222,23 @@ TEST_CASE("the door passes through its embedded lines and ends at its handle") {
   if (have_ccx()) CHECK(ccx_displacement(result.out / "door.inp") == Approx(0.298).epsilon(0.02));
 }
 
-TEST_CASE("the goblet's bowl is a ring whose face has a seam") {
+TEST_CASE("the goblet's bowl is an annulus whose face has a seam", "[apps][examples]") {
   const RunResult result = run(kExamples + "06-goblet-bowl/scene.toml", "goblet");
   REQUIRE(result.code == kDone);
-  // Around a closed face with a seam there is one loop: rim, seam, foot, seam.
+  // A closed face with a seam has one loop: upper edge, seam, lower edge, seam.
   check_report(result, 0.05, "goblet.step", 1);
   CHECK(count(text_of(result.out / "goblet.step"), "SEAM_CURVE") == 1);
   for (const auto& line : result.report["curves"]["each"]) CHECK(line["alignment"] == "aligned");
   CHECK(result.report["surface"]["max_curve_gap"].get<double>() == 0);
-  // A cone between two circles of these sizes would have 17,100 mm²: the bowl swells.
+  // A cone between two circles of these sizes has 17,100 mm²: the bowl is larger.
   CHECK(result.report["surface"]["area"].get<double>() == Approx(20066).epsilon(1e-3));
   if (kDisplay)
     for (const char* file : {"goblet.png", "goblet_zebra.png", "goblet_swelling.png"})
       CHECK(fs::file_size(result.out / file) > 20000);
 }
 
-TEST_CASE("the goblet: two squares in a ring, blown up near its rim") {
+TEST_CASE("the goblet: two squares in an annulus, inflated near its free edge",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "08-goblet/scene.toml", "goblet_whole");
   REQUIRE(result.code == kDone);
   check_report(result, 0.1, "goblet.step", 1);
@@ -244,7 +247,7 @@ TEST_CASE("the goblet: two squares in a ring, blown up near its rim") {
     embedded += line["alignment"] == "embedded";
   CHECK(embedded == 8);
   CHECK(result.report["surface"]["area"].get<double>() == Approx(21004).epsilon(1e-3));
-  // Without the squares and the pressure; with as few unknowns as the paper's goblet.
+  // Without the squares and the pressure; with as few unknowns as the goblet of the paper.
   const RunResult circles = run(kExamples + "08-goblet/circles.toml", "goblet_circles"),
                   coarse = run(kExamples + "08-goblet/coarse.toml", "goblet_coarse");
   CHECK(circles.code == kDone);
@@ -254,8 +257,8 @@ TEST_CASE("the goblet: two squares in a ring, blown up near its rim") {
   if (kDisplay) CHECK(fs::file_size(result.out / "goblet_sheet.png") > 20000);
 }
 
-TEST_CASE(
-    "the mouse: nine lines in any order are one closed solid, smooth where nobody said crease") {
+TEST_CASE("the mouse: nine curves in any order form one closed solid, smooth unless set to crease",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "09-mouse/scene.toml", "mouse");
   REQUIRE(result.code == kDone);
   const auto& surface = result.report["surface"];
@@ -270,7 +273,8 @@ TEST_CASE(
   if (kDisplay) CHECK(fs::file_size(result.out / "mouse.png") > 20000);
 }
 
-TEST_CASE("the car body: eight regions sculpted as one, smooth joins and edges as they were") {
+TEST_CASE("the car body: eight faces sculpted as one, smooth joins and edges unchanged",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "14-car-body/scene.toml", "car_body");
   REQUIRE(result.code == kDone);
   const auto& surface = result.report["surface"];
@@ -291,7 +295,7 @@ TEST_CASE("the car body: eight regions sculpted as one, smooth joins and edges a
   if (kDisplay) CHECK(fs::file_size(result.out / "body_sport.png") > 20000);
 }
 
-TEST_CASE("sections make a wing, a bottle and a hull that run through them") {
+TEST_CASE("sections make a wing, a bottle and a hull that run through them", "[apps][examples]") {
   const RunResult wing = run(kExamples + "15-sections/wing.toml", "wing");
   REQUIRE(wing.code == kDone);
   CHECK(wing.report["surface"]["fair"] == "loft");
@@ -303,7 +307,7 @@ TEST_CASE("sections make a wing, a bottle and a hull that run through them") {
   CHECK(bottle.report["surface"]["max_curve_gap"].get<double>() < 0.02);
   CHECK(bottle.report["surface"]["min_jacobian_ratio"].get<double>() > 0.3);
   if (kDisplay) CHECK(fs::file_size(bottle.out / "bottle.png") > 20000);
-  // Five stations, the keel and the sheer.
+  // Five stations, the keel and the sheer line.
   const RunResult hull = run(kExamples + "15-sections/hull.toml", "hull");
   REQUIRE(hull.code == kDone);
   CHECK(hull.report["curves"]["count"] == 7);
@@ -311,7 +315,7 @@ TEST_CASE("sections make a wing, a bottle and a hull that run through them") {
   CHECK(hull.report["surface"]["area"].get<double>() == Approx(8.289).epsilon(1e-3));
 }
 
-TEST_CASE("classical shapes come back from their lines") {
+TEST_CASE("classical shapes are recovered from their curves", "[apps][examples]") {
   const double pi = std::acos(-1.0);
   const double slant = std::hypot(80, 35), tube = 20 * (60 * pi / 2 + 20) * pi / 2;
   for (const auto& [name, area] : {std::pair{"cylinder", pi * 50 * 120},
@@ -328,7 +332,8 @@ TEST_CASE("classical shapes come back from their lines") {
   }
 }
 
-TEST_CASE("a block with round corners and a hole is a solid of planes and cylinders") {
+TEST_CASE("a block with round corners and a hole is a solid of planes and cylinders",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "17-solid/scene.toml", "solid");
   REQUIRE(result.code == kDone);
   const double pi = std::acos(-1.0);
@@ -340,7 +345,8 @@ TEST_CASE("a block with round corners and a hole is a solid of planes and cylind
   for (const auto& region : result.report["faces"]) CHECK(region.contains("shape"));
 }
 
-TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") {
+TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do",
+          "[apps][examples]") {
   const RunResult result = run(kExamples + "07-plate-with-hole/scene.toml", "plate_with_hole");
   REQUIRE(result.code == kDone);
   check_report(result, 0.02, "plate.step", 2);
@@ -356,7 +362,7 @@ TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") 
     WARN("skipped: ccx is not installed");
     return;
   }
-  // The same plate without the hole: between a plate that cannot narrow and a beam, q L⁴ / 8EI.
+  // The same plate without the hole: between a plate with fixed width and a beam, q L⁴ / 8EI.
   std::string scene = text_of(kExamples + "07-plate-with-hole/scene.toml");
   const size_t hole = scene.find("[[curve]]\nname = \"hole\"");
   scene.erase(hole, scene.find("[mesh]") - hole);
@@ -374,7 +380,7 @@ TEST_CASE("the bent plate's hole is a circle of nodes, and bends as plates do") 
   CHECK(with < 1.05 * without);
 }
 
-TEST_CASE("CalculiX runs the hood's deck as written") {
+TEST_CASE("CalculiX runs the hood's deck as written", "[apps][examples]") {
   if (!have_ccx()) {
     WARN("skipped: ccx is not installed");
     return;
@@ -386,7 +392,7 @@ TEST_CASE("CalculiX runs the hood's deck as written") {
                         .c_str()) == 0);
 }
 
-TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
+TEST_CASE("Gmsh opens and meshes the hood's STEP file", "[apps][examples]") {
   if (std::system("/usr/bin/python3 -c 'import gmsh' > /dev/null 2>&1") != 0) {
     WARN("skipped: Gmsh's Python module is not installed");
     return;
@@ -397,7 +403,7 @@ TEST_CASE("Gmsh opens and meshes the hood's STEP file") {
                         .c_str()) == 0);
 }
 
-TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
+TEST_CASE("the pentagon of the paper, as a scene, has the reference height", "[apps][examples]") {
   // A uniform load of 1 along z instead of the pressure.
   std::ifstream in(kExamples + "01-pentagon/scene.toml");
   std::string scene((std::istreambuf_iterator<char>(in)), {});
@@ -408,16 +414,17 @@ TEST_CASE("the pentagon of the paper, as a scene, has the gold height") {
   REQUIRE(result.code == 0);
   CHECK(result.report["surface"]["triangles"].get<int>() == 5);
   CHECK(result.report["surface"]["dofs"].get<int>() == 28);
-  // Energy of the minimum: minus the work of the load on z, plus that of x and y without load.
+  // Energy at the minimum: minus the work of the load along z, plus the energy of x and y without
+  // load.
   CHECK(run(kExamples + "01-pentagon/scene.toml", "pentagon_example").code == kDone);
 }
 
-TEST_CASE("the pentagon's two sequences go their way") {
+TEST_CASE("the pentagon's two sequences go their way", "[apps][examples]") {
   const RunResult result = run(kExamples + "01-pentagon/sculpt.toml", "pentagon_sequences",
                                "--sweep spine=0:1:4 --sweep pressure=0:2:5", "sculpt");
   REQUIRE(result.code == kDone);
   const auto& sweeps = result.report["sculpting"]["sweeps"];
-  // A stiff spine lies flat; a pressure swells, faster and faster.
+  // A stiff spine stays low; a pressure inflates the surface more than linearly.
   const auto volume = [&](size_t sweep, size_t row) {
     return sweeps[sweep]["rows"][row]["volume"].get<double>();
   };
@@ -425,12 +432,12 @@ TEST_CASE("the pentagon's two sequences go their way") {
   CHECK(volume(1, 0) == Approx(0).margin(1e-12));
   for (size_t i = 2; i < 5; ++i)
     CHECK(volume(1, i) - volume(1, i - 1) > volume(1, i - 1) - volume(1, i - 2));
-  // The second sweep passes where the first began.
+  // The second sweep passes through the start of the first one.
   CHECK(sweeps[1]["rows"][3]["value"] == 1.5);
   CHECK(volume(1, 3) == Approx(volume(0, 0)).epsilon(1e-9));
 }
 
-TEST_CASE("one slider makes the door bolder, its other lines stay") {
+TEST_CASE("one slider makes the door bolder, its other curves stay", "[apps][examples]") {
   const RunResult result =
       run(kExamples + "05-door/sculpt.toml", "door_bolder", "--sweep bolder=0:1:3", "sculpt");
   REQUIRE(result.code == kDone);
@@ -443,7 +450,7 @@ TEST_CASE("one slider makes the door bolder, its other lines stay") {
   }
   CHECK(rib == 12);
   CHECK(hollow == -10);
-  // Linear constraints and no loads: the energy of the difference grows with the square.
+  // Linear constraints and no loads: the energy of the difference is quadratic.
   const auto& rows = result.report["sculpting"]["sweeps"][0]["rows"];
   const auto energy = [&](size_t i) { return rows[i]["bending_energy"].get<double>(); };
   const double curve = energy(2) - 2 * energy(1) + energy(0);
@@ -454,7 +461,7 @@ TEST_CASE("one slider makes the door bolder, its other lines stay") {
   for (const auto& row : rows) CHECK(row["residual"].get<double>() <= 1e-10);
 }
 
-TEST_CASE("the blown bowl comes to rest where it settles") {
+TEST_CASE("the motion of the inflated bowl ends at its equilibrium", "[apps][examples]") {
   const RunResult result = run(kExamples + "06-goblet-bowl/blown.toml", "goblet_blown",
                                "--time 4 --dt 0.05 --frames 8", "sculpt");
   REQUIRE(result.code == kDone);
@@ -471,7 +478,7 @@ TEST_CASE("the blown bowl comes to rest where it settles") {
   CHECK(area(rows[2]) > area(rows[1]));
 }
 
-TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {
+TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were", "[apps][examples]") {
   const RunResult result = run(kExamples + "04-fairing/scene.toml", "swan");
   REQUIRE(result.code == kDone);
   const auto& curve = result.report["faired_curves"][0];
@@ -480,15 +487,16 @@ TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {
   CHECK(after["inflections"].get<int>() * 10 < before["inflections"].get<int>());
   CHECK(curve["deviation"]["max"].get<double>() < 4);
   CHECK(curve["deviation"]["rms"].get<double>() < 1.2);
-  // From beak to tail and back: the two corners are found.
+  // From the beak to the tail and back: the two corners are found.
   const auto stretches = batten::read_cad_lines(result.out / "swan.step", 1e-3);
   REQUIRE(stretches.size() == 2);
   CHECK(stretches[0].name == "swan.1");
-  // Of the 431 points 19 go to and fro; fairing moves them to the place of the one before.
+  // 19 of the 431 points go back and forth; fairing moves them to the position of their
+  // predecessor.
   CHECK(batten::read_point_lines(result.out / "swan-fair.csv")[0].points.size() == 412);
   if (kDisplay) CHECK(fs::file_size(result.out / "swan.png") > 20000);
 
-  // The automatic stage alone, by the command.
+  // Only the automatic stage, by the command.
   const std::string command = "'" BATTEN_CLI "' fair '" + kExamples +
                               "04-fairing/swan.csv' --quiet --out '" +
                               (result.out / "auto.csv").string() + "' --report '" +
@@ -509,7 +517,8 @@ TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were") {
   CHECK(head > 50);
 }
 
-TEST_CASE("published hulls are skinned and compared with the surfaces in their files") {
+TEST_CASE("published hulls are skinned and compared with the surfaces in their files",
+          "[apps][examples]") {
   if (!BATTEN_TEST_CGAL) {
     WARN("skipped: these regions need the Delaunay mesher, and this build has no CGAL");
     return;
@@ -529,14 +538,14 @@ TEST_CASE("published hulls are skinned and compared with the surfaces in their f
     REQUIRE(std::system((command + " 2> /dev/null").c_str()) == 0);
     const auto report = nlohmann::json::parse(std::ifstream(out / "report.json"));
     CHECK(report["surface"]["max_curve_residual"].get<double>() <= 1e-10);
-    // Metres stay metres, and the surface is the hull's, not another one.
+    // Metres stay metres, and the surface is that of the hull.
     CHECK(report["surface"]["size"].get<double>() < 150);
     CHECK(report["comparison"]["rms_relative"].get<double>() < 0.04);
     CHECK(report["comparison"]["rms_relative"].get<double>() > 1e-4);
   }
 }
 
-TEST_CASE("a scan becomes a model that can be pushed", "[examples]") {
+TEST_CASE("a scanned mesh becomes a model that can be sculpted", "[apps][examples]") {
   const RunResult still = run(kExamples + "30-refit/scene.toml", "example_refit");
   CHECK(still.code == kDone);
   const auto& target = still.report["target"];
@@ -550,12 +559,12 @@ TEST_CASE("a scan becomes a model that can be pushed", "[examples]") {
   CHECK(pushed.report["surface"]["max_displacement"].get<double>() == Approx(17.3).epsilon(0.02));
 }
 
-TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[examples]") {
+TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[apps][examples]") {
   const RunResult roof = run(kExamples + "19-roof/scene.toml", "example_roof", "", "stress");
   CHECK(roof.code == kDone);
   const auto& cases = roof.report["stress"]["cases"];
   REQUIRE(cases.size() == 3);
-  // 8 cm of concrete over some 420 m^2.
+  // 8 cm of concrete over about 420 m².
   CHECK(cases[0]["force"][2].get<double>() ==
         Approx(-0.08 * 2500 * 9.81 * roof.report["surface"]["area"].get<double>()).epsilon(1e-6));
   CHECK(cases[2]["max_von_mises"].get<double>() < 2e6);

@@ -1,4 +1,4 @@
-// `batten skin curves.csv` without any option gives the surface that people expect.
+// `batten skin curves.csv` without any option gives the expected surface.
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/skin_command.h"
 
@@ -6,7 +6,8 @@ using namespace batten_test;
 
 namespace {
 
-// Without the STEP file a shape takes a third of the time; only its checks are missing then.
+// Without the STEP file a shape takes a third of the time; only the checks of that file are
+// missing.
 enum class Step { Written, Omitted };
 
 void check_group(const std::string& group, unsigned seed, Step step) {
@@ -30,28 +31,30 @@ constexpr unsigned kStandard = 0, kVaried = 1;
 
 }  // namespace
 
-TEST_CASE("expected shapes: cylinders, cones, spheres, tori", "[cli][expected]") {
+TEST_CASE("expected shapes: cylinders, cones, spheres, tori", "[apps][expected_shapes]") {
   check_group("revolved", kStandard, Step::Written);
 }
-TEST_CASE("expected shapes: tubes, wings and hulls from sections", "[cli][expected]") {
+TEST_CASE("expected shapes: tubes, wings and hulls from sections", "[apps][expected_shapes]") {
   check_group("sections", kStandard, Step::Written);
 }
-TEST_CASE("expected shapes: saddles, ruled surfaces, canopies", "[cli][expected]") {
+TEST_CASE("expected shapes: saddles, ruled surfaces, canopies", "[apps][expected_shapes]") {
   check_group("ruled", kStandard, Step::Written);
 }
-TEST_CASE("expected shapes: flat outlines with corners", "[cli][expected]") {
+TEST_CASE("expected shapes: flat outlines with corners", "[apps][expected_shapes]") {
   check_group("flat", kStandard, Step::Written);
 }
-TEST_CASE("expected shapes: wedges", "[cli][expected]") {
+TEST_CASE("expected shapes: wedges", "[apps][expected_shapes]") {
   check_group("solids", kStandard, Step::Written);
 }
 
-TEST_CASE("expected shapes with other dimensions, points, order and position", "[cli][expected]") {
+TEST_CASE("expected shapes with other dimensions, points, order and position",
+          "[apps][expected_shapes]") {
   for (const char* group : {"revolved", "sections", "ruled", "flat", "solids"})
     check_group(group, kVaried, Step::Omitted);
 }
 
-TEST_CASE("expected shapes: the program gives the same as its functions", "[cli][expected]") {
+TEST_CASE("expected shapes: the program gives the same as its functions",
+          "[apps][expected_shapes]") {
   for (const ExpectedShape& shape : expected_shapes()) {
     if (shape.name != "tube, short" && shape.name != "wedge of 16 degrees" &&
         shape.name != "wing, span 8")
@@ -69,9 +72,9 @@ TEST_CASE("expected shapes: the program gives the same as its functions", "[cli]
 }
 
 TEST_CASE("expected shapes: outlines with blunt corners are not read as curves without a remark",
-          "[cli][expected]") {
-  // Turns below 50 degrees at some points could be corners or a smooth curve. Until the command
-  // takes such outlines as polygons, it must say how it read them.
+          "[apps][expected_shapes]") {
+  // Turns below 50 degrees could be corners or points of a smooth curve. As long as the command
+  // does not treat such outlines as polygons, it must report how it interpreted them.
   for (const ExpectedShape& shape : ambiguous_outlines()) {
     const CliCase c("expected_ambiguous");
     c.file("curves.csv", shape.csv());

@@ -1,4 +1,4 @@
-// Lines that fair themselves, as users meet them: the command and the scenes.
+// Fairing of curves: the command and the scenes.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Trembling of a hand: the same for the same number.
+/// Jitter of a hand drawing: the same for the same number.
 double jitter(int i) {
   const double x = std::sin(12.9898 * i + 78.233) * 43758.5453;
   return 2 * (x - std::floor(x)) - 1;
@@ -35,7 +35,7 @@ std::string wave(double noise, int seed = 0, double z = 0) {
   return text;
 }
 
-/// A ring, its last point its first.
+/// A closed curve, its last point equal to its first.
 std::string ring(double noise) {
   std::string text;
   for (int i = 0; i <= 120; ++i) {
@@ -58,7 +58,7 @@ double distance(const std::vector<Vec3>& points, const Vec3& p) {
 
 }  // namespace
 
-TEST_CASE("a drawn file becomes a fair one of any kind, with as many points") {
+TEST_CASE("a drawn file becomes a fair one of any kind, with as many points", "[apps][fair]") {
   const CliCase c("fair_kinds");
   c.file("two.csv", "x,y,z\n" + wave(0.5) + "\n" + ring(0.5));
   for (const std::string ending : {".curves", ".csv", ".obj", ".vtp", ".step", ".iges"}) {
@@ -97,7 +97,7 @@ TEST_CASE("a drawn file becomes a fair one of any kind, with as many points") {
   CHECK(c.run({"fair", "two.csv", "--out", "again.csv", "--quiet"}).out.empty());
 }
 
-TEST_CASE("a fair curve does as its options say") {
+TEST_CASE("a fair curve follows its options", "[apps][fair]") {
   const CliCase c("fair_options");
   c.file("w.csv", wave(0.5));
   const auto given = read_point_lines(c / "w.csv")[0].points;
@@ -118,14 +118,14 @@ TEST_CASE("a fair curve does as its options say") {
   CHECK(fine["wavelength"].get<double>() == 8);
   CHECK(coarse["after"]["extrema"].get<int>() < fine["after"]["extrema"].get<int>());
   CHECK(coarse["deviation"]["rms"].get<double>() > fine["deviation"]["rms"].get<double>());
-  // Ends: free ones move, held ones do not.
+  // Free ends move, fixed ends do not.
   run({"--wavelength", "40"});
   CHECK((read_point_lines(c / "o.csv")[0].points.front() - given.front()).norm() > 1e-3);
   run({"--wavelength", "40", "--fix-ends"});
   CHECK((read_point_lines(c / "o.csv")[0].points.front() - given.front()).norm() < 1e-9);
   CHECK((read_point_lines(c / "o.csv")[0].points.back() - given.back()).norm() < 1e-9);
   CHECK(run({"--closed"})["closed"].get<bool>());
-  // Few segments, as near to the fair curve as asked for.
+  // Few segments, within the requested distance of the fair curve.
   const auto all = run({"--wavelength", "40"});
   const auto fair = read_point_lines(c / "o.csv")[0].points;
   const auto few = run({"--wavelength", "40", "--segments", "0.05"});
@@ -134,11 +134,12 @@ TEST_CASE("a fair curve does as its options say") {
   REQUIRE(reduced.size() == fair.size());
   double worst = 0;
   for (size_t i = 0; i < fair.size(); ++i) worst = std::max(worst, (fair[i] - reduced[i]).norm());
-  CHECK(worst < 0.2);  // along the curve they may move a little more than off it
+  CHECK(worst < 0.2);  // along the curve they may move slightly more than across it
   CHECK(worst > 1e-6);
 }
 
-TEST_CASE("a drawn line keeps within any deviation that is stated, also far below its noise") {
+TEST_CASE("a drawn curve stays within any given deviation, also far below its noise",
+          "[apps][fair]") {
   const CliCase c("fair_deviation");
   const std::string swan = BATTEN_SOURCE_DIR "/examples/04-fairing/swan.csv";
   for (const double limit : {0.02, 0.5, 1.0, 2.5}) {
@@ -152,7 +153,8 @@ TEST_CASE("a drawn line keeps within any deviation that is stated, also far belo
   }
 }
 
-TEST_CASE("strokes without length are named and passed through, the sketch is faired") {
+TEST_CASE("strokes without length are named and passed through, the sketch is faired",
+          "[apps][fair]") {
   const CliCase c("fair_dots");
   c.file("s.curves",
          "v 4\n0 0 0\n10 1 0\n20 -1 0\n30 0 0\nv 1\n1 2 3\nv 3\n4 5 6\n4 5 6\n4 5 6\n"
@@ -165,7 +167,7 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
   REQUIRE(lines.size() == 4);
   CHECK(lines[1].points == std::vector<Vec3>{{1, 2, 3}});
   CHECK(lines[2].points == std::vector<Vec3>(3, Vec3(4, 5, 6)));
-  CHECK(lines[3].points.size() == 4);  // the first two lie in one place
+  CHECK(lines[3].points.size() == 4);  // the first two coincide
   CHECK_FALSE(json(c, "r.json")["faired_curves"][1]["faired"].get<bool>());
   const CliResult text = c.run({"fair", "s.curves", "--out", "o.csv"});
   CHECK(text.code == 0);
@@ -182,7 +184,7 @@ TEST_CASE("strokes without length are named and passed through, the sketch is fa
   CHECK_THAT(c.run({"info", "s.curves"}).out, Contains("zero length  at (1, 2, 3)"));
 }
 
-TEST_CASE("curves of CAD files are faired by their shape and keep their names") {
+TEST_CASE("curves of CAD files are faired by their shape and keep their names", "[apps][fair]") {
   const CliCase c("fair_cad");
   // A wave, and three sides of a rectangle with sharp corners.
   std::string rows = "o wave\nv 0 0 0\nv 30 12 4\nv 60 0 0\nv 90 -12 -4\nv 120 0 0\n";
@@ -218,7 +220,8 @@ TEST_CASE("curves of CAD files are faired by their shape and keep their names") 
   CHECK(names("c.step") == "wave frame.2 ");
 }
 
-TEST_CASE("what cannot be faired is refused with its place, and nothing is written") {
+TEST_CASE("curves that cannot be faired are refused with their position, and nothing is written",
+          "[apps][fair]") {
   const CliCase c("fair_mistakes");
   c.file("w.csv", wave(0.5));
   c.file("nan.csv", "0,0,0\n1,nan,0\n2,0,0\n");
@@ -239,7 +242,7 @@ TEST_CASE("what cannot be faired is refused with its place, and nothing is writt
   fails({"w.csv", "--out", "o.csv", "--closed", "--open"}, "--open");
   fails({"w.csv", "--out", "o.csv", "--only", "v"}, "'v'");
   fails({"w.csv"}, "--out");
-  // A picture without a display is the one thing that is missed.
+  // Without a display, only the check of the picture fails.
   const CliResult r = c.run({"fair", "w.csv", "--out", "o.csv", "--picture", "p.png"});
   CHECK(r.code == 4);
   CHECK_THAT(r.err, Contains("p.png is not drawn") && Contains("display"));
@@ -247,7 +250,7 @@ TEST_CASE("what cannot be faired is refused with its place, and nothing is writt
   CHECK_FALSE(fs::exists(c / "p.png"));
 }
 
-TEST_CASE("fairing gives the same bits on one thread and on two") {
+TEST_CASE("fairing gives the same bits on one thread and on two", "[apps][fair]") {
   const CliCase c("fair_threads");
   std::string text;
   for (int i = 0; i < 30; ++i) text += wave(0.5, 1000 * i, 10 * i) + "\n";
@@ -272,7 +275,7 @@ points = [[0,0,40],[50,2,40],[100,-2,40],[150,1,40],[200,0,40]]
 
 }  // namespace
 
-TEST_CASE("stages of a scene follow each other, local ones leave the rest alone") {
+TEST_CASE("stages of a scene follow each other, local ones leave the rest alone", "[apps][fair]") {
   const CliCase c("fair_scene");
   c.file("w.csv", wave(0.5));
   const std::string fair = "[[fair]]\nname = \"all\"\ncurves = \"wave\"\nwavelength = 25\n";
@@ -300,7 +303,7 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
   }
   CHECK(same > 50);
   CHECK(other > 5);
-  // No stage is about the rail: it is as it was given.
+  // No stage applies to the rail: it is unchanged.
   const auto rail = report(c, "a")["faired_curves"][1];
   CHECK(rail["name"] == "rail");
   CHECK_FALSE(rail["faired"].get<bool>());
@@ -313,7 +316,7 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
                                                 Contains("rail"));
 }
 
-TEST_CASE("conditions of a scene hold, contradictions are named") {
+TEST_CASE("conditions of a scene hold, contradictions are named", "[apps][fair]") {
   const CliCase c("fair_conditions");
   c.file("w.csv", wave(0.5));
   const std::string fair = kScene + "[[fair]]\ncurves = [\"wa*\"]\nwavelength = 30\n";
@@ -333,7 +336,7 @@ TEST_CASE("conditions of a scene hold, contradictions are named") {
       {"flat", "post"});
 }
 
-TEST_CASE("mistakes in fairing scenes are answered with their place") {
+TEST_CASE("errors in fairing scenes are reported with their position", "[apps][fair]") {
   const CliCase c("fair_scene_mistakes");
   c.file("w.csv", wave(0.5));
   const auto fails = [&](const std::string& more, const std::vector<std::string>& parts) {
@@ -368,9 +371,9 @@ TEST_CASE("mistakes in fairing scenes are answered with their place") {
   c.fails("unit = \"mm\"\n[[fair]]\n", 1, {"no curves"});
 }
 
-TEST_CASE("lines are faired before a surface is made of them") {
+TEST_CASE("curves are faired before a surface is made of them", "[apps][fair]") {
   const CliCase c("fair_skin");
-  // A trembling rectangle of four lines that meet at their ends.
+  // A rectangle of four noisy curves with common ends.
   std::string lines = "unit = \"mm\"\n";
   const Vec3 corners[4] = {{0, 0, 0}, {200, 0, 0}, {200, 120, 0}, {0, 120, 0}};
   for (int k = 0; k < 4; ++k) {
@@ -400,7 +403,7 @@ TEST_CASE("lines are faired before a surface is made of them") {
     CHECK(curve["after"]["extrema"].get<int>() < curve["before"]["extrema"].get<int>());
   }
   CHECK(done["surface"]["max_curve_residual"].get<double>() <= 1e-10);
-  // The corners are where they were drawn.
+  // The corners are at their original positions.
   std::vector<Vec3> ends;
   for (const auto& line : batten::read_cad_lines(c / "fair/s.step", 1e-3))
     ends.push_back(line.curve->evaluate(line.curve->start()));

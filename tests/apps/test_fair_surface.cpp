@@ -1,4 +1,4 @@
-// fair = "variation" as its users meet it: a half cylinder from two arcs and two lines.
+// fair = "variation": a half cylinder from two arcs and two straight curves.
 #include <cmath>
 #include <numbers>
 
@@ -33,13 +33,13 @@ std::string half_cylinder(const std::string& skin, const std::string& mesh = "")
 
 }  // namespace
 
-TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
+TEST_CASE("a half cylinder is recovered from its four curves", "[apps][fair]") {
   const CliCase c("fair_surface");
   const double area = std::numbers::pi * 50 * 120;
   c.file("s.toml", half_cylinder("fair = \"bending\"\n"));
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   CHECK(report(c, "out")["surface"]["area"].get<double>() < 0.95 * area);
-  // What the curves mean, unasked.
+  // Without options, the intended cylinder is recognised.
   c.file("s.toml", half_cylinder(""));
   REQUIRE(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(area).epsilon(1e-3));
@@ -59,7 +59,7 @@ TEST_CASE("a half cylinder comes back from its four lines", "[cli][fair]") {
   CHECK(surface["max_curve_residual"].get<double>() < 1e-10);
 }
 
-TEST_CASE("what a fair shape cannot have beside it is refused with its place", "[cli][fair]") {
+TEST_CASE("settings that a fair shape excludes are refused with their position", "[apps][fair]") {
   const CliCase c("fair_refused");
   const std::string fair = "fair = \"variation\"\n";
   c.fails(half_cylinder(fair + "boundary = \"corners\"\n"), 1, {"s.toml:", "boundary = \"curves\""});
@@ -69,7 +69,7 @@ TEST_CASE("what a fair shape cannot have beside it is refused with its place", "
           {"s.toml:", "\"G2\" for a surface that is not faired", "variation"});
 }
 
-TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli][fair]") {
+TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[apps][fair]") {
   const CliCase c("fair_loaded");
   const double area = std::numbers::pi * 50 * 120;
   const std::string acts =
@@ -90,21 +90,22 @@ TEST_CASE("loads bend a fair shape, and a live session comes back to it", "[cli]
     const CliResult live = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "crown.z=50:56:3",
                                   "--sweep", "swell=100:0:2"});
     INFO(live.err);
-    REQUIRE(live.code == 4);  // the two contact sheets, for want of a display
+    REQUIRE(live.code == 4);  // the two contact sheets, without a display
     const auto sweeps = batten_test::report(c, "out")["sculpting"]["sweeps"];
-    // Back where it began, the surface is what `run` makes.
+    // Back at the start, the surface equals that of `run`.
     CHECK(report(c, "out")["surface"]["area"].get<double>() ==
           Approx(still["area"].get<double>()).epsilon(1e-6));
     CHECK(sweeps[0]["rows"][2]["area"].get<double>() > area);
     CHECK(sweeps[0]["rows"][2]["residual"].get<double>() < 1e-10);
     CHECK(std::abs(sweeps[1]["rows"][0]["area"].get<double>() - area) >
-          1);  // whichever way normals point
+          1);  // in either direction of normals
     fs::remove_all(c / "run");
     fs::remove_all(c / "out");
   }
 }
 
-TEST_CASE("a loft runs straight between sections, and names what is no section", "[cli][fair]") {
+TEST_CASE("a loft runs straight between sections, and names curves that are no section",
+          "[apps][fair]") {
   const CliCase c("loft");
   const double area = std::numbers::pi * 50 * 120;
   c.file("s.toml", half_cylinder("fair = \"loft\"\nsections = [\"back\"]\n"));
@@ -130,8 +131,9 @@ TEST_CASE("a loft runs straight between sections, and names what is no section",
         std::string::npos);
 }
 
-TEST_CASE("a surface of one region that passes through itself says so", "[cli][fair]") {
-  // A strip between two loops like the letter alpha, each of which rises and so misses itself.
+TEST_CASE("a self-intersecting surface of one face is reported", "[apps][fair]") {
+  // A strip between two loops like the letter alpha; each of them rises and so does not intersect
+  // itself.
   const CliCase c("alpha_strip");
   const auto loop = [](const std::string& name, double y, bool reversed) {
     constexpr int pieces = 40;
@@ -161,7 +163,7 @@ TEST_CASE("a surface of one region that passes through itself says so", "[cli][f
   CHECK(defects[0]["kind"] == "self-intersection");
 }
 
-TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]") {
+TEST_CASE("sections alone make a surface: their rails are found", "[apps][fair]") {
   const CliCase c("only_sections");
   const auto arch = [](const std::string& name, double y, double height, bool reversed) {
     constexpr int pieces = 20;
@@ -187,7 +189,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[cli][fair]")
   CHECK(report["curves"]["count"] == 5);
   CHECK(report["surface"]["max_curve_residual"].get<double>() < 1e-10);
   CHECK(report["defects"].empty());
-  // Between the areas of the flat floor and of the highest arch all along.
+  // Between the areas of the flat floor and of the highest arch along the whole length.
   CHECK(report["surface"]["area"].get<double>() > 13000);
   CHECK(report["surface"]["area"].get<double>() < 17000);
   const auto error = [&](const std::string& order) {

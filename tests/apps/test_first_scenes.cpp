@@ -1,4 +1,4 @@
-// Scenes that people typed from the documentation alone come out as they meant them.
+// Scenes written by new users from the documentation alone give the intended results.
 #include <cstdlib>
 #include <map>
 #include <regex>
@@ -23,7 +23,7 @@ std::string without(const std::string& scene, const std::string& section) {
   return text;
 }
 
-// The scene without its pictures, with present keys, changed.
+// The scene without pictures, with present keys, and with changes.
 template <class Change>
 FirstScene run(const std::string& name, const Change& change) {
   const fs::path file = optional_data("newcomer-scenes") / name;
@@ -52,7 +52,7 @@ bool data_available() {
 
 }  // namespace
 
-TEST_CASE("what newcomers typed is made, and every promise held", "[cli][newcomers]") {
+TEST_CASE("scenes as new users write them are made, and pass all checks", "[apps][first_scenes]") {
   if (!data_available()) return;
   for (const char* name :
        {"01-fender/scene.toml", "01-fender/flange.toml", "01-fender/flange_load.toml",
@@ -69,8 +69,8 @@ TEST_CASE("what newcomers typed is made, and every promise held", "[cli][newcome
   }
 }
 
-TEST_CASE("a deck's centre line is cut where hatches take it, and moves as one",
-          "[cli][newcomers]") {
+TEST_CASE("a deck's centre line is cut at hatches, and moves as one curve",
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   const FirstScene n = run("07-deck/scene.toml");
   INFO(n.ran.err);
@@ -87,13 +87,13 @@ TEST_CASE("a deck's centre line is cut where hatches take it, and moves as one",
   CHECK(moved.report["surface"]["max_displacement"] == Approx(40).epsilon(0.05));
 }
 
-TEST_CASE("a mast that misses the centre line is named with place and distance",
-          "[cli][newcomers]") {
+TEST_CASE("a mast that misses the centre line is named with position and distance",
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   const FirstScene n = run("07-deck/scene.toml", [](const std::string& scene) {
     const std::string text = without(scene, "offset");
     const size_t mast = text.find("\"mast\""), end = text.find("role", mast);
-    // Flattened: all its points at one height.
+    // Flattened: all its points at the same height.
     return text.substr(0, mast) +
            std::regex_replace(text.substr(mast, end - mast),
                               std::regex(R"(, (10[0-9]+\.[0-9]+)\])"), ", 1060]") +
@@ -104,7 +104,7 @@ TEST_CASE("a mast that misses the centre line is named with place and distance",
                                                 "distance of [2-7]\\.?[0-9]* near \\(5")));
 }
 
-TEST_CASE("pickups that only trim let the arch rise", "[cli][newcomers]") {
+TEST_CASE("pickups that only trim let the arch rise", "[apps][first_scenes]") {
   if (!data_available()) return;
   const FirstScene held = run("03-guitar/scene.toml");
   const FirstScene free = run("03-guitar/scene.toml", [](const std::string& scene) {
@@ -117,7 +117,8 @@ TEST_CASE("pickups that only trim let the arch rise", "[cli][newcomers]") {
   CHECK(free.ran.out.find("trimmed     by 'neck pickup.1', at most ") != std::string::npos);
 }
 
-TEST_CASE("a can is a cylinder, faired or not, unless it is asked to bend", "[cli][newcomers]") {
+TEST_CASE("a can is a cylinder, faired or not, unless it is asked to bend",
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   const auto can = [](const std::string& skin) {
     return run("small/can.toml", [&](const std::string& scene) { return scene + "\n" + skin; });
@@ -134,7 +135,7 @@ TEST_CASE("a can is a cylinder, faired or not, unless it is asked to bend", "[cl
 }
 
 TEST_CASE("a propeller is a solid of skins, a bottle has the recess it was given",
-          "[cli][newcomers]") {
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   const FirstScene blade = run("09-propeller/scene.toml");
   CHECK(blade.report["faces"].size() == 13);
@@ -151,8 +152,8 @@ TEST_CASE("a propeller is a solid of skins, a bottle has the recess it was given
   CHECK(bands == 4);
 }
 
-TEST_CASE("a normal that no surface through a line can have is refused with the reason",
-          "[cli][newcomers]") {
+TEST_CASE("a normal that no surface through a curve can have is refused with the reason",
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   const FirstScene n = run("01-fender/flange_constraint.toml");
   CHECK(n.ran.code == 1);
@@ -160,8 +161,8 @@ TEST_CASE("a normal that no surface through a line can have is refused with the 
         std::string::npos);
 }
 
-TEST_CASE("solids that newcomers drew line by line have the volume that they meant",
-          "[cli][newcomers]") {
+TEST_CASE("solids that new users drew curve by curve have the intended volume",
+          "[apps][first_scenes]") {
   if (!data_available()) return;
   constexpr double pi = 3.14159265358979;
   struct Solid {

@@ -1,5 +1,5 @@
-// What people who meet batten sequence for the first time type: it does what they mean, or says what
-// it does not do.
+// Typical first inputs of new users of batten sequence: they give the intended result or a clear
+// message.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A flag in the wind, frames of 8 × 4 squares as numbered files in a folder.
+/// A flag in the wind: frames of 8 × 4 squares as numbered files in a folder.
 void make_flag(const CliCase& c, const std::string& folder, int frames, double swing = 0.2) {
   for (int k = 1; k <= frames; ++k) {
     std::ostringstream text;
@@ -27,7 +27,7 @@ void make_flag(const CliCase& c, const std::string& folder, int frames, double s
   }
 }
 
-/// An edit of that flag: its end is moved in frame 3.
+/// An edit of that flag: its end moves in frame 3.
 std::string scene(const std::string& source = "", const std::string& step = "",
                   const std::string& out = "frames/f_*.obj",
                   const std::string& move = "{ name = \"end\", translate = [0, 1, 0.5] }") {
@@ -56,7 +56,7 @@ int files_in(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("frames of an earlier run with more frames do not stay", "[sequence]") {
+TEST_CASE("frames of an earlier run with more frames do not stay", "[apps][sequences]") {
   const CliCase c("sequence_stale");
   make_flag(c, "flag", 9);
   REQUIRE(edit(c, scene()).code == 0);
@@ -69,7 +69,7 @@ TEST_CASE("frames of an earlier run with more frames do not stay", "[sequence]")
   CHECK(fs::exists(c / "out/frames/f_100.obj"));
 }
 
-TEST_CASE("frames are made again when the numbered files of a source change", "[sequence]") {
+TEST_CASE("frames are made again when the numbered files of a source change", "[apps][sequences]") {
   const CliCase c("sequence_source");
   make_flag(c, "flag", 5);
   const std::string mix =
@@ -88,7 +88,7 @@ TEST_CASE("frames are made again when the numbered files of a source change", "[
   CHECK(contents(c / "out/frames/frame_0002.obj") != first);
 }
 
-TEST_CASE("frames that are there are measured like those that are made", "[sequence]") {
+TEST_CASE("frames that are there are measured like those that are made", "[apps][sequences]") {
   const CliCase c("sequence_again");
   make_flag(c, "flag", 5);
   for (const std::string ending : {"obj", "off", "ply", "stl", "STL", "vtp", "vtu"}) {
@@ -106,7 +106,7 @@ TEST_CASE("frames that are there are measured like those that are made", "[seque
   }
 }
 
-TEST_CASE("the report lists files where they are", "[sequence]") {
+TEST_CASE("the report lists files where they are", "[apps][sequences]") {
   const CliCase c("sequence_files");
   make_flag(c, "flag", 4);
   const auto listed = [&](const std::string& out, const std::vector<std::string>& more = {}) {
@@ -129,7 +129,7 @@ TEST_CASE("the report lists files where they are", "[sequence]") {
   CHECK(listed("sub/FLAG.PC2") == 3);
 }
 
-TEST_CASE("endings of single files count in capitals, too", "[sequence]") {
+TEST_CASE("endings of single files count in capitals, too", "[apps][sequences]") {
   const CliCase c("sequence_capitals");
   make_flag(c, "flag", 5);
   REQUIRE(edit(c, scene("", "", "f.GLB")).code == 0);
@@ -140,7 +140,8 @@ TEST_CASE("endings of single files count in capitals, too", "[sequence]") {
   CHECK_THAT(r.err, Contains("expected numbered files"));
 }
 
-TEST_CASE("names that no frames can be written to are refused before the steps", "[sequence]") {
+TEST_CASE("names that no frames can be written to are refused before the steps",
+          "[apps][sequences]") {
   const CliCase c("sequence_names");
   make_flag(c, "flag", 3);
   c.fails(scene("", "", "f.gltf"), 1, {"s.toml:", "the extension '.gltf'"}, {}, "sequence");
@@ -149,7 +150,7 @@ TEST_CASE("names that no frames can be written to are refused before the steps",
   c.fails(scene("", "", "f_*.glb"), 1, {"s.toml:", "numbered files '.glb'"}, {}, "sequence");
 }
 
-TEST_CASE("keys that would do nothing are refused", "[sequence]") {
+TEST_CASE("keys that would do nothing are refused", "[apps][sequences]") {
   const CliCase c("sequence_keys");
   make_flag(c, "flag", 3);
   const auto refused = [&](const std::string& text, const std::string& why) {
@@ -170,7 +171,8 @@ TEST_CASE("keys that would do nothing are refused", "[sequence]") {
           "'rotate' for a handle whose rotation is free");
 }
 
-TEST_CASE("a handle whose nodes are fixed cannot be told to move", "[sequence]") {
+TEST_CASE("a handle with fixed nodes cannot be given a prescribed displacement",
+          "[apps][sequences]") {
   const CliCase c("sequence_fixed");
   make_flag(c, "flag", 4);
   const std::string end = "{ name = \"end\", translate = [0, 1, 0] }, ";
@@ -180,12 +182,12 @@ TEST_CASE("a handle whose nodes are fixed cannot be told to move", "[sequence]")
   CHECK_THAT(r.err, Contains("'pole' has a prescribed motion, but all its nodes are in fixed"));
   CHECK(edit(c, scene("", "", "f_*.obj", end + "{ name = \"pole\" }")).code == 0);
   std::string wide = scene();
-  wide.replace(wide.find("[7.5,"), 5, "[-1,");  // the whole flag, its pole too
+  wide.replace(wide.find("[7.5,"), 5, "[-1,");  // the whole flag including its pole
   REQUIRE(edit(c, wide).code == 0);
   CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("5 of its 45 nodes are fixed"));
 }
 
-TEST_CASE("a sequence on the spot has no path, and that is said", "[sequence]") {
+TEST_CASE("a sequence on the spot has no path, which is reported", "[apps][sequences]") {
   const CliCase c("sequence_spot");
   make_flag(c, "flag", 4);
   const std::string path =
@@ -195,7 +197,7 @@ TEST_CASE("a sequence on the spot has no path, and that is said", "[sequence]") 
   CHECK_THAT(report(c, "out")["warnings"].dump(), Contains("of its start and has no path"));
 }
 
-TEST_CASE("glTF is read at its keys with 0 frames a second", "[sequence]") {
+TEST_CASE("glTF is read at its keys with 0 frames a second", "[apps][sequences]") {
   const CliCase c("sequence_keys_of_gltf");
   make_flag(c, "flag", 5);
   REQUIRE(edit(c, scene("", "", "f.glb")).code == 0);
@@ -209,7 +211,7 @@ TEST_CASE("glTF is read at its keys with 0 frames a second", "[sequence]") {
   CHECK(report(c, "out")["sequence"]["frames"] == 5);
 }
 
-TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]") {
+TEST_CASE("a morph is no bend of features, and every other step is", "[apps][sequences]") {
   const CliCase c("sequence_morphed_features");
   make_flag(c, "flag", 5);
   make_flag(c, "other", 5, 0.1);
@@ -220,7 +222,7 @@ TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]
       "[[feature]]\nname = \"spot\"\n"
       "[[operation]]\ntype = \"morph\"\ntarget = { file = \"other\" }\n";
   REQUIRE(edit(c, morph).code == 0);
-  // What bends a handle shows, also in a step that others follow.
+  // The distortion of a handle is reported, also for an operation followed by others.
   const std::string bend =
       "[[operation]]\ntype = \"keyframes\"\n[[operation.keyframe]]\nframe = 2\n"
       "handle = [{ name = \"end\", translate = [0, 3, 0] }]\n"
@@ -232,14 +234,14 @@ TEST_CASE("a morph is no bend of features, and every other step is", "[sequence]
   CHECK(j["features"][0]["max_rigid_error"].get<double>() < 1e-12);
 }
 
-TEST_CASE("steps that would need more memory than there is are refused", "[sequence]") {
+TEST_CASE("steps that would need more memory than there is are refused", "[apps][sequences]") {
   const CliCase c("sequence_memory");
   make_flag(c, "flag", 4);
   c.fails(scene() + "[[operation]]\ntype = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
           1, {"the operation 'operation-2'", "of memory"}, {"--memory", "1"}, "sequence");
 }
 
-TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]") {
+TEST_CASE("feet do not slip between keyframes that are far apart", "[apps][sequences]") {
   const CliCase c("sequence_every");
   for (const std::string name : {"walker.obj", "walker.pc2", "stairs.obj"})
     fs::copy(fs::path(BATTEN_SOURCE_DIR "/examples/24-stairs") / name, c / name);
@@ -254,7 +256,7 @@ TEST_CASE("feet do not slip between keyframes that are far apart", "[sequence]")
   for (const auto& f : j["foot_plants"]) CHECK(f["foot_skate"].get<double>() < 1e-9);
 }
 
-TEST_CASE("the input is not overwritten", "[sequence]") {
+TEST_CASE("the input is not overwritten", "[apps][sequences]") {
   const CliCase c("sequence_input");
   make_flag(c, "flag", 4);
   const std::string before = contents(c / "flag/flag_3.obj");
@@ -268,7 +270,7 @@ TEST_CASE("the input is not overwritten", "[sequence]") {
   CHECK(r.code == 1);
   CHECK_THAT(r.err, Contains("would overwrite the input"));
   CHECK(contents(c / "out/f.pc2") == cache);
-  // Frames of two names side by side are known again.
+  // Frames with two base names in one folder are recognised.
   REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
   REQUIRE(edit(c, scene("", "", "g_*.obj")).code == 0);
   REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);

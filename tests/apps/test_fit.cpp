@@ -1,4 +1,4 @@
-// batten fit: surfaces that are there already become models.
+// batten fit: existing surfaces become models.
 #include <cmath>
 
 #include "batten/tests/apps/cli_case.h"
@@ -9,7 +9,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A block of 40 × 30 × 20 whose upper face is a hill of `n` × `n` quads.
+/// A block of 40 × 30 × 20 with a hill of `n` × `n` quads as its upper face.
 std::string block(int n, double hill, double unit = 1) {
   std::string text;
   const auto put = [&](double x, double y, double z) {
@@ -43,7 +43,7 @@ std::string block(int n, double hill, double unit = 1) {
 
 }  // namespace
 
-TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
+TEST_CASE("a mesh's creases and patches become a model at the mesh", "[apps][fit]") {
   const CliCase c("fit_mesh");
   c.file("block.obj", block(24, 3));
   const CliResult r = c.run({"fit", "block.obj", "--out", "out", "--fit-tolerance", "0.03"});
@@ -58,14 +58,14 @@ TEST_CASE("a mesh's creases and patches become a model at the mesh", "[fit]") {
   CHECK(target["from_target"]["max"].get<double>() <= 0.03);
   CHECK(target["distant_curves"].empty());
   CHECK(j["step"]["faces"].get<int>() == 6);
-  // Back through STEP: the edges of its faces, fitted to its faces.
+  // Round trip through STEP: the edges of its faces, fitted to its faces.
   const CliResult again = c.run({"fit", "out/block.step", "--out", "again", "--fit-tolerance", "0.03"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
   CHECK(report(c, "again")["target"]["from_target"]["max"].get<double>() <= 0.03);
 }
 
-TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
+TEST_CASE("loads bend the fitted shape, in any unit", "[apps][fit]") {
   const CliCase c("fit_scene");
   c.file("block.obj", block(16, 3, 1e-3));
   const std::string lines =
@@ -78,7 +78,7 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
     c.file("s.toml", lines + target + more);
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.out << r.err);
-    // The way back is long: the block has five faces more. That is said.
+    // The block has five more faces, far from the model. This is reported.
     CHECK(r.code == 0);
     const auto j = report(c, "out");
     CHECK(j["target"]["to_target"]["max"].get<double>() <= 0.1);
@@ -88,7 +88,7 @@ TEST_CASE("what acts bends the fitted shape, in any unit", "[fit]") {
   CHECK(moved("[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 50\n") > 0.3);
 }
 
-TEST_CASE("a cage is fitted by its limit", "[fit]") {
+TEST_CASE("a cage is fitted by its limit", "[apps][fit]") {
   const CliCase c("fit_cage");
   c.file("cage.obj",
          "v 0 0 0\nv 10 0 0\nv 20 0 0\nv 0 10 0\nv 10 10 9\nv 20 10 0\nv 0 20 0\n"
@@ -102,9 +102,10 @@ TEST_CASE("a cage is fitted by its limit", "[fit]") {
   CHECK(report(c, "out")["target"]["before"]["max"].get<double>() > 1);
 }
 
-TEST_CASE("creases of a cage are in its limit, and a tag that is not known is named", "[fit]") {
+TEST_CASE("creases of a cage are in its limit, and a tag that is not known is named",
+          "[apps][fit]") {
   const CliCase c("fit_creases");
-  // A roof of two by two quads: its ridge is sharp for good.
+  // A roof of two by two quads with a sharp ridge.
   const std::string roof =
       "v 0 0 0\nv 10 0 6\nv 20 0 0\nv 0 10 0\nv 10 10 6\nv 20 10 0\nv 0 20 0\nv 10 20 6\n"
       "v 20 20 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
@@ -131,7 +132,7 @@ TEST_CASE("creases of a cage are in its limit, and a tag that is not known is na
   CHECK(hole.err.find("the tag 'hole'") != std::string::npos);
 }
 
-TEST_CASE("targets that cannot be are refused with their place", "[fit]") {
+TEST_CASE("invalid targets are refused with their position", "[apps][fit]") {
   const CliCase c("fit_errors");
   const std::string lines =
       "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";

@@ -1,5 +1,5 @@
-// The limits of docs/limits.md, each at its edge: just inside it works, just beyond it is refused
-// before anything is done.
+// The limits of docs/limits.md, each on both sides: input within the limit works, input beyond it
+// is rejected before any work.
 #include <sys/stat.h>
 
 #include <cmath>
@@ -30,14 +30,15 @@ std::string nested(int levels) {
 
 }  // namespace
 
-TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits") {
+TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits",
+          "[apps][limits]") {
   const CliCase c("limits_memory");
   c.fails(square("edge_length = 0.3"), 1,
           {"edge_length = 0.3 on a face of size", "triangles, which need", "GB of memory, but only",
            "are available; edge_length = ", " needs "},
           {"--memory", "0.5"});
   c.fails(square("edge_length = 0.05"), 1, {"triangles, expected at most 2e+06"});
-  // What the message names does fit.
+  // The value in the message is within the limit.
   c.file("s.toml", square("edge_length = 0.3"));
   const std::string message = c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).err;
   const size_t at = message.find("are available; edge_length = ");
@@ -47,7 +48,7 @@ TEST_CASE("meshes that memory cannot hold are refused beforehand, with what fits
   CHECK(c.run({"run", "s.toml", "--out", "out", "--memory", "0.5"}).code == 0);
 }
 
-TEST_CASE("all regions of a network together are asked for their memory") {
+TEST_CASE("the memory limit counts all faces of a network together", "[apps][limits]") {
   const CliCase c("limits_network");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   const CliResult r =
@@ -58,7 +59,8 @@ TEST_CASE("all regions of a network together are asked for their memory") {
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
-TEST_CASE("pictures and whole numbers and threads have limits that are said") {
+TEST_CASE("pictures, integers and threads have limits, which the messages state",
+          "[apps][limits]") {
   const CliCase c("limits_numbers");
   const auto picture = [](const std::string& size) {
     return square("") + "[[picture]]\nfile = \"s.png\"\nsize = " + size + "\n";
@@ -79,7 +81,7 @@ TEST_CASE("pictures and whole numbers and threads have limits that are said") {
   CHECK(c.run({"run", "s.toml", "--out", "out", "--threads", "1024"}).code == 0);
 }
 
-TEST_CASE("a motion has a million steps at most") {
+TEST_CASE("a motion has a million steps at most", "[apps][limits]") {
   const CliCase c("limits_steps");
   c.file("s.toml",
          square("edge_length = 60") + "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 1\n");
@@ -90,7 +92,7 @@ TEST_CASE("a motion has a million steps at most") {
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
-TEST_CASE("the tolerance of a network is at most a tenth of its size") {
+TEST_CASE("the tolerance of a network is at most a tenth of its size", "[apps][limits]") {
   const CliCase c("limits_tolerance");
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   const auto run = [&](const char* meet) {
@@ -102,7 +104,7 @@ TEST_CASE("the tolerance of a network is at most a tenth of its size") {
   CHECK(run("0.24").code == 0);
 }
 
-TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
+TEST_CASE("the tolerance of curves is at least 1e-9 of the size", "[apps][limits]") {
   const CliCase c("limits_fine");
   c.file("in.toml", with_tolerance("1.415e-7", square("edge_length = 60")));  // of 141.42
   CHECK(c.run({"run", "in.toml", "--out", "in"}).code == 0);
@@ -117,7 +119,7 @@ TEST_CASE("the tolerance of lines is at least 1e-9 of the size") {
   CHECK(r.err.find("fit_tolerance = 1e-09 for a size of 2.44949") != std::string::npos);
 }
 
-TEST_CASE("a line of a network has two million element edges at most") {
+TEST_CASE("a curve of a network has at most two million element edges", "[apps][limits]") {
   const CliCase c("limits_edges");
   const auto run = [&](const std::string& far) {
     c.file("t.csv",
@@ -131,10 +133,11 @@ TEST_CASE("a line of a network has two million element edges at most") {
   CHECK(far.err.find("element edges, expected at most 2e+06") != std::string::npos);
 }
 
-TEST_CASE("triangles under lines are halved until there are 50,000, and what is missed is said") {
+TEST_CASE("triangles at curves are halved up to 50,000, and the remaining error is reported",
+          "[apps][limits]") {
   const CliCase c("limits_halving");
   std::string scene = square("edge_length = 4");
-  for (const int r : {12, 17, 22, 27, 32, 37, 42}) {  // rings that rise and fall
+  for (const int r : {12, 17, 22, 27, 32, 37, 42}) {  // rings with alternating heights
     const auto at = [r](int x, int y, int z) {
       return "[" + std::to_string(50 + r * x) + "," + std::to_string(50 + r * y) + "," +
              std::to_string(z) + "]";
@@ -152,7 +155,7 @@ TEST_CASE("triangles under lines are halved until there are 50,000, and what is 
   CHECK(r.err.find("check failed: surface.max_curve_gap is ") != std::string::npos);
 }
 
-TEST_CASE("STEP files hold surfaces up to 20 km") {
+TEST_CASE("STEP files hold surfaces up to 20 km", "[apps][limits]") {
   const CliCase c("limits_step");
   const auto triangle = [](double size) {
     const std::string s = std::to_string(size);
@@ -171,14 +174,14 @@ TEST_CASE("STEP files hold surfaces up to 20 km") {
   CHECK(fs::exists(c / "out/t.vtp"));
 }
 
-TEST_CASE("scenes may be nested so deep and no deeper") {
+TEST_CASE("scenes may be nested so deep and no deeper", "[apps][limits]") {
   const CliCase c("limits_nesting");
   c.fails(nested(64) + square(""), 1, {"found key 'x'"});
   c.fails(nested(65) + square(""), 1, {"s.toml:1:69: found lists", "64 levels at most"});
   c.fails(nested(1000000) + square(""), 1, {"64 levels at most"});
 }
 
-TEST_CASE("pipes, devices and links in a circle are no files") {
+TEST_CASE("pipes, devices and links in a circle are no files", "[apps][limits]") {
   const CliCase c("limits_files");
   REQUIRE(mkfifo((c / "pipe.csv").c_str(), 0600) == 0);
   fs::create_symlink("b.csv", c / "a.csv");
@@ -200,11 +203,11 @@ TEST_CASE("pipes, devices and links in a circle are no files") {
       CHECK(r.code == 1);
       CHECK(r.err.find(expected) != std::string::npos);
       fs::rename(c / file, c / (name + ".csv"));
-      if (name == "a") break;  // the circle is broken by another name
+      if (name == "a") break;  // the cycle is broken by another name
     }
 }
 
-TEST_CASE("a line of a drawing may have so many characters") {
+TEST_CASE("the number of characters in a line of a drawing is limited", "[apps][limits]") {
   const CliCase c("limits_dxf");
   const auto drawing = [](size_t length) {
     return "999\n" + std::string(length, 'x') +
@@ -220,7 +223,7 @@ TEST_CASE("a line of a drawing may have so many characters") {
         std::string::npos);
 }
 
-TEST_CASE("a face of a mesh may have so many corners") {
+TEST_CASE("a face of a mesh may have so many corners", "[apps][limits]") {
   const CliCase c("limits_face");
   const auto face = [](int corners) {
     std::string text, all = "f";

@@ -1,4 +1,4 @@
-// Lines as people type them: arcs of few points, words for curves, copies, stated corners.
+// Curves as users write them: arcs of few points, keywords for curves, copies, explicit corners.
 #include <cmath>
 #include <numbers>
 
@@ -31,7 +31,7 @@ std::string half_cylinder(const std::string& front, const std::string& back) {
 
 }  // namespace
 
-TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli][curves]") {
+TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[apps][curves]") {
   const double area = pi * 50 * 120;
   for (const int count : {5, 9, 17}) {
     INFO(count);
@@ -50,7 +50,7 @@ TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[cli
   }
 }
 
-TEST_CASE("words for curves make the same half cylinder, and copies of its arc", "[cli][curves]") {
+TEST_CASE("keys of curves make the same half cylinder, and copies of its arc", "[apps][curves]") {
   const CliCase c("curve_words");
   for (const std::string& back :
        {std::string("arc = [[50,120,0], [0,120,50], [-50,120,0]]\n"),
@@ -71,7 +71,7 @@ TEST_CASE("words for curves make the same half cylinder, and copies of its arc",
   }
 }
 
-TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][curves]") {
+TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[apps][curves]") {
   const CliCase c("lid");
   const std::string hole =
       "[[curve]]\nname = \"hole\"\nrole = \"hole\"\ncircle = {centre = [10,5,0], radius = 12}\n";
@@ -86,7 +86,7 @@ TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[cli][c
   CHECK(report(c, "out")["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
 }
 
-TEST_CASE("corners are stated by the numbers of points", "[cli][curves]") {
+TEST_CASE("corners are stated by the numbers of points", "[apps][curves]") {
   const CliCase c("stated");
   const std::string rest =
       "[[curve]]\nname = \"b\"\npoints = [[40,0,0],[40,30,0]]\n"
@@ -111,14 +111,14 @@ TEST_CASE("corners are stated by the numbers of points", "[cli][curves]") {
   c.fails(keel + "corners = \"som\"\n" + rest, 1, {"found the word 'som'", "all, none"});
 }
 
-TEST_CASE("words that describe no curve are refused with their place", "[cli][curves]") {
+TEST_CASE("keys that describe no curve are refused with their position", "[apps][curves]") {
   const CliCase c("wrong_words");
   const auto refused = [&](const std::string& shape, const std::vector<std::string>& parts) {
     std::vector<std::string> all = {"s.toml:4:"};
     all.insert(all.end(), parts.begin(), parts.end());
     c.fails("unit = \"mm\"\n[[curve]]\nname = \"a\"\n" + shape + "\n", 1, all);
   };
-  refused("arc = [[0,0,0],[1,0,0],[2,0,0]]", {"on a line"});
+  refused("arc = [[0,0,0],[1,0,0],[2,0,0]]", {"three collinear points"});
   refused("arc = [[0,0,0],[1,0,0]]", {"2 points", "3, its start"});
   refused("circle = {centre = [0,0,0], radius = -2}", {"radius -2", "above 0"});
   refused("circle = {centre = [0,0,0], radus = 2}", {"did you mean 'radius'"});

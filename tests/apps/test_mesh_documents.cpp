@@ -1,4 +1,5 @@
-// Documents of meshes: edits one after the other, live, undone, and the same as `batten deform` gives.
+// Documents of meshes: successive edits, interactive, with undo, and equal to the results of
+// `batten deform`.
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
@@ -25,7 +26,7 @@ void act(Document& document, const std::vector<DocumentCommand>& commands) {
   for (const DocumentCommand& command : commands) document.apply(command);
 }
 
-/// The panel with its holes kept, its left end fixed and its right end a handle.
+/// The panel with its holes kept, its left end fixed and its right end as a handle.
 Document panel() {
   Document document;
   document.apply({.kind = CommandKind::Open, .file = kPanel / "panel.bdf"});
@@ -40,7 +41,7 @@ Document panel() {
   return document;
 }
 
-/// What `batten deform` makes of a document's text.
+/// Result of `batten deform` for a document's text.
 std::string deformed(const Document& document, const CliCase& folder) {
   const DeformScene scene = parse_deform_scene(document.text().text(), folder / "s.toml");
   run_deform(scene, folder / "out");
@@ -54,7 +55,8 @@ std::string exported(Document& document, const CliCase& folder) {
 
 }  // namespace
 
-TEST_CASE("a mesh that is edited live is what batten deform makes of its scene", "[document]") {
+TEST_CASE("a mesh edited interactively is the same as that of batten deform for its scene",
+          "[apps][documents]") {
   const CliCase folder("mesh_live");
   Document document = panel();
   REQUIRE(document.mesh());
@@ -87,7 +89,7 @@ TEST_CASE("a mesh that is edited live is what batten deform makes of its scene",
   CHECK((again.mesh()->shape() - shape).isZero(0));
 }
 
-TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[document]") {
+TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[apps][documents]") {
   const CliCase folder("mesh_beside");
   std::filesystem::copy_file(kPanel / "panel.bdf", folder / "panel.bdf");
   std::filesystem::create_directories(folder / "else");
@@ -104,7 +106,7 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[d
   Document again;
   again.apply({.kind = CommandKind::Open, .file = folder / "panel.toml"});
   CHECK(again.mesh());
-  // Its mesh is not written over: the scene would move it twice.
+  // Its mesh is not overwritten: the scene would move it twice.
   const std::string deck = contents(folder / "panel.bdf");
   std::filesystem::create_symlink("panel.bdf", folder / "linked.bdf");
   for (const char* file : {"panel.bdf", "else/../panel.bdf", "linked.bdf"})
@@ -113,7 +115,7 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[d
   again.apply({.kind = CommandKind::Export, .file = folder / "other.bdf"});
 }
 
-TEST_CASE("numbers of a handle have the units that they are moved in", "[document]") {
+TEST_CASE("numbers of a handle have the units that they are moved in", "[apps][documents]") {
   Document document = panel();
   act(document, {{.kind = CommandKind::Set,
                   .table = {"edit.handle", "edit 1.right"},
@@ -127,7 +129,7 @@ TEST_CASE("numbers of a handle have the units that they are moved in", "[documen
   }
 }
 
-TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
+TEST_CASE("numbers of an edit change the edits behind it", "[apps][documents]") {
   const CliCase folder("mesh_edits");
   Document document = panel();
   act(document, {slid("edit 1.right.z", 25),
@@ -141,13 +143,13 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   CHECK(exported(document, folder) == deformed(document, folder));
   const Points before = document.mesh()->shape();
   for (const double lift : {27.0, 28.0, 30.0}) document.apply(slid("edit 1.right.z", lift));
-  document.apply({.kind = CommandKind::SolveToEquilibrium});  // one step to undo
+  document.apply({.kind = CommandKind::SolveToEquilibrium});  // one undo step
   CHECK((document.mesh()->shape() - before).col(2).maxCoeff() > 4);
   CHECK(exported(document, folder) == deformed(document, folder));
   document.apply({.kind = CommandKind::Undo});
   CHECK((document.mesh()->shape() - before).isZero(0));
 
-  // A number that the first edit cannot have leaves the second one as it was.
+  // A value that is invalid for the first edit does not change the second one.
   Document both = panel();
   act(both, {added("edit.handle", R"({ name = "left" })"),
              added("edit", R"({ name = "edit 2", fixed = ["left"] })"),
@@ -160,7 +162,8 @@ TEST_CASE("numbers of an edit change the edits behind it", "[document]") {
   CHECK(both.content().moves("edit 2.hole-3.z"));
 }
 
-TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[document]") {
+TEST_CASE("invalid edits of a mesh are refused and leave everything unchanged",
+          "[apps][documents]") {
   Document document = panel();
   act(document, {slid("edit 1.right.z", 10), {.kind = CommandKind::SolveToEquilibrium}});
   const std::string text = document.text().text();
@@ -180,7 +183,8 @@ TEST_CASE("what a mesh cannot do is refused and leaves all as it was", "[documen
   CHECK(document.mesh());
 }
 
-TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again", "[document]") {
+TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
+          "[apps][documents]") {
   Document document;
   document.apply({.kind = CommandKind::Open, .file = kPanel / "panel.bdf"});
   const std::string opened = document.text().text();
@@ -211,7 +215,7 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
   CHECK(document.content().problem().empty());
 }
 
-TEST_CASE("a scene whose edit cannot be done shows its mesh and says why", "[document]") {
+TEST_CASE("a scene whose edit cannot be done shows its mesh and says why", "[apps][documents]") {
   const CliCase folder("mesh_problem");
   folder.file("s.toml", "unit = \"mm\"\nmesh = \"" + (kPanel / "panel.bdf").string() +
                             "\"\n[[edit]]\nname = \"e\"\nfixed = \"nowhere\"\n");
@@ -224,7 +228,8 @@ TEST_CASE("a scene whose edit cannot be done shows its mesh and says why", "[doc
   CHECK(document.content().problem().empty());
 }
 
-TEST_CASE("a script of a mesh gives the bits of the document that it came from", "[document]") {
+TEST_CASE("a script of a mesh gives the bits of the document that it came from",
+          "[apps][documents]") {
   const CliCase folder("mesh_script");
   std::ofstream(folder / "s.batten") << "open " << (kPanel / "panel.bdf").string() << "\n"
                                      << R"(add features { of = ["hole-*"] }
@@ -234,7 +239,7 @@ set edit "edit 1" fixed ["left"]
 add edit.handle { name = "right" }
 slide "edit 1.right.z" 12
 slide "edit 1.right.rotation.y" -10
-answer
+update
 solve
 export shape.bdf
 )";

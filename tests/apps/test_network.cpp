@@ -1,4 +1,4 @@
-// Networks as users meet them: batten run and batten skin, from curves to a report.
+// Curve networks: batten run and batten skin, from curves to a report.
 #include <array>
 #include <cmath>
 #include <map>
@@ -39,7 +39,7 @@ const std::string kCoarse = "[mesh]\nedge_length = 8\n";
 
 }  // namespace
 
-TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]") {
+TEST_CASE("run makes all surfaces of a network, as one solid", "[apps][network]") {
   const CliCase c("network");
   c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[output]\nstep = \"box.step\"\nvtp = \"box.vtp\"\nvtu = \"box.vtu\"\n");
@@ -81,9 +81,9 @@ TEST_CASE("run makes all surfaces of a network, as one solid", "[cli][network]")
   CHECK(j["failed_checks"].empty());
 }
 
-TEST_CASE("the user's words about regions and joins are followed", "[cli][network]") {
+TEST_CASE("the user's settings of faces and joins are applied", "[apps][network]") {
   const CliCase c("network_words");
-  // z = 0 is e1, e2, and the two lines from their far ends.
+  // z = 0 is bounded by e1, e2, and the two curves from their other ends.
   c.file("s.toml", kNetworkHead + box() + kCoarse);
   const CliResult info = c.run({"info", "s.toml"});
   INFO(info.out << info.err);
@@ -103,9 +103,9 @@ TEST_CASE("the user's words about regions and joins are followed", "[cli][networ
   CHECK(j["shells"][0]["closed"] == false);
 }
 
-TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
+TEST_CASE("a face has its own domain and its own edges", "[apps][network]") {
   const CliCase c("network_region_skin");
-  // A square of 20, and another on one of its sides that rises by 5.
+  // A square of 20, and another one on one of its sides that rises by 5.
   const std::string line = "[[curve]]\nname = ";
   const std::string strip = line +
                             "\"a\"\npoints = [[0,0,0],[20,0,0],[20,20,0],[0,20,0],[0,0,0]]\n" +
@@ -143,10 +143,11 @@ TEST_CASE("a region has its own domain and its own edges", "[cli][network]") {
   CHECK(ring.err.find("expected annulus = true and no domain") != std::string::npos);
 }
 
-TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
+TEST_CASE("features that cannot be kept are named, with exit code 4", "[apps][network]") {
   const CliCase c("network_missed");
-  // Two planes at a right angle that should be smooth: corners of a box have no tangent plane along
-  // them, which the ends say; what was asked for is not reached all along.
+  // Two perpendicular planes with a requested smooth edge: the corners of a box have no common
+  // tangent plane, which the ends report; the requested continuity is not reached along the whole
+  // edge.
   c.file("s.toml",
          kNetworkHead + box() + kCoarse + "[[join]]\ncurves = [\"e1\"]\ncontinuity = \"smooth\"\n");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
@@ -163,9 +164,9 @@ TEST_CASE("what cannot be kept is named, with exit code 4", "[cli][network]") {
   CHECK(said);
 }
 
-TEST_CASE("resistance along a line acts in all regions that have it", "[cli][network]") {
-  // Two shells in a row; bending along the line between them is dearer. `top`: x of its top; the
-  // others have it at 50.
+TEST_CASE("stiffness along a curve acts in all faces that have it", "[apps][network]") {
+  // Two shells side by side; bending along the curve between them costs more. `top`: x of its
+  // highest point; the others have it at 50.
   const auto areas = [](const std::string& value, const std::string& top) {
     const CliCase c("along");
     std::string scene = "unit = \"mm\"\n\n";
@@ -191,12 +192,12 @@ TEST_CASE("resistance along a line acts in all regions that have it", "[cli][net
   };
   const auto even = areas("0", "58"), along = areas("50", "58");
   for (const size_t r : {0, 1}) CHECK(std::abs(along[r] / even[r] - 1) > 1e-4);
-  // Equal arches mean a cylinder, which bends no less for it.
+  // Equal arches give a cylinder, whatever the stiffness field.
   for (const char* value : {"0", "50"})
     for (const double area : areas(value, "50")) CHECK(area == Approx(22070 / 2).epsilon(1e-3));
 }
 
-TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
+TEST_CASE("half a model is enough where it is symmetric", "[apps][network]") {
   const CliCase c("symmetry");
   // A house with its ridge in the plane y = 0: half of the walls, one slope of the roof.
   const std::string head = "unit = \"mm\"\n[skin]\nsymmetry = \"y\"\n[output]\nstep = \"h.step\"\n";
@@ -218,7 +219,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
   INFO(r.err);
   REQUIRE(r.code == 0);
   const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
-  // Two walls, two slopes, two gables, the floor: whole where they cross the plane.
+  // Two walls, two slopes, two gables, the floor: complete where they cross the plane.
   CHECK(report["faces"].size() == 7);
   CHECK(report["step"]["solids"] == 1);
   CHECK(report["step"]["volume"].get<double>() ==
@@ -236,7 +237,7 @@ TEST_CASE("half a model is enough where it is symmetric", "[cli][network]") {
               {"s.toml:3:12:", "one of: x, y, z"});
 }
 
-TEST_CASE("mistakes in a network's words are answered with their place", "[cli][network]") {
+TEST_CASE("errors in a network's settings are reported with their position", "[apps][network]") {
   const CliCase c("network_mistakes");
   c.fails(kNetworkHead + box() + "[[join]]\ncurves = [\"e13\"]\ncontinuity = \"smooth\"\n", 1,
           {"s.toml:40:11:", "e13", "e3", "did you mean"});
@@ -254,8 +255,8 @@ TEST_CASE("mistakes in a network's words are answered with their place", "[cli][
           {"s.toml:41:9:", "'e99'", "e9"});
 }
 
-TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and replay",
-          "[cli][network]") {
+TEST_CASE("sculpt works on a network as on one face: sweep, motion, record and replay",
+          "[apps][network]") {
   const CliCase c("network_sculpt");
   c.file("s.toml", kNetworkHead + box() + kCoarse +
                        "[[load]]\nname = \"p\"\ntype = \"pressure\"\nvalue = 0\n"
@@ -263,7 +264,7 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
   const CliResult first = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "p=0:4:3", "--time",
                                  "0.1", "--dt", "0.05", "--set", "p=2", "--record", "log.jsonl"});
   INFO(first.out << first.err);
-  REQUIRE((first.code == 0 || first.code == 4));  // 4: without a display no pictures
+  REQUIRE((first.code == 0 || first.code == 4));  // 4: no pictures without a display
   const auto j = report(c, "out");
   REQUIRE(j["sculpting"]["sweeps"][0]["rows"].size() == 3);
   const auto& rows = j["sculpting"]["sweeps"][0]["rows"];
@@ -277,7 +278,8 @@ TEST_CASE("sculpt works on a network as on one region: sweep, motion, record and
   CHECK(report(c, "again")["sculpting"]["bending_energy"] == j["sculpting"]["bending_energy"]);
 }
 
-TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli][network]") {
+TEST_CASE("the free edges of an annulus are not reported as apart, other curves are",
+          "[apps][network]") {
   const CliCase c("network_apart");
   const std::string line = "[[curve]]\nname = ";
   c.file("s.toml", kNetworkHead + kCoarse + line +
@@ -295,10 +297,9 @@ TEST_CASE("the rims of a ring are not told to lie apart, other lines are", "[cli
   CHECK(apart == std::vector<std::string>{"far"});
 }
 
-TEST_CASE("lines of a network that tremble are faired unless they are to be kept",
-          "[cli][network]") {
+TEST_CASE("noisy curves of a network are faired unless they are to be kept", "[apps][network]") {
   const CliCase c("network_trembling");
-  // A square of 40 whose first side bulges by 8: 41 points, off by up to 0.15 to and fro.
+  // A square of 40 whose first side bulges by 8: 41 points with alternating errors of up to 0.15.
   std::string side;
   for (int i = 0; i <= 40; ++i) {
     const double shake = i % 40 == 0 ? 0 : 0.15 * std::sin(12.9898 * i * i);
@@ -325,7 +326,7 @@ TEST_CASE("lines of a network that tremble are faired unless they are to be kept
   CHECK(!report(c, "keep").contains("faired_curves"));
 }
 
-TEST_CASE("skin takes curves from files, in any order", "[cli][network]") {
+TEST_CASE("skin takes curves from files, in any order", "[apps][network]") {
   const CliCase c("network_files");
   const std::string square =
       "0,0,0\n10,0,0\n\n10,10,0\n0,10,0\n\n0,0,0\n0,10,0\n\n10,10,0\n10,0,0\n";
@@ -342,9 +343,10 @@ TEST_CASE("skin takes curves from files, in any order", "[cli][network]") {
   CHECK(twice.code == 1);
 }
 
-TEST_CASE("lines leave as whole curves although others cut them", "[cli][network]") {
+TEST_CASE("curves are written whole although others cut them", "[apps][network]") {
   const CliCase c("network_lines");
-  // A wave across a square, cut by a straight line in its middle, and a line with a corner.
+  // A wave across a square, intersected by a straight curve in its middle, and a curve with a
+  // corner.
   std::string wave = "[[curve]]\nname = \"wave\"\npoints = [";
   for (int i = 0; i <= 40; ++i)
     wave += std::string(i ? "," : "") + "[" + std::to_string(i) + ",20," +
@@ -369,7 +371,7 @@ TEST_CASE("lines leave as whole curves although others cut them", "[cli][network
   const std::string names = contents(c / "names.csv");
   for (const char* name : {"# wave\n", "# wave.1\n", "# spar\n", "# rim.1-2\n", "# rim.7-8\n"})
     CHECK(names.find(name) != std::string::npos);
-  // The faces of such a file are skinned and fitted again as those of others.
+  // The faces of such a file are skinned and fitted again like those of other files.
   const CliResult again =
       c.run({"fit", "first/s.step", "--out", "again", "--fit-tolerance", "0.02", "--step-curves"});
   INFO(again.out << again.err);
@@ -403,8 +405,8 @@ std::string sphere_outline(int sides) {
 
 }  // namespace
 
-TEST_CASE("a region with five sides varies least unasked, and the summary says so",
-          "[cli][network]") {
+TEST_CASE("a face with five sides has minimum variation by default, and the summary reports it",
+          "[apps][network]") {
   const CliCase c("five_sides");
   c.file("curves.csv", sphere_outline(5));
   const CliResult r = c.run({"skin", "curves.csv", "--out", "out"});
@@ -415,7 +417,7 @@ TEST_CASE("a region with five sides varies least unasked, and the summary says s
   const auto fairing = report(c, "out")["surface"]["fairing"];
   CHECK(fairing["requested"] == false);
   CHECK(fairing["faces"] == 1);
-  // Asked for bending, it bends; four sides need no fairing.
+  // fair = "bending" minimises the bending energy instead; four sides need no fairing.
   c.file("s.toml", "unit = \"mm\"\n[[curves]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
   const CliResult bent = c.run({"run", "s.toml", "--out", "bent"});
   CHECK(bent.code == 0);
@@ -425,8 +427,9 @@ TEST_CASE("a region with five sides varies least unasked, and the summary says s
   CHECK_FALSE(report(c, "four")["surface"].contains("fairing"));
 }
 
-TEST_CASE("normals of a stated region do not hang on its first line either", "[cli][network]") {
-  // An arched roof whose treatment of the rib makes it one stated region.
+TEST_CASE("normals of a specified face do not depend on its first curve either",
+          "[apps][network]") {
+  // An arched roof; the alignment of its rib makes it one prescribed face.
   const auto scene = [](bool turned) {
     const std::string front =
         "[[curve]]\nname = \"front\"\npoints = [[0,0,0],[1,0,0.6],[2,0,0.8],[3,0,0.6],[4,0,0]]\n";
@@ -451,7 +454,7 @@ TEST_CASE("normals of a stated region do not hang on its first line either", "[c
 }
 
 TEST_CASE("a surface that leaves the blend of its curves is named, the default does not",
-          "[cli][network]") {
+          "[apps][network]") {
   const CliCase c("departure");
   std::string csv = "curve,x,y,z\n";
   for (const int z : {0, 200})

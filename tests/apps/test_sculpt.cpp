@@ -1,4 +1,4 @@
-// batten sculpt as its users meet it: settle, sweep, move, refine, record and replay.
+// batten sculpt: solve, sweep, move, refine, record and replay.
 #include <cmath>
 #include <regex>
 
@@ -12,7 +12,7 @@ std::string line(const std::string& name, const std::string& points) {
   return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points + "]\n";
 }
 
-/// A square of four lines, 100 wide; the fan needs no CGAL.
+/// A square of four curves, 100 wide; the fan mesher does not need CGAL.
 const std::string kSquare =
     "unit = \"mm\"\nname = \"my square\"\n" + line("south", "[0,0,0], [100,0,0]") +
     line("east", "[100,0,0], [100,100,0]") + line("north", "[100,100,0], [0,100,0]") +
@@ -28,7 +28,7 @@ int lines_in(const std::string& text, const std::string& word) {
   return n;
 }
 
-/// A reader that knows nothing of us: XML, and VTK for each file.
+/// An independent reader: XML, and VTK for each file.
 const char* const kReader = R"(
 import os, sys, xml.etree.ElementTree as tree
 import vtk
@@ -41,7 +41,7 @@ for data in tree.parse(sys.argv[1]).getroot().iter('DataSet'):
     print(float(data.get('timestep')), reader.GetOutput().GetNumberOfPolys(), box[5])
 )";
 
-/// Without a display the pictures are the one promise that is missed.
+/// Without a display, only the check of the pictures fails.
 bool only_pictures_failed(const nlohmann::json& report) {
   for (const auto& missed : report["failed_checks"])
     if (missed["detail"].get<std::string>().find("not drawn") == std::string::npos) return false;
@@ -50,7 +50,7 @@ bool only_pictures_failed(const nlohmann::json& report) {
 
 }  // namespace
 
-TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
+TEST_CASE("sculpt solves and writes the same as run", "[apps][sculpt]") {
   const CliCase c("sculpt_static");
   c.file("s.toml", kSquare + kSwell + kOutput);
   const CliResult r = c.run({"sculpt", "s.toml", "--out", "live"});
@@ -73,9 +73,9 @@ TEST_CASE("sculpt settles and writes what run writes", "[cli][sculpt]") {
   CHECK(s["updates"][0]["operation"] == "solve");
 }
 
-TEST_CASE("a session finds places where run finds them, and the same shape", "[cli][sculpt]") {
+TEST_CASE("a session finds the same points as run, and the same shape", "[apps][sculpt]") {
   const CliCase c("sculpt_places");
-  // The second place is looked for after the first constraint has moved the surface.
+  // The second position is searched after the first constraint has moved the surface.
   c.file("s.toml", kSquare + kSwell + R"(
 [[load]]
 name = "side"
@@ -104,9 +104,10 @@ range = 3
         Approx(still["surface"]["area"].get<double>()).epsilon(1e-10));
 }
 
-TEST_CASE("run makes scenes that only a session knows", "[cli][sculpt]") {
+TEST_CASE("run makes scenes that only a session knows", "[apps][sculpt]") {
   const CliCase c("sculpt_run");
-  // Painted everywhere near the middle, driven by one slider: run and sculpt give the same shape.
+  // Painted everywhere near the middle, controlled by one slider: run and sculpt give the same
+  // shape.
   c.file("s.toml", kSquare + R"(
 [[load]]
 name = "bump"
@@ -153,8 +154,8 @@ drives = [{ name = "bump", factor = 0.5 }]
   CHECK(info.out.find("bump = 0.5") != std::string::npos);
 }
 
-TEST_CASE("a moved embedded line is kept within the tolerance, by small triangles only near it",
-          "[cli][sculpt]") {
+TEST_CASE("an offset embedded curve stays within the tolerance, with small triangles near it only",
+          "[apps][sculpt]") {
   if (!BATTEN_TEST_CGAL) return;
   const CliCase c("sculpt_move");
   std::string ring;
@@ -181,7 +182,7 @@ TEST_CASE("a moved embedded line is kept within the tolerance, by small triangle
   CHECK(json["surface"]["triangles"].get<int>() < 2000);
 }
 
-TEST_CASE("a sweep is a series of files and a table", "[cli][sculpt]") {
+TEST_CASE("a sweep is a series of files and a table", "[apps][sculpt]") {
   const CliCase c("sculpt_sweep");
   c.file("s.toml", kSquare + kSwell);
   const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:0.8:5"});
@@ -201,7 +202,7 @@ TEST_CASE("a sweep is a series of files and a table", "[cli][sculpt]") {
     CHECK(row["residual"].get<double>() < 1e-10);
     volume = row["volume"];
   }
-  // Each value's shape is the one that it has by itself.
+  // The shape for each value is independent of the others.
   REQUIRE(c.run({"run", "s.toml", "--out", "single", "--set", "swell=0.8"}).code == 0);
   CHECK(sweep["rows"][4]["bending_energy"].get<double>() ==
         Approx(report(c, "single")["surface"]["bending_energy"].get<double>()).epsilon(1e-8));
@@ -234,7 +235,8 @@ TEST_CASE("a sweep is a series of files and a table", "[cli][sculpt]") {
   CHECK(count == 5);
 }
 
-TEST_CASE("a value past the limit ends its sweep, and what was reached stays", "[cli][sculpt]") {
+TEST_CASE("a value past the limit ends its sweep, and the results before it stay",
+          "[apps][sculpt]") {
   const CliCase c("sculpt_limit");
   c.file("s.toml", kSquare + kSwell + "[output]\nvtp = \"s.vtp\"\n");
   const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--sweep", "swell=0:1000:6"});
@@ -247,7 +249,7 @@ TEST_CASE("a value past the limit ends its sweep, and what was reached stays", "
   CHECK(sweep["stopped"].get<std::string>().find("reached") != std::string::npos);
   CHECK(fs::exists(c / "out/s_swell_000.vtp"));
   CHECK(r.err.find("sweep of swell") != std::string::npos);
-  // The scene's own value stands again in the end.
+  // The scene's own value is restored at the end.
   REQUIRE(c.run({"sculpt", "s.toml", "--out", "plain"}).code == 0);
   CHECK(json["sculpting"]["area"].get<double>() ==
         Approx(report(c, "plain")["sculpting"]["area"].get<double>()).epsilon(1e-9));
@@ -258,7 +260,7 @@ TEST_CASE("a value past the limit ends its sweep, and what was reached stays", "
   CHECK_FALSE(fs::exists(c / "none"));
 }
 
-TEST_CASE("a motion is a series in time", "[cli][sculpt]") {
+TEST_CASE("a motion is a series in time", "[apps][sculpt]") {
   const CliCase c("sculpt_time");
   c.file("s.toml", kSquare +
                        "[[load]]\nname = \"swell\"\ntype = \"pressure\"\n"
@@ -283,7 +285,7 @@ TEST_CASE("a motion is a series in time", "[cli][sculpt]") {
   CHECK(fs::exists(c / "out/my_square_time_010.vtp"));
 }
 
-TEST_CASE("refinement is reported", "[cli][sculpt]") {
+TEST_CASE("refinement is reported", "[apps][sculpt]") {
   const CliCase c("sculpt_refine");
   c.file("s.toml", kSquare + kSwell);
   const CliResult r = c.run({"sculpt", "s.toml", "--out", "out", "--refine", "jumps:2"});
@@ -298,7 +300,7 @@ TEST_CASE("refinement is reported", "[cli][sculpt]") {
   CHECK(json["surface"]["max_constraint_residual"].get<double>() <= 1e-10);
 }
 
-TEST_CASE("what was recorded is replayed to the same bytes", "[cli][sculpt]") {
+TEST_CASE("a recorded session is replayed to the same bytes", "[apps][sculpt]") {
   const CliCase c("sculpt_replay");
   c.file("s.toml", kSquare + kSwell +
                        "[[constraint]]\nname = \"peak\"\ntype = \"point\"\nat = [50, 50, 0]\n"
@@ -323,7 +325,7 @@ TEST_CASE("what was recorded is replayed to the same bytes", "[cli][sculpt]") {
   CHECK_FALSE(fs::exists(c / "third"));
 }
 
-TEST_CASE("sculpt answers wrong words before it works", "[cli][sculpt]") {
+TEST_CASE("sculpt refuses wrong options before it starts", "[apps][sculpt]") {
   const CliCase c("sculpt_words");
   const std::string scene = kSquare + kSwell;
   const auto fails = [&](const std::vector<std::string>& more,

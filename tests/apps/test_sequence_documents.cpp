@@ -1,4 +1,4 @@
-// Documents of deforming meshes: what batten sequence gives, edited and undone.
+// Documents of deforming meshes: results of batten sequence, with editing and undo.
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/edited_sequence.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
@@ -27,7 +27,7 @@ double apart(const MeshSequence& a, const MeshSequence& b) {
 
 }  // namespace
 
-TEST_CASE("frames of a document are those of batten sequence", "[document]") {
+TEST_CASE("frames of a document are those of batten sequence", "[apps][documents]") {
   const CliCase folder("sequence_document");
   Document document;
   document.apply({.kind = CommandKind::Open, .file = kForming});
@@ -41,7 +41,7 @@ TEST_CASE("frames of a document are those of batten sequence", "[document]") {
   CHECK(apart(document.sequence()->frames(), written) < 1e-9);
 }
 
-TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]") {
+TEST_CASE("keyframes of a sequence are added, changed and undone", "[apps][documents]") {
   Document document;
   document.apply({.kind = CommandKind::Open, .file = kForming});
   const MeshSequence opened = document.sequence()->frames();
@@ -49,7 +49,7 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   const auto keyed = [&](int frame, const Vec3& shift) {
     act_all(document, keyframe_edits(document.text(), frame, "left edge", shift, Vec3::Zero()));
   };
-  keyed(21, {-20, 0, 0});  // the one that is there
+  keyed(21, {-20, 0, 0});  // the existing one
   CHECK(document.text().text().find("translate = [-20, 0, 0]") != std::string::npos);
   const MeshSequence wider = document.sequence()->frames();
   CHECK(apart(wider, opened) > 5);
@@ -59,7 +59,7 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   CHECK(document.text().text() == text);
   CHECK(apart(document.sequence()->frames(), opened) == 0);
 
-  // From bare frames: a selection, a handle, a keyframe, and one more beside it.
+  // From frames without edits: a selection, a handle, a keyframe, and another one.
   Document bare;
   bare.apply({.kind = CommandKind::Open, .file = kForming.parent_path() / "plate.pc2"});
   bare.apply({.kind = CommandKind::Add,
@@ -79,7 +79,7 @@ TEST_CASE("keyframes of a sequence are added, changed and undone", "[document]")
   CHECK(static_cast<int>(view.handles[0].path.size()) == view.timeline->frames);
 }
 
-TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
+TEST_CASE("a sequence that cannot be edited so stays as it was", "[apps][documents]") {
   Document document;
   document.apply({.kind = CommandKind::Open, .file = kForming});
   const std::string text = document.text().text();
@@ -93,7 +93,7 @@ TEST_CASE("a sequence that cannot be edited so stays as it was", "[document]") {
   CHECK(apart(document.sequence()->frames(), frames) == 0);
 }
 
-TEST_CASE("a path that is drawn is followed, and drawn anew", "[document]") {
+TEST_CASE("a path that is drawn is followed, and drawn anew", "[apps][documents]") {
   Document document;
   document.apply(
       {.kind = CommandKind::Open, .file = BATTEN_SOURCE_DIR "/examples/25-path/path.toml"});

@@ -1,4 +1,4 @@
-// The lessons of batten sequence: each runs, and keeps what it promises.
+// The examples of batten sequence: each runs and passes its checks.
 #include <algorithm>
 #include <cstdlib>
 
@@ -15,7 +15,7 @@ namespace {
 
 using Change = std::pair<std::string, std::string>;
 
-/// Lessons side by side as in examples/, without pictures; their input is what their scripts write.
+/// The examples side by side as in examples/, without pictures; their scripts write the input.
 class SequenceExample {
  public:
   explicit SequenceExample(const std::string& folder) : case_(folder), folder_(folder) {
@@ -54,14 +54,14 @@ class SequenceExample {
     return j;
   }
 
-  /// The lesson with one thing in its scene changed is refused.
+  /// The example with one change in its scene is rejected.
   std::string error_message(const std::string& scene, const Change& change) {
     const CliResult r = result(scene, "refused", {}, change);
     CHECK(r.code == 1);
     return r.err;
   }
 
-  /// A sequence of the lessons, by its path from examples/ or from the results.
+  /// A sequence of the examples, by its path relative to examples/ or to the results.
   MeshSequence sequence(const std::string& path) const {
     return batten::read_sequence(case_ / path);
   }
@@ -94,7 +94,7 @@ class SequenceExample {
   std::string folder_;
 };
 
-/// Not much more jerky than before.
+/// The motion is not much more jerky than before.
 bool smooth(const nlohmann::json& report) {
   const auto& s = report["smoothness"];
   return s["second_difference"].get<double>() <= 1.5 * s["second_difference_before"].get<double>();
@@ -117,7 +117,7 @@ Vec3 centre(const Points& p, const std::vector<int>& nodes) {
 
 }  // namespace
 
-TEST_CASE("a walker climbs stairs without sliding", "[sequence]") {
+TEST_CASE("a walker climbs stairs without sliding", "[apps][sequences]") {
   SequenceExample example("24-stairs");
   const auto j = example.run("stairs");
   CHECK(smooth(j));
@@ -126,10 +126,10 @@ TEST_CASE("a walker climbs stairs without sliding", "[sequence]") {
   const MeshSequence s = example.sequence("out/frames/climb_*.obj");
   CHECK(s.frames.front().col(2).minCoeff() == Approx(0).margin(0.005));
   CHECK(s.frames.back().col(2).minCoeff() == Approx(0.8).margin(0.01));
-  // A walker of 1.74 m stays one.
+  // A walker of 1.74 m keeps its height.
   for (const Points& p : s.frames)
     CHECK(p.col(2).maxCoeff() - p.col(2).minCoeff() == Approx(1.7).margin(0.12));
-  // Some frames alone are the same.
+  // Computing only some frames gives the same result.
   example.run("stairs", "some", {"--frames", "49:52"});
   for (const std::string name : {"climb_0048.obj", "climb_0051.obj"})
     CHECK(contents(example.file("some/frames/" + name)) ==
@@ -137,7 +137,7 @@ TEST_CASE("a walker climbs stairs without sliding", "[sequence]") {
   CHECK_FALSE(fs::exists(example.file("some/frames/climb_0000.obj")));
 }
 
-TEST_CASE("a walker takes a bend and goes over hills", "[sequence]") {
+TEST_CASE("a walker takes a bend and goes over hills", "[apps][sequences]") {
   SequenceExample example("25-path");
   const auto j = example.run("path");
   CHECK(smooth(j));
@@ -149,11 +149,11 @@ TEST_CASE("a walker takes a bend and goes over hills", "[sequence]") {
   CHECK(way.x() > 4);
 }
 
-TEST_CASE("corners of a banner go where hands go", "[sequence]") {
+TEST_CASE("corners of a banner follow the hands", "[apps][sequences]") {
   SequenceExample example("26-flag");
   const auto j = example.run("flag");
   CHECK(j["inverted_triangles"]["after"] == 0);
-  // Frames that are there are of the same hands, or are made again.
+  // Existing frames are reused if the input is unchanged, and computed again otherwise.
   CHECK(example.run("flag")["sequence"]["reused"] == 25);
   const fs::path walker_file = example.file("24-stairs/walker.pc2");
   const std::string walking = contents(walker_file);
@@ -181,7 +181,7 @@ TEST_CASE("corners of a banner go where hands go", "[sequence]") {
   }
 }
 
-TEST_CASE("a jump is announced and overdone, feet stay where they stand", "[sequence]") {
+TEST_CASE("a jump is announced and overdone, feet stay where they stand", "[apps][sequences]") {
   SequenceExample example("27-cartoon");
   const auto j = example.run("cartoon");
   CHECK(smooth(j));
@@ -200,7 +200,7 @@ TEST_CASE("a jump is announced and overdone, feet stay where they stand", "[sequ
       Contains("found the foot 'left foot', expected one of the operation's handles"));
 }
 
-TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence]") {
+TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[apps][sequences]") {
   SequenceExample example("28-morph");
   const auto j = example.run("morph");
   CHECK(j["inverted_triangles"]["after"] == 0);
@@ -210,7 +210,7 @@ TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence
   REQUIRE(after.frame_count() == 25);
   for (int k = 0; k <= 6; ++k)
     CHECK((after.frames[k] - worm.frames[k]).cwiseAbs().maxCoeff() < 1e-9);
-  // Wherever it swims: as long as the fish from nose to tail, and as high.
+  // Wherever it swims: the fish keeps its length and its height.
   int nose = 0, tail = 0;
   fish.frames[6].col(0).maxCoeff(&nose);
   fish.frames[6].col(0).minCoeff(&tail);
@@ -222,7 +222,7 @@ TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence
           Approx((meant.row(nose) - meant.row(tail)).norm()).epsilon(5e-4));
     CHECK(height(made) == Approx(height(meant)).epsilon(0.02));
   }
-  // A fish that is inside out is one, too.
+  // Also for a fish with inverted faces.
   std::istringstream faces(contents(example.file("28-morph/fish.obj")));
   std::string line, inside_out;
   while (std::getline(faces, line)) {
@@ -242,7 +242,8 @@ TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[sequence
              Contains("the interval of the target is frames 27 to 29, expected two frames of 1 to 25"));
 }
 
-TEST_CASE("a flange becomes wider while a plate is pressed, holes keep their shape", "[sequence]") {
+TEST_CASE("a flange becomes wider while a plate is pressed, holes keep their shape",
+          "[apps][sequences]") {
   SequenceExample example("29-forming");
   const auto j = example.run("forming");
   CHECK(smooth(j));

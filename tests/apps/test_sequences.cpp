@@ -1,4 +1,4 @@
-// batten sequence as its users meet it.
+// batten sequence on the command line.
 #include <map>
 
 #include "batten/io/sequences/sequence_files.h"
@@ -10,8 +10,8 @@ using namespace batten_test;
 
 namespace {
 
-/// A bar whose ends are feet: it walks on the spot along x, 16 frames a cycle, the first one again
-/// at the end. A foot stands for half of a cycle and slides back by 1/16 a frame.
+/// A bar whose ends are feet: it walks on the spot along x, 16 frames per cycle, with the first one
+/// repeated at the end. A foot stands for half a cycle and slides back by 1/16 per frame.
 MeshSequence walk_on_the_spot() {
   const TriangleMesh mesh = bar(8, 2, 1, 0.4);
   MeshSequence s;
@@ -43,7 +43,7 @@ void write_frames(const fs::path& path, const MeshSequence& s) {
   writer.finish();
 }
 
-/// Keys before the steps.
+/// Keys before the operations.
 const std::string kSequenceHead =
     "unit = \"mm\"\n[sequence]\nfile = \"in/walk_*.obj\"\n"
     "[[select]]\nname = \"a\"\nbox = [[0.74,-1,-1],[0.76,1,1]]\n"
@@ -60,8 +60,7 @@ void put_walk(const CliCase& c) { write_frames(c / "in/walk_*.obj", walk_on_the_
 
 std::string with_step(const std::string& step) { return kSequenceHead + "[[operation]]\n" + step; }
 
-/// A run that is done, with its report.
-/// Each part of the frames has a report of its own.
+/// A finished run and its report. Each range of frames has a separate report.
 std::string report_name(const std::vector<std::string>& words) {
   const auto at = std::find(words.begin(), words.end(), "--frames");
   if (at == words.end()) return "report.json";
@@ -90,7 +89,7 @@ std::map<std::string, std::string> contents_in(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("every kind of step goes over a walk", "[sequence]") {
+TEST_CASE("every kind of step goes over a walk", "[apps][sequences]") {
   const CliCase c("sequence_kinds");
   put_walk(c);
   const std::string feet = "feet = [\"front\", \"back\"]\n", found = "contact_detection = { distance = 0.02 }\n";
@@ -119,7 +118,7 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
       c, with_step("type = \"mix\"\nsource = { file = \"in/walk_*.obj\", select = [{ name = \"x\", "
                    "box = [[0.74,-1,-1],[0.76,1,1]] }] }\npair = [{ handle = \"back\", from = "
                    "\"x\" }]\n"));
-  // A handle that is told to move as it does changes nothing.
+  // A handle prescribed to its own motion changes nothing.
   CHECK(distance(read_sequence(c / "out/frames").frames[5], before.frames[5]) < 1e-9);
   j = done(c,
            with_step("type = \"morph\"\ntarget = { file = \"in/walk_*.obj\", interval = [3, 10] }\n"
@@ -129,8 +128,8 @@ TEST_CASE("every kind of step goes over a walk", "[sequence]") {
   CHECK(j["operations"][0]["keyframes"].get<int>() == 1);
 }
 
-TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean of the feet",
-          "[sequence]") {
+TEST_CASE("an unrotated trunk stays on the path, and on a slope follows the mean of the feet",
+          "[apps][sequences]") {
   const CliCase c("sequence_upright");
   put_walk(c);
   c.file("hill.obj", "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
@@ -158,13 +157,13 @@ TEST_CASE("an upright trunk stays on the path, and on a slope goes with the mean
       frames("type = \"foot_plants\"\n" + feet + found + "unrotated = \"trunk\"\n"), trunk);
   for (int k = 0; k < after.frame_count(); ++k) {
     CHECK((after.rotations[k] - told.rotations[k]).norm() <
-          1e-9);                                            // as on the level: it does not lean
-    CHECK(after.centres(k, 2) > before.centres(k, 2) + 1);  // the hill is two high where it begins
+          1e-9);                                            // as on level ground: it does not lean
+    CHECK(after.centres(k, 2) > before.centres(k, 2) + 1);  // the hill is 2 high at its start
   }
 }
 
-TEST_CASE("sequences that cannot be are refused by file and place, and leave nothing",
-          "[sequence]") {
+TEST_CASE("invalid sequences are refused with file and position, and leave nothing",
+          "[apps][sequences]") {
   const CliCase c("sequence_refused");
   put_walk(c);
   const auto refused = [&](const std::string& scene, const std::vector<std::string>& parts) {
@@ -219,7 +218,7 @@ TEST_CASE("sequences that cannot be are refused by file and place, and leave not
 }
 
 TEST_CASE("parts of the frames are the whole's, and a run goes on where it was stopped",
-          "[sequence]") {
+          "[apps][sequences]") {
   const CliCase c("sequence_parts");
   put_walk(c);
   const std::string scene = kSequenceHead + kKeyframes;
@@ -230,12 +229,12 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
     CHECK(j["sequence"]["reused"].get<int>() == 0);
   }
   CHECK(contents_in(c / "parts/frames") == whole);
-  // Some are there, others not.
+  // Some exist, others do not.
   fs::remove(c / "parts/frames/frame_0003.obj");
   fs::remove(c / "parts/frames/frame_0009.obj");
   CHECK(done(c, scene, "parts")["sequence"]["reused"].get<int>() == 15);
   CHECK(contents_in(c / "parts/frames") == whole);
-  // Another scene, other input: all anew.
+  // Another scene and other input: all frames are computed again.
   std::string other = scene;
   other.replace(other.find("0.3]"), 3, "0.2");
   CHECK(done(c, other, "parts")["sequence"]["reused"].get<int>() == 0);
@@ -247,7 +246,7 @@ TEST_CASE("parts of the frames are the whole's, and a run goes on where it was s
   CHECK(done(c, other, "parts")["sequence"]["reused"].get<int>() == 0);
 }
 
-TEST_CASE("frames are written as folders, caches, scenes and lists", "[sequence]") {
+TEST_CASE("frames are written as folders, caches, scenes and lists", "[apps][sequences]") {
   const CliCase c("sequence_files");
   put_walk(c);
   done(c, kSequenceHead + kKeyframes);
@@ -269,7 +268,8 @@ TEST_CASE("frames are written as folders, caches, scenes and lists", "[sequence]
   }
 }
 
-TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[sequence][data]") {
+TEST_CASE("the fox walks over a hill and along a path, and starts to run",
+          "[apps][sequences][data]") {
   const auto fox = optional_data("seq-fox");
   if (fox.empty()) {
     WARN("skipped: no seq-fox beside the project (BATTEN_TEST_DATA)");
@@ -324,7 +324,7 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run", "[seq
                              run + "\", interval = [1, 12] }\ninterval = [30, 40]\n");
   CHECK(j["sequence"]["frames"].get<int>() > 40);
   CHECK(j["inverted_triangles"]["after"].get<int>() <= 3 * j["inverted_triangles"]["before"].get<int>() + 20);
-  // The head of the running fox on the walking one.
+  // The head of the running fox on the walking fox.
   const std::string box = "box = [[-25,30,40],[25,90,80]]";
   const auto mixed = done(
       c, "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +

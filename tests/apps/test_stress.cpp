@@ -1,4 +1,4 @@
-// batten stress: what it finds, what it writes, and how it refuses.
+// batten stress: its results, its files, and its error messages.
 #include "batten/tests/apps/cli_case.h"
 
 #include <cmath>
@@ -42,7 +42,7 @@ nlohmann::json stress_of(const CliCase& c, const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a stress analysis says what moves, what is stressed, and what holds") {
+TEST_CASE("a stress analysis reports displacements, stresses and reactions", "[apps][stress]") {
   const CliCase c("stress_plate");
   const auto stress = stress_of(
       c,
@@ -53,7 +53,7 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
           "combinations = [{name = \"both\", cases = [\"loads\", \"wind\"], factors = [2, -1]}]"));
   REQUIRE(stress["cases"].size() == 3);
   const auto &tip = stress["cases"][0], &wind = stress["cases"][1], &both = stress["cases"][2];
-  // A cantilever: w = F L^3 / 3EI, a plate of width 100 being a little stiffer.
+  // A cantilever: w = F L³ / 3EI; a plate of width 100 is slightly stiffer.
   const double beam = 0.01 * 1e6 / (3 * 210000.0 / 12);
   CHECK(tip["max_displacement"].get<double>() == Approx(beam).epsilon(0.08));
   CHECK(tip["displacement"][2].get<double>() < 0);
@@ -67,7 +67,7 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
   CHECK(both["displacement"][2].get<double>() ==
         Approx(2 * tip["displacement"][2].get<double>() - wind["displacement"][2].get<double>())
             .epsilon(1e-3));
-  // Of a cantilever plate, square, with ν = 0.3: 3.47 and 8.51 √(D/ρt)/2πL².
+  // Of a square cantilever plate with ν = 0.3: 3.47 and 8.51 √(D/ρt)/2πL².
   const double unit = std::sqrt(210000.0 / (12 * 0.91) / 7.85e-9) / (2 * std::acos(-1.0) * 1e4);
   CHECK(stress["frequencies"][0].get<double>() == Approx(3.47 * unit).epsilon(0.01));
   CHECK(stress["frequencies"][1].get<double>() == Approx(8.51 * unit).epsilon(0.01));
@@ -76,7 +76,7 @@ TEST_CASE("a stress analysis says what moves, what is stressed, and what holds")
     CHECK(fs::exists(c / "out" / file));
 }
 
-TEST_CASE("sensitivities are what other values of the parameter give") {
+TEST_CASE("sensitivities agree with solutions for other parameter values", "[apps][stress]") {
   const CliCase c("stress_sensitivity");
   const auto with = [&](double swell) {
     const std::string load =
@@ -99,7 +99,7 @@ TEST_CASE("sensitivities are what other values of the parameter give") {
   CHECK(s["compliance"].get<double>() == Approx(difference("strain_energy", 2)).epsilon(1e-2));
 }
 
-TEST_CASE("a sweep says the stresses of each shape") {
+TEST_CASE("a sweep reports the stresses of each shape", "[apps][stress]") {
   const CliCase c("stress_sweep");
   const std::string load =
       "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nmin = 0\nmax = 200\nvalue = 0\n";
@@ -119,8 +119,8 @@ TEST_CASE("a sweep says the stresses of each shape") {
   CHECK(c.run({"sculpt", "s.toml", "--stress", "--out", "out2"}).code == 1);
 }
 
-TEST_CASE(
-    "a plate on a foundation sinks by weight over stiffness, an orthotropic one bends its way") {
+TEST_CASE("a plate on a foundation sinks by weight over stiffness, an orthotropic one as in theory",
+          "[apps][stress]") {
   const CliCase c("stress_springs");
   const auto sunk = stress_of(
       c,
@@ -147,9 +147,9 @@ TEST_CASE(
   refused(bad, "thickness = 1\nyoung = [1e5, 1e4]\n" + kClamped, 1, {"'shear_modulus'"});
 }
 
-TEST_CASE("parts in boxes and painted thickness") {
+TEST_CASE("parts in boxes and painted thickness", "[apps][stress]") {
   const CliCase c("stress_parts");
-  // Two jaws hold the plate at its ends, a weight stands in the middle.
+  // Two jaws clamp the plate at its ends; a weight is in the middle.
   const auto held = stress_of(
       c,
       plate(kSteel + "thicknesses = [{near = \"c\", radius = 40, thickness = 2},\n"
@@ -176,7 +176,7 @@ TEST_CASE("parts in boxes and painted thickness") {
           {"a thickness without a location"});
 }
 
-TEST_CASE("supports that hardly hold are warned of") {
+TEST_CASE("supports that hardly hold are warned of", "[apps][stress]") {
   const CliCase c("stress_weak");
   c.file("s.toml", plate(kSteel + "supports = [{point = [0, 50, 0]}, {point = [100, 50, 0]},\n"
                                   "  {point = [50, 50.5, 0], directions = [[0, 0, 1]]}]\n"
@@ -187,7 +187,7 @@ TEST_CASE("supports that hardly hold are warned of") {
                    "[1, 0, 0]") != std::string::npos);
 }
 
-TEST_CASE("the same plate in m and in mm has the same stresses") {
+TEST_CASE("the same plate in m and in mm has the same stresses", "[apps][stress]") {
   const CliCase c("stress_units");
   const auto mm = stress_of(c, plate(kSteel + kClamped + "gravity = [0, 0, -9810]"));
   std::string in_m =
@@ -203,7 +203,8 @@ TEST_CASE("the same plate in m and in mm has the same stresses") {
   CHECK(of(m, "max_von_mises") == Approx(1e6 * of(mm, "max_von_mises")).epsilon(1e-6));
 }
 
-TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
+TEST_CASE("invalid settings of a stress analysis are refused with their position",
+          "[apps][stress]") {
   const CliCase c("stress_refused");
   refused(c, kSteel, 1, {"found no supports", "supports = [{curve"});
   refused(c, kSteel + "supports = [{type = \"clamped\"}]", 1, {"a support without a location"});
@@ -228,7 +229,7 @@ TEST_CASE("what a stress analysis cannot be made of is refused by its place") {
   refused(c, "thickness = 1\nyoung = 1000\n" + kClamped + "gravity = [0, 0, 1]", 1, {"'density'"});
 }
 
-TEST_CASE("a region that hangs free is named") {
+TEST_CASE("an unconnected face is named", "[apps][stress]") {
   const CliCase c("stress_free");
   const std::string far =
       line_of("e", "[[300,0,0],[400,0,0]]") + line_of("f", "[[400,0,0],[400,100,0]]") +
@@ -243,9 +244,10 @@ TEST_CASE("a region that hangs free is named") {
   CHECK_FALSE(fs::exists(c / "out"));
 }
 
-TEST_CASE("smaller elements where the error is make displacements as exact as asked for") {
+TEST_CASE("smaller elements where the error is make displacements as exact as asked for",
+          "[apps][stress]") {
   const CliCase c("stress_accuracy");
-  // Half of a side is held: at its end stresses have no limit.
+  // Half of a side is supported: stresses are singular at its end.
   c.file("s.toml", plate(kSteel + "supports = [{curve = \"a\", box = [[-1, -1, -1], [50, 1, 1]]}]\n"
                                   "loads = [{curve = \"c\", force = [0, 0, -0.01]}]"));
   const auto at = [&](const std::string& accuracy, const std::string& out) {
@@ -261,14 +263,14 @@ TEST_CASE("smaller elements where the error is make displacements as exact as as
   };
   CHECK(of(coarse) == Approx(of(fine)).epsilon(0.02));
   CHECK(fine["meshes"].back()["displacement_error"].get<double>() <= 1e-3);
-  // Halving all elements as often would make more of them.
+  // Uniform bisection with as many iterations would give more elements.
   const auto& meshes = fine["meshes"];
   const double grown =
       meshes.back()["unknowns"].get<double>() / meshes[0]["unknowns"].get<double>();
   CHECK(grown < std::pow(2.0, static_cast<double>(meshes.size()) - 1) / 2);
 }
 
-TEST_CASE("two processes find what one finds") {
+TEST_CASE("two processes give the same result as one", "[apps][stress]") {
   const fs::path module = fs::path(BATTEN_CLI).parent_path() / "batten_petsc.so";
   if (!fs::exists(module) || std::system("command -v mpirun > /dev/null") != 0) {
     WARN("no PETSc or mpirun here: skipped");
@@ -291,8 +293,8 @@ TEST_CASE("two processes find what one finds") {
   CHECK(two["frequencies"][1].get<double>() ==
         Approx(one["frequencies"][1].get<double>()).epsilon(1e-8));
   CHECK(two["cases"][0]["max_displacement"] !=
-        one["cases"][0]["max_displacement"]);  // its own bits
-  // A shell that is not held ends all processes.
+        one["cases"][0]["max_displacement"]);  // the same bits
+  // An insufficiently supported shell stops all processes.
   c.file("s.toml", plate(kSteel + "supports = [{curve = \"a\", type = \"pinned\"}]\npressure = 1"));
   const std::string refused = "cd '" + c.folder().string() +
                               "' && mpirun --allow-run-as-root --oversubscribe -n 2 '" +
@@ -301,7 +303,7 @@ TEST_CASE("two processes find what one finds") {
   CHECK(contents(c / "log").find("the supports do not constrain the shell") != std::string::npos);
 }
 
-TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") {
+TEST_CASE("CalculiX is asked about the same shell, and a missing one is named", "[apps][stress]") {
   const CliCase c("stress_ccx");
   std::string scene = plate(kSteel + kClamped + "pressure = -1e-3");
   scene.replace(scene.find("edge_length = 20"), 16, "edge_length = 8");
@@ -327,7 +329,7 @@ TEST_CASE("CalculiX is asked about the same shell, and a missing one is named") 
   CHECK_FALSE(fs::exists(c / "out/spooles.out"));
 }
 
-TEST_CASE("a deck that cannot hold the loads of a scene is refused") {
+TEST_CASE("a deck that cannot hold the loads of a scene is refused", "[apps][stress]") {
   const CliCase c("stress_deck");
   const std::string deck = "\n[output]\ncalculix = \"p.inp\"";
   c.file("s.toml", plate(kSteel + kClamped + "loads = [{curve = \"c\", moment = 1}]" + deck));

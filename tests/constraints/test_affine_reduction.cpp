@@ -108,7 +108,7 @@ Names names_of(const ConflictError::Conflict& conflict) {
 
 }  // namespace
 
-TEST_CASE("elimination has the solution of the saddle point system") {
+TEST_CASE("elimination has the solution of the saddle point system", "[constraints][reduction]") {
   for (unsigned seed = 1; seed <= 8; ++seed)
     for (const bool coupled : {false, true}) {
       INFO("seed " << seed << (coupled ? ", coupled" : ", uncoupled"));
@@ -136,7 +136,7 @@ TEST_CASE("elimination has the solution of the saddle point system") {
     }
 }
 
-TEST_CASE("the rows hold for every y, not only for the solution") {
+TEST_CASE("the rows hold for every y, not only for the solution", "[constraints][reduction]") {
   for (const bool coupled : {false, true}) {
     Draws random(21);
     const int n = 30;
@@ -157,7 +157,8 @@ TEST_CASE("the rows hold for every y, not only for the solution") {
   }
 }
 
-TEST_CASE("the reduced system is D' K D and D' (F - K d0), symmetric and positive definite") {
+TEST_CASE("the reduced system is D' K D and D' (F - K d0), symmetric and positive definite",
+          "[constraints][reduction]") {
   for (unsigned seed = 31; seed < 35; ++seed)
     for (const bool coupled : {false, true}) {
       Draws random(seed);
@@ -180,7 +181,7 @@ TEST_CASE("the reduced system is D' K D and D' (F - K d0), symmetric and positiv
     }
 }
 
-TEST_CASE("fixed dofs delete rows and columns, nothing else") {
+TEST_CASE("fixed dofs delete rows and columns, nothing else", "[constraints][reduction]") {
   Draws random(41);
   const int n = 20;
   const SparseMatrix K = random_stiffness(n, random);
@@ -202,7 +203,8 @@ TEST_CASE("fixed dofs delete rows and columns, nothing else") {
   CHECK(reduction.d0().row(11) == Eigen::RowVector3d(-1, -2, 0));
 }
 
-TEST_CASE("no constraints leave everything free, constraints on all dofs leave nothing") {
+TEST_CASE("no constraints leave everything free, constraints on all dofs leave nothing",
+          "[constraints][reduction]") {
   Draws random(42);
   const int n = 6;
   const SparseMatrix K = random_stiffness(n, random);
@@ -221,7 +223,8 @@ TEST_CASE("no constraints leave everything free, constraints on all dofs leave n
   for (int d = 0; d < n; ++d) CHECK(held.row(d) == Eigen::RowVector3d(d, 1, 2));
 }
 
-TEST_CASE("rows that others imply are dropped and counted, and change nothing") {
+TEST_CASE("rows that others imply are dropped and counted, and change nothing",
+          "[constraints][reduction]") {
   for (unsigned seed = 51; seed < 55; ++seed) {
     INFO("seed " << seed);
     Draws random(seed);
@@ -259,7 +262,7 @@ TEST_CASE("rows that others imply are dropped and counted, and change nothing") 
   CHECK(AffineReduction(set).free_count() == 9 - 3 - 1);
 }
 
-TEST_CASE("coefficients of one dof in one row add up") {
+TEST_CASE("coefficients of one dof in one row add up", "[constraints][reduction]") {
   ConstraintSet set(4);
   set.add("twice", {{2, 1.5}, {2, 0.5}}, Vec3(4, 2, 0));
   set.add("difference", {{0, 1.0}, {1, -1.0}, {3, 1.0}, {3, -1.0}}, Vec3(1, 1, 1));
@@ -271,7 +274,8 @@ TEST_CASE("coefficients of one dof in one row add up") {
   CHECK(x(3, 0) == 1);  // free
 }
 
-TEST_CASE("a conflict names exactly the constraints that take part, with the amount") {
+TEST_CASE("a conflict names exactly the constraints that take part, with the amount",
+          "[constraints][reduction]") {
   {
     ConstraintSet set(6);
     set.fix("left", 0, Vec3(1, 0, 0));
@@ -320,7 +324,8 @@ TEST_CASE("a conflict names exactly the constraints that take part, with the amo
   }
 }
 
-TEST_CASE("among many rows, a false combination names the rows it is made of") {
+TEST_CASE("among many rows, a false combination names the rows it is made of",
+          "[constraints][reduction]") {
   for (unsigned seed = 61; seed < 69; ++seed) {
     INFO("seed " << seed);
     Draws random(seed);
@@ -344,7 +349,7 @@ TEST_CASE("among many rows, a false combination names the rows it is made of") {
   }
 }
 
-TEST_CASE("rows in other units are the same rows") {
+TEST_CASE("rows in other units are the same rows", "[constraints][reduction]") {
   for (const bool coupled : {false, true}) {
     Draws random(71);
     const int n = 30;
@@ -380,7 +385,8 @@ TEST_CASE("rows in other units are the same rows") {
   }
 }
 
-TEST_CASE("new right-hand sides keep D, and a kept factor serves every load") {
+TEST_CASE("new right-hand sides keep D, and a kept factor serves every load",
+          "[constraints][reduction]") {
   Draws random(81);
   const int n = 30;
   const SparseMatrix K = random_stiffness(n, random);
@@ -401,7 +407,8 @@ TEST_CASE("new right-hand sides keep D, and a kept factor serves every load") {
   }
 }
 
-TEST_CASE("reactions balance the load, each with its constraint's name") {
+TEST_CASE("reactions balance the load, each with its constraint's name",
+          "[constraints][reduction]") {
   // A chain of 5 nodes held at its ends, pulled at node 1: 3/4 and 1/4 by the lever rule.
   const SparseMatrix K = chain(5);
   Points F = Points::Zero(5, 3);
@@ -443,7 +450,7 @@ TEST_CASE("reactions balance the load, each with its constraint's name") {
   CHECK((r + F).colwise().sum().norm() < 1e-13);
 }
 
-TEST_CASE("reactions of redundant rows still add up") {
+TEST_CASE("reactions of redundant rows still add up", "[constraints][reduction]") {
   Draws random(91);
   const int n = 20;
   const SparseMatrix K = random_stiffness(n, random);
@@ -461,7 +468,7 @@ TEST_CASE("reactions of redundant rows still add up") {
   CHECK(difference(named[0].forces, named[1].forces) < 1e-3);  // the smallest: shared evenly
 }
 
-TEST_CASE("systems without a solution say so") {
+TEST_CASE("systems without a solution are reported", "[constraints][reduction]") {
   const SparseMatrix K = chain(6);
   const Points F = Points::Ones(6, 3);
   CHECK_THROWS_AS(solve_constrained(ConstraintSet(6), K, F), NoSolutionError);
@@ -478,7 +485,8 @@ TEST_CASE("systems without a solution say so") {
   CHECK_NOTHROW(solve_constrained(held, K, F));
 }
 
-TEST_CASE("constraint sets keep rows and names and refuse wrong numbers") {
+TEST_CASE("constraint sets keep rows and names and refuse wrong numbers",
+          "[constraints][reduction]") {
   ConstraintSet set(5);
   CHECK_FALSE(set.coupled());
   set.fix("corner", 1, Vec3(1, 2, 3));
@@ -517,7 +525,8 @@ TEST_CASE("constraint sets keep rows and names and refuse wrong numbers") {
   CHECK(set.coupled_constraints().size() == 1);
 }
 
-TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones are named") {
+TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones are named",
+          "[constraints][reduction]") {
   const auto amount = [](double value) {
     ConstraintSet set(2);
     set.add("a", {{0, 2.0}, {1, 4.0}}, {2, 0, 0});
@@ -538,7 +547,7 @@ TEST_CASE("conflicts: the amount is in the row's own units, the smallest ones ar
   CHECK(amount(5 + 1e-12) == 0);
 }
 
-TEST_CASE("right-hand sides change without a new elimination") {
+TEST_CASE("right-hand sides change without a new elimination", "[constraints][reduction]") {
   ConstraintSet set(4);
   set.add("a", {{0, 2.0}, {1, 1.0}}, {1, 2, 3});
   set.add("b", {{1, 3.0}, {2, -1.0}}, {0, 1, 0});

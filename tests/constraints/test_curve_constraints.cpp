@@ -39,8 +39,8 @@ HermiteCurve solved(const Soft& soft, const ConstraintSet& set) {
 
 }  // namespace
 
-TEST_CASE(
-    "each constraint of a curve holds exactly, and reduction equals the saddle point system") {
+TEST_CASE("each constraint of a curve holds exactly, and reduction equals the saddle point system",
+          "[constraints][curves]") {
   for (const CurveMesh& mesh : {CurveMesh({0, 1, 1.7, 3}), CurveMesh({0, 1, 1.5, 2, 3}, true),
                                 CurveMesh({0, 1, 1.7, 3}, false, {2})}) {
     const Soft soft(mesh);
@@ -69,7 +69,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a symmetric curve is its own mirror image, open, closed, with corners") {
+TEST_CASE("a symmetric curve is its own mirror image, open, closed, with corners",
+          "[constraints][curves]") {
   for (const CurveMesh& mesh :
        {CurveMesh({0, 1, 1.5, 2, 3}), CurveMesh({0, 1, 2, 3}), CurveMesh({0, 1, 1.5, 2, 3}, true),
         CurveMesh({0, 1, 1.5, 2, 3}, false, {1, 3}), CurveMesh({0, 1, 1.5, 2, 3}, false, {2}),
@@ -96,7 +97,7 @@ TEST_CASE("a symmetric curve is its own mirror image, open, closed, with corners
   CHECK_THAT(error_message([&] { CurveConstraints(uneven, other); }), Contains("3 dofs"));
 }
 
-TEST_CASE("motion: one long implicit Euler step is the static solution") {
+TEST_CASE("motion: one long implicit Euler step is the static solution", "[constraints][curves]") {
   const Soft soft(CurveMesh({0, 1, 1.5, 2, 3}));
   for (const bool coupled : {false, true}) {
     ConstraintSet set(soft.mesh.dof_count());
@@ -123,7 +124,8 @@ TEST_CASE("motion: one long implicit Euler step is the static solution") {
 }
 
 TEST_CASE(
-    "motion: the trapezoidal rule keeps energy, loses what damping takes, and is of second order") {
+    "motion: the trapezoidal rule keeps energy, loses what damping takes, and is of second order",
+    "[constraints][curves]") {
   const Soft soft(CurveMesh({0, 1, 1.5, 2, 3}));
   ConstraintSet set(soft.mesh.dof_count());
   CurveConstraints(soft.mesh, set).point("start", 0, {1, 2, 3});
@@ -154,7 +156,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("motion that makes no sense is refused") {
+TEST_CASE("motion that makes no sense is refused", "[constraints][curves]") {
   const Soft soft(CurveMesh({0, 1}));
   ConstraintSet set(soft.mesh.dof_count());
   const SparseMatrix M = CurveAssembler(soft.mesh).mass();

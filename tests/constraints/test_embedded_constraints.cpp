@@ -132,7 +132,8 @@ TriangleRule chord_rule(const TriangleShape& shape, int level, int degree) {
 
 }  // namespace
 
-TEST_CASE("a disc on a grid that ignores its rim: gold numbers, by chords as they were made") {
+TEST_CASE("a disc on a grid that ignores its boundary: reference numbers, by chords as stored",
+          "[constraints][embedded]") {
   struct Gold {
     double h;
     int points, triangles, dofs;
@@ -189,7 +190,9 @@ TEST_CASE("a disc on a grid that ignores its rim: gold numbers, by chords as the
   }
 }
 
-TEST_CASE("a disc on a grid that ignores its rim: exact cuts, both elements, against the plate") {
+TEST_CASE(
+    "a disc on a grid that ignores its boundary: exact cuts, both elements, against the plate",
+    "[constraints][embedded]") {
   // Δ²w = 0 with w = 0.2 cos 3t and w_rr = 0 on the rim.
   const auto exact = [](double u, double v) {
     const double r = std::hypot(u, v), t = std::atan2(v, u);
@@ -228,7 +231,8 @@ TEST_CASE("a disc on a grid that ignores its rim: exact cuts, both elements, aga
   }
 }
 
-TEST_CASE("affine data on embedded lines come back exactly, whatever the grid") {
+TEST_CASE("affine data on embedded curves are reproduced exactly, whatever the grid",
+          "[constraints][embedded]") {
   for (const TriangleElement kind : kBothElements)
     for (const double h : {1 / 4., 1 / 8., 1 / 16.}) {
       const Disc d(h, kind);
@@ -243,7 +247,8 @@ TEST_CASE("affine data on embedded lines come back exactly, whatever the grid") 
     }
 }
 
-TEST_CASE("a rim with another speed, and a star: gaps fall, Jacobians stay away from zero") {
+TEST_CASE("a boundary with another speed, and a star: gaps decrease, Jacobians stay above zero",
+          "[constraints][embedded]") {
   const HermiteCurve faster = hermite(0, 2 * pi, 1440, true, [](double t, int order) {
     const double a = t + 0.3 * std::sin(t), slope = 1 + 0.3 * std::cos(t);
     return order == 0 ? Vec3(std::cos(a), std::sin(a), 0)
@@ -285,7 +290,8 @@ TEST_CASE("a rim with another speed, and a star: gaps fall, Jacobians stay away 
     }
 }
 
-TEST_CASE("forty grids, shifted at random: full rank, the same gaps, at one step and at half") {
+TEST_CASE("forty grids, shifted at random: full rank, the same gaps, at one step and at half",
+          "[constraints][embedded]") {
   Random random(11);
   for (int trial = 0; trial < 40; ++trial) {
     const Vec2 offset(random.between(0, 1), random.between(0, 1));
@@ -306,7 +312,8 @@ TEST_CASE("forty grids, shifted at random: full rank, the same gaps, at one step
   }
 }
 
-TEST_CASE("a plate on its rim under a load, stretched too, and clamped by hats") {
+TEST_CASE("a plate supported at its boundary under a load, stretched too, and clamped by hats",
+          "[constraints][embedded]") {
   for (const TriangleElement kind : kBothElements)
     for (const double h : {1 / 8., 1 / 16.}) {
       const Disc d(h, kind);

@@ -177,7 +177,7 @@ std::string list(const std::vector<double>& numbers) {
 
 }  // namespace
 
-TEST_CASE("a plate with a held rim around its hole") {
+TEST_CASE("a plate with a supported boundary around its hole", "[constraints][embedded]") {
   for (const TriangleElement kind : kBothElements) {
     std::vector<double> gaps, energies;
     for (const double h : {1 / 4., 1 / 8., 1 / 16.}) {
@@ -214,7 +214,7 @@ TEST_CASE("a plate with a held rim around its hole") {
   }
 }
 
-TEST_CASE("a turned square plate, its corners inside elements") {
+TEST_CASE("a turned square plate, its corners inside elements", "[constraints][embedded]") {
   const double c = std::cos(pi / 6), s = std::sin(pi / 6);
   const auto corner = [&](double u, double v) { return Vec2(c * u - s * v, s * u + c * v); };
   const std::vector<Vec2> corners{corner(-.5, -.5), corner(.5, -.5), corner(.5, .5),
@@ -244,7 +244,7 @@ TEST_CASE("a turned square plate, its corners inside elements") {
   }
 }
 
-TEST_CASE("a hole's radius against the grid") {
+TEST_CASE("a hole's radius against the grid", "[constraints][embedded]") {
   std::vector<double> gaps;
   const double h = 1 / 4.;
   for (const double radius : {2 * h, h, h / 2}) {
@@ -260,7 +260,8 @@ TEST_CASE("a hole's radius against the grid") {
   CHECK(gaps[2] <= 6e-3);  // six points around: refine the grid instead
 }
 
-TEST_CASE("refined towards a small hole, the gap falls as on a fine grid") {
+TEST_CASE("refined towards a small hole, the gap falls as on a fine grid",
+          "[constraints][embedded]") {
   const double h = 1 / 4.;
   for (const double radius : {0.5, 0.25, 0.125}) {
     std::vector<double> gaps;
@@ -280,7 +281,7 @@ TEST_CASE("refined towards a small hole, the gap falls as on a fine grid") {
   }
 }
 
-TEST_CASE("a rib that ends inside the plate") {
+TEST_CASE("a rib that ends inside the plate", "[constraints][embedded]") {
   for (const TriangleElement kind : kBothElements) {
     std::vector<double> middle, ends, more;
     for (const double h : {1 / 4., 1 / 8., 1 / 16., 1 / 32.}) {
@@ -315,7 +316,7 @@ TEST_CASE("a rib that ends inside the plate") {
   }
 }
 
-TEST_CASE("a rib on a grid that is bisected towards it") {
+TEST_CASE("a rib on a grid that is bisected towards it", "[constraints][embedded]") {
   Plate coarse(side_squares(1, 1 / 4.), DomainLoops());
   coarse.constrain_sides(1);
   coarse.constrain(rib(), raised_rib());
@@ -342,7 +343,7 @@ TEST_CASE("a rib on a grid that is bisected towards it") {
   CHECK(middle.back() <= coarse_middle / 50);
 }
 
-TEST_CASE("the normal along an inner line, by hats") {
+TEST_CASE("the normal along an inner curve, by hat functions", "[constraints][embedded]") {
   std::vector<double> normals, slopes;
   for (const double h : {1 / 4., 1 / 8., 1 / 16.}) {
     for (const bool by_normal : {true, false}) {
@@ -390,7 +391,8 @@ TEST_CASE("the normal along an inner line, by hats") {
   }
 }
 
-TEST_CASE("two lines closer than an element keep their rows and gaps") {
+TEST_CASE("two curves closer than an element keep their constraint equations and gaps",
+          "[constraints][embedded]") {
   const double h = 1 / 8.;
   const auto at_radius = [](double r) {
     return hermite(0.1, 1.4, 600, false, [=](double t, int order) {
@@ -430,7 +432,7 @@ TEST_CASE("two lines closer than an element keep their rows and gaps") {
   }
 }
 
-TEST_CASE("a line along element edges, and a hair beside them") {
+TEST_CASE("a curve along element edges, and slightly beside them", "[constraints][embedded]") {
   // An edge has two dofs a vertex for the line: more points than that would contradict each other,
   // or, a hair beside the edge, hang the slopes across on differences of nearly nothing.
   for (const int n : {16, 64})
@@ -459,7 +461,7 @@ TEST_CASE("a line along element edges, and a hair beside them") {
     }
 }
 
-TEST_CASE("points of a line are spaced by the triangles below them") {
+TEST_CASE("points of a curve are spaced by the triangles below them", "[constraints][embedded]") {
   const double h = 1 / 8.;
   const ParametricMesh uniform = side_squares(1, h);
   const TriangleLocator locator(uniform);
@@ -553,7 +555,8 @@ TEST_CASE("points of a line are spaced by the triangles below them") {
   }
 }
 
-TEST_CASE("hats average the slope across over both neighbours") {
+TEST_CASE("hat functions average the cross-boundary slope over both neighbours",
+          "[constraints][embedded]") {
   const ParametricMesh mesh = side_squares(1, 0.25);
   const TriangleLocator locator(mesh);
   ConstraintSet set(DofMap(mesh).count());
@@ -578,7 +581,7 @@ TEST_CASE("hats average the slope across over both neighbours") {
   }
 }
 
-TEST_CASE("rows off the mesh and sets of another mesh are refused") {
+TEST_CASE("rows off the mesh and sets of another mesh are refused", "[constraints][embedded]") {
   const ParametricMesh mesh = side_squares(1, 0.25);
   const TriangleLocator locator(mesh);
   ConstraintSet set(DofMap(mesh).count()), other(7);

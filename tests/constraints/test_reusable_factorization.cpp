@@ -67,7 +67,8 @@ double size_of(const SparseMatrix& A, int k) { return A.col(k).norm(); }
 
 }  // namespace
 
-TEST_CASE("hard rows on a kept factor equal the saddle point system") {
+TEST_CASE("hard rows on a kept factor equal the saddle point system",
+          "[constraints][factorization]") {
   LivePlate p;
   const SparseMatrix A = p.functionals(9);
   std::vector<SchurComplementConstraints::Constraint> rows;
@@ -97,7 +98,8 @@ TEST_CASE("hard rows on a kept factor equal the saddle point system") {
   CHECK(all.max_residual(x) < 1e-12);
 }
 
-TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness") {
+TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness",
+          "[constraints][factorization]") {
   LivePlate p;
   const SparseMatrix A = p.functionals(3);
   const VecX g = VecX::Random(9);
@@ -119,7 +121,8 @@ TEST_CASE("soft rows equal springs in the matrix, whatever their stiffness") {
   }
 }
 
-TEST_CASE("hard and soft rows together equal springs under constraints") {
+TEST_CASE("hard and soft rows together equal springs under constraints",
+          "[constraints][factorization]") {
   LivePlate p;
   const SparseMatrix A = p.functionals(4);
   std::vector<SchurComplementConstraints::Constraint> rows;
@@ -146,7 +149,8 @@ TEST_CASE("hard and soft rows together equal springs under constraints") {
   CHECK(all.max_residual(x) < 1e-12);
 }
 
-TEST_CASE("solves that are known already are taken over, bit for bit") {
+TEST_CASE("solves that are known already are taken over, bit for bit",
+          "[constraints][factorization]") {
   LivePlate p;
   const SparseMatrix A = p.functionals(5), first = A.leftCols(3);
   std::vector<SchurComplementConstraints::Constraint> rows;
@@ -160,7 +164,8 @@ TEST_CASE("solves that are known already are taken over, bit for bit") {
   CHECK(p.solve(fresh, g, A, rows) == p.solve(grown, g, A, rows));
 }
 
-TEST_CASE("a hard row that others imply is left out, and contradicted when it does not fit") {
+TEST_CASE("a hard row that others imply is left out, and contradicted when it does not fit",
+          "[constraints][factorization]") {
   LivePlate p;
   SparseMatrix A = p.functionals(2);
   std::vector<SchurComplementConstraints::Constraint> rows{{0, Vec3::UnitZ(), size_of(A, 0)},
@@ -174,7 +179,8 @@ TEST_CASE("a hard row that others imply is left out, and contradicted when it do
   CHECK(coupling.contradiction(Vec3(1, 2, 1.5)).second == 2);
 }
 
-TEST_CASE("rows that follow from those before are left out wherever they stand") {
+TEST_CASE("rows that follow from those before are left out wherever they stand",
+          "[constraints][factorization]") {
   LivePlate p;
   constexpr int points = 12;
   const SparseMatrix A = p.functionals(points);
@@ -215,7 +221,7 @@ TEST_CASE("rows that follow from those before are left out wherever they stand")
   }
 }
 
-TEST_CASE("more rows than unknowns: those that fit are kept") {
+TEST_CASE("more rows than unknowns: those that fit are kept", "[constraints][factorization]") {
   SparseMatrix one(1, 1);
   one.insert(0, 0) = 4;
   SparseCholesky factor;
@@ -236,7 +242,8 @@ TEST_CASE("more rows than unknowns: those that fit are kept") {
   CHECK((y - 0.5 * MatX(Vec3(3, -1, 0.5).transpose())).norm() < 1e-12);
 }
 
-TEST_CASE("a live system takes other numbers, and stays as it was when they are no material") {
+TEST_CASE("a live system takes other numbers, and stays as it was when they are no material",
+          "[constraints][factorization]") {
   LivePlate p;
   const SparseMatrix softer = p.assembler.stiffness(SurfaceStiffness::isotropic(0.5, 0.05));
   const auto solved = [&] {

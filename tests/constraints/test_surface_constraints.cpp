@@ -68,7 +68,7 @@ std::vector<int> bottom_row(const Sheet& sheet, int n) {
 
 }  // namespace
 
-TEST_CASE("a held point of the surface is where it is held") {
+TEST_CASE("a held point of the surface is where it is held", "[constraints][surfaces]") {
   for (const auto kind : kBothElements) {
     INFO(name(kind));
     Sheet sheet(3, kind);
@@ -87,7 +87,8 @@ TEST_CASE("a held point of the surface is where it is held") {
   }
 }
 
-TEST_CASE("a tangent and a normal at a vertex are parallel to what was asked") {
+TEST_CASE("a tangent and a normal at a vertex are parallel to the given directions",
+          "[constraints][surfaces]") {
   const Vec3 tau(1, 2, -1), n(0.2, -0.3, 5);
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -119,7 +120,8 @@ TEST_CASE("a tangent and a normal at a vertex are parallel to what was asked") {
   CHECK((height(1) - height(1e-8)).norm() < 1e-12);
 }
 
-TEST_CASE("a cubic curve along straight runs of edges is the surface's own, everywhere on them") {
+TEST_CASE("a cubic curve along straight runs of edges is the surface's own, everywhere on them",
+          "[constraints][surfaces]") {
   const int n = 4;
   for (const auto kind : kBothElements) {
     Random random(3);
@@ -176,7 +178,8 @@ TEST_CASE("a cubic curve along straight runs of edges is the surface's own, ever
   }
 }
 
-TEST_CASE("a constant normal along edges is exact between the nodes too") {
+TEST_CASE("a constant normal along edges is exact between the nodes too",
+          "[constraints][surfaces]") {
   const int n = 4;
   const Vec3 normal(0, -0.4, 1);
   for (const auto kind : kBothElements) {
@@ -218,7 +221,8 @@ TEST_CASE("a constant normal along edges is exact between the nodes too") {
   }
 }
 
-TEST_CASE("a varying normal is exact at three points of each edge and O(h^3) between") {
+TEST_CASE("a varying normal is exact at three points of each edge and O(h^3) between",
+          "[constraints][surfaces]") {
   for (const auto kind : kBothElements) {
     INFO(name(kind));
     double before = 0;
@@ -262,7 +266,8 @@ TEST_CASE("a varying normal is exact at three points of each edge and O(h^3) bet
   }
 }
 
-TEST_CASE("a varying normal holds the tangent of an edge whose shape is free") {
+TEST_CASE("a varying normal holds the tangent of an edge whose shape is free",
+          "[constraints][surfaces]") {
   const int n = 4;
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -289,7 +294,7 @@ TEST_CASE("a varying normal holds the tangent of an edge whose shape is free") {
   }
 }
 
-TEST_CASE("geometric constraints refuse what has no meaning") {
+TEST_CASE("meaningless geometric constraints are refused", "[constraints][surfaces]") {
   Sheet sheet(2, TriangleElement::HCT);
   ConstraintSet foreign(7);
   CHECK_THROWS_AS(SurfaceConstraints(*sheet.mesh, TriangleElement::HCT, foreign), InputError);

@@ -7,7 +7,8 @@
 
 using namespace batten_test;
 
-TEST_CASE("solves allocate nothing: one thread or more, one column or many, whole or in part") {
+TEST_CASE("solves allocate nothing: one thread or more, one column or many, whole or in part",
+          "[core][allocation]") {
   if (!counts_allocations()) return;
   const ThreadGuard two(2);
   for (const int vertices : {3300, 14600}) {

@@ -7,7 +7,7 @@
 
 using namespace batten;
 
-TEST_CASE("every error is caught as batten::Error and as std::exception") {
+TEST_CASE("every error is caught as batten::Error and as std::exception", "[core][errors]") {
   CHECK_THROWS_AS(throw InputError("wrong"), Error);
   CHECK_THROWS_AS(throw NoSolutionError("singular"), Error);
   CHECK_THROWS_AS(throw ConflictError({}), Error);
@@ -15,7 +15,8 @@ TEST_CASE("every error is caught as batten::Error and as std::exception") {
   CHECK_THROWS_AS(throw CancelledError(), std::exception);
 }
 
-TEST_CASE("a conflict names every constraint that takes part and by how much they miss") {
+TEST_CASE("a conflict names every constraint that takes part and by how much they miss",
+          "[core][errors]") {
   const ConflictError error({{{"corner", "rim", "seam"}, 0.25}, {{"alone"}, 1e-3}});
   REQUIRE(error.conflicts().size() == 2);
   CHECK(error.conflicts()[0].names == std::vector<std::string>{"corner", "rim", "seam"});
@@ -25,7 +26,7 @@ TEST_CASE("a conflict names every constraint that takes part and by how much the
     CHECK(text.find(word) != std::string::npos);
 }
 
-TEST_CASE("number() keeps six digits and never invents any") {
+TEST_CASE("format_number() keeps six digits and never invents any", "[core][errors]") {
   CHECK(format_number(0) == "0");
   CHECK(format_number(0.1) == "0.1");
   CHECK(format_number(-2.5e-7) == "-2.5e-07");
@@ -34,7 +35,8 @@ TEST_CASE("number() keeps six digits and never invents any") {
   CHECK(format_number(std::numeric_limits<double>::quiet_NaN()).find("nan") != std::string::npos);
 }
 
-TEST_CASE("nearest_word finds the word that was meant, and none when no word is near") {
+TEST_CASE("closest_match finds the intended word, and none if no word is similar",
+          "[core][errors]") {
   const std::vector<std::string> words{"stiffness", "pressure", "point", "uniform"};
   CHECK(closest_match("pressure", words) == "pressure");
   CHECK(closest_match("presure", words) == "pressure");    // a letter missing
@@ -47,7 +49,8 @@ TEST_CASE("nearest_word finds the word that was meant, and none when no word is 
   CHECK(closest_match("lined", {"limes", "lines", "line"}) == "lines");
 }
 
-TEST_CASE("an empty progress does nothing, a cancelled one stops the computation") {
+TEST_CASE("an empty progress does nothing, a cancelled one stops the computation",
+          "[core][errors]") {
   CHECK_NOTHROW(Progress{}.update("stage", 0.5));
 
   std::string seen;

@@ -22,7 +22,7 @@
 using namespace batten;
 using namespace batten_test;
 
-TEST_CASE("thread_count is what was set, and the number of cores after 0") {
+TEST_CASE("thread_count is what was set, and the number of cores after 0", "[core][parallel]") {
   const ThreadGuard guard;
   const int cores = thread_count();
   CHECK(cores >= 1);
@@ -32,7 +32,8 @@ TEST_CASE("thread_count is what was set, and the number of cores after 0") {
   CHECK(thread_count() == cores);
 }
 
-TEST_CASE("parallel_parts calls every part exactly once, on any number of threads") {
+TEST_CASE("parallel_parts calls every part exactly once, on any number of threads",
+          "[core][parallel]") {
   const ThreadGuard guard;
   for (const int threads : {1, 2, 3, 8})
     for (const int parts : {0, 1, 2, 7, 1000}) {
@@ -45,7 +46,7 @@ TEST_CASE("parallel_parts calls every part exactly once, on any number of thread
     }
 }
 
-TEST_CASE("one thread is the caller's own, in order") {
+TEST_CASE("one thread is the caller's own, in order", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(1);
   std::vector<int> order;
@@ -58,7 +59,7 @@ TEST_CASE("one thread is the caller's own, in order") {
   CHECK(who == std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
-TEST_CASE("no more threads work than thread_count") {
+TEST_CASE("no more threads work than thread_count", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(2);
   std::mutex mutex;
@@ -70,7 +71,8 @@ TEST_CASE("no more threads work than thread_count") {
   CHECK(who.size() <= 2);
 }
 
-TEST_CASE("an exception of a part reaches the caller, after the other parts are done") {
+TEST_CASE("an exception of a part reaches the caller, after the other parts are done",
+          "[core][parallel]") {
   const ThreadGuard guard;
   for (const int threads : {1, 3}) {
     set_thread_count(threads);
@@ -89,7 +91,8 @@ TEST_CASE("an exception of a part reaches the caller, after the other parts are 
   }
 }
 
-TEST_CASE("threads are used again and again, for calls too short to wake them") {
+TEST_CASE("threads are used again and again, for calls too short to wake them",
+          "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(4);
   long sum = 0;
@@ -118,7 +121,8 @@ bool two_threads_work() {
 
 }  // namespace
 
-TEST_CASE("the second thread comes, also after an exception, a nested call, two callers") {
+TEST_CASE("the second thread comes, also after an exception, a nested call, two callers",
+          "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(2);
   REQUIRE(two_threads_work());
@@ -133,7 +137,7 @@ TEST_CASE("the second thread comes, also after an exception, a nested call, two 
   REQUIRE(two_threads_work());
 }
 
-TEST_CASE("two callers at once keep their parts apart") {
+TEST_CASE("two callers at once keep their parts apart", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(3);
   const auto rounds = [](std::atomic<int>& wrong) {
@@ -153,7 +157,8 @@ TEST_CASE("two callers at once keep their parts apart") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("threads that are there already do not join when fewer are asked for") {
+TEST_CASE("threads that are there already do not join when fewer are asked for",
+          "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(8);
   parallel_for(8, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
@@ -170,7 +175,7 @@ TEST_CASE("threads that are there already do not join when fewer are asked for")
   }
 }
 
-TEST_CASE("the first exception is the one that is thrown again") {
+TEST_CASE("the first exception is the one that is thrown again", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(1);
   const auto throws = [](int part) {
@@ -179,7 +184,7 @@ TEST_CASE("the first exception is the one that is thrown again") {
   CHECK_THROWS_WITH(parallel_for(9, throws), "part 3");
 }
 
-TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
+TEST_CASE("a part may call parallel_parts, and so may two threads at once", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(3);
   std::atomic<int> inner{0};
@@ -198,7 +203,7 @@ TEST_CASE("a part may call parallel_parts, and so may two threads at once") {
 }
 
 #if defined(__linux__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("a forked process works alone and ends") {
+TEST_CASE("a forked process works alone and ends", "[core][parallel]") {
   const ThreadGuard guard;
   set_thread_count(3);
   std::atomic<int> parts{0};

@@ -47,7 +47,8 @@ double residual(const SparseMatrix& A, const MatX& x, const MatX& b) {
 
 }  // namespace
 
-TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many") {
+TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many",
+          "[core][cholesky]") {
   for (const int n : {1, 2, 3, 50, 600}) {
     const SparseMatrix A = random_spd(n, n);
     SparseCholesky cholesky;
@@ -69,7 +70,7 @@ TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many")
   }
 }
 
-TEST_CASE("only the lower triangle is read") {
+TEST_CASE("only the lower triangle is read", "[core][cholesky]") {
   const SparseMatrix A = random_spd(30, 4);
   SparseMatrix with_rubbish = A;
   with_rubbish.coeffRef(2, 17) = 1e6;
@@ -84,7 +85,7 @@ TEST_CASE("only the lower triangle is read") {
   CHECK((one.solve(b) - other.solve(b)).cwiseAbs().maxCoeff() < 1e-14);
 }
 
-TEST_CASE("new numbers in the same pattern need no new analysis") {
+TEST_CASE("new numbers in the same pattern need no new analysis", "[core][cholesky]") {
   SparseMatrix A = random_spd(80, 11);
   SparseCholesky cholesky;
   cholesky.analyze(A);
@@ -96,7 +97,7 @@ TEST_CASE("new numbers in the same pattern need no new analysis") {
   CHECK((4 * cholesky.solve(b) - first).cwiseAbs().maxCoeff() < 1e-14);
 }
 
-TEST_CASE("solving twice gives the same bits") {
+TEST_CASE("solving twice gives the same bits", "[core][cholesky]") {
   const SparseMatrix A = random_spd(300, 5);
   const MatX b = MatX::Ones(300, 3);
   SparseCholesky one, other;
@@ -108,7 +109,8 @@ TEST_CASE("solving twice gives the same bits") {
   CHECK(one.solve(b) == other.solve(b));
 }
 
-TEST_CASE("a matrix that is not positive definite is reported, not thrown, and can be mended") {
+TEST_CASE("a matrix that is not positive definite is reported, not thrown, and can be mended",
+          "[core][cholesky]") {
   SparseCholesky cholesky;
   const auto fails = [&](const MatX& dense) {
     const SparseMatrix A = lower(dense);
@@ -148,7 +150,7 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown, and c
   CHECK(residual(good, cholesky.solve(b), b) < 1e-12);
 }
 
-TEST_CASE("numbers that are not finite are no factor") {
+TEST_CASE("numbers that are not finite are no factor", "[core][cholesky]") {
   MatX A = second_difference(20, false);
   A(7, 7) = std::nan("");
   const SparseMatrix sparse = lower(A);
@@ -158,13 +160,13 @@ TEST_CASE("numbers that are not finite are no factor") {
   CHECK_FALSE(cholesky.message().empty());
 }
 
-TEST_CASE("a matrix that is not square is an input error") {
+TEST_CASE("a matrix that is not square is an input error", "[core][cholesky]") {
   SparseCholesky cholesky;
   CHECK_THROWS_AS(cholesky.analyze(SparseMatrix(3, 4)), InputError);
   CHECK_THROWS_AS(cholesky.factorize(SparseMatrix(4, 3)), InputError);
 }
 
-TEST_CASE("a factor moves with its numbers") {
+TEST_CASE("a factor moves with its numbers", "[core][cholesky]") {
   const SparseMatrix A = random_spd(25, 3);
   const VecX b = VecX::Ones(25);
   SparseCholesky first;
@@ -180,7 +182,7 @@ TEST_CASE("a factor moves with its numbers") {
   CHECK((backend == "CHOLMOD" || backend == "Eigen"));
 }
 
-TEST_CASE("a factor that memory cannot hold is refused before its numbers") {
+TEST_CASE("a factor that memory cannot hold is refused before its numbers", "[core][cholesky]") {
   if (std::string(SparseCholesky::backend()) != "CHOLMOD") return;
   // All are coupled to the first alone; with that one eliminated first the factor is full.
   constexpr int n = 6000;

@@ -138,7 +138,7 @@ bool same(const SparseMatrix& a, const SparseMatrix& b) {
 
 }  // namespace
 
-TEST_CASE("L Lᵀ is the permuted matrix, on registers of every width") {
+TEST_CASE("L Lᵀ is the permuted matrix, on registers of every width", "[core][cholesky]") {
   for (const SparseMatrix& A : matrices()) {
     INFO(A.rows() << " unknowns, " << A.nonZeros() << " entries");
     for (const int bits : {128, 256, 512}) {
@@ -151,7 +151,8 @@ TEST_CASE("L Lᵀ is the permuted matrix, on registers of every width") {
   }
 }
 
-TEST_CASE("a factor has the same bits on any number of threads, again and again") {
+TEST_CASE("a factor has the same bits on any number of threads, again and again",
+          "[core][cholesky]") {
   for (const SparseMatrix& A :
        {grid(40, 40, 3, 3), grid(1, 1, 1000, 1), grid(20, 20, 12, 1), arrow(3000, 200),
         disconnected(grid(60, 60, 3, 1), grid(30, 30, 3, 2)), holed_sheet(14600).normal}) {
@@ -171,7 +172,8 @@ TEST_CASE("a factor has the same bits on any number of threads, again and again"
   }
 }
 
-TEST_CASE("of several pivots that fail the first in the order of elimination is named") {
+TEST_CASE("of several pivots that fail the first in the order of elimination is named",
+          "[core][cholesky]") {
   const SparseMatrix A = grid(40, 40, 3, 3);
   SupernodalFactor factor;
   make(factor, A);

@@ -64,8 +64,8 @@ MatX only(const MatX& b, const std::vector<int>& rows) {
 
 }  // namespace
 
-TEST_CASE(
-    "twenty matrices: the solution is CHOLMOD's, with the same bits on any number of threads") {
+TEST_CASE("twenty matrices: the solution is CHOLMOD's, with the same bits on any number of threads",
+          "[core][cholesky]") {
   const std::vector<NamedMatrix> matrices = twenty_matrices();
   REQUIRE(matrices.size() == 20);
   const auto& [name, make] = matrices[GENERATE(range(0, 20))];
@@ -89,7 +89,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("any number of right-hand sides, in any block of a larger matrix") {
+TEST_CASE("any number of right-hand sides, in any block of a larger matrix", "[core][cholesky]") {
   for (const BendingMatrix& problem :
        {clamped_bending(12), BendingMatrix{holed_sheet(400).normal, {}}}) {
     const SparseCholesky cholesky = factor_of(problem);
@@ -111,7 +111,7 @@ TEST_CASE("any number of right-hand sides, in any block of a larger matrix") {
   }
 }
 
-TEST_CASE("vector registers of every width give the same solution") {
+TEST_CASE("vector registers of every width give the same solution", "[core][cholesky]") {
   for (const BendingMatrix& problem :
        {clamped_bending(12), BendingMatrix{holed_sheet(14600).normal, {}}}) {
     const SparseCholesky cholesky = factor_of(problem);
@@ -134,7 +134,7 @@ TEST_CASE("vector registers of every width give the same solution") {
   }
 }
 
-TEST_CASE("numbers change again and again, the analysis stays") {
+TEST_CASE("numbers change again and again, the analysis stays", "[core][cholesky]") {
   const BendingMatrix problem = clamped_bending(20);
   SparseCholesky cholesky = factor_of(problem);
   const MatX b = random_columns(problem.K.rows(), 3);
@@ -166,7 +166,7 @@ TEST_CASE("numbers change again and again, the analysis stays") {
   CHECK(same(cholesky.solve(b), first));
 }
 
-TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
+TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit", "[core][cholesky]") {
   const std::vector<BendingMatrix> problems = {
       clamped_bending(48),
       {holed_sheet(3300).normal, {}},
@@ -209,7 +209,7 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit") {
         cholesky.factor_entries());
 }
 
-TEST_CASE("what a part has no need of is not visited") {
+TEST_CASE("a partial solve visits only the supernodes that it needs", "[core][cholesky]") {
   const SparseMatrix A = holed_sheet(3300).normal;
   SupernodalFactor factor;
   factor.analyze(A, {}, FactorReuse::once);
@@ -236,7 +236,8 @@ TEST_CASE("what a part has no need of is not visited") {
   }
 }
 
-TEST_CASE("trees are cut in chunks for threads where that pays, and only there") {
+TEST_CASE("trees are cut in chunks for threads where that pays, and only there",
+          "[core][cholesky]") {
   const ThreadGuard use(2);
   const auto cut = [](const SparseMatrix& A) {
     SupernodalFactor factor;
@@ -269,7 +270,8 @@ TEST_CASE("trees are cut in chunks for threads where that pays, and only there")
   CHECK(cut(strip).first < 200);
 }
 
-TEST_CASE("factors made at the same time in two threads have the bits of one made alone") {
+TEST_CASE("factors made at the same time in two threads have the bits of one made alone",
+          "[core][cholesky]") {
   const SparseMatrix A = holed_sheet(14600).normal;
   const MatX b = random_columns(A.rows(), 1);
   const auto solution = [&] {  // in any thread: no assertion in here
@@ -286,7 +288,7 @@ TEST_CASE("factors made at the same time in two threads have the bits of one mad
   CHECK(same(other, x));
 }
 
-TEST_CASE("what cannot be solved is refused in a sentence") {
+TEST_CASE("systems that cannot be solved are refused with the reason", "[core][cholesky]") {
   const BendingMatrix problem = clamped_bending(6);
   SparseCholesky cholesky;
   MatX b = MatX::Ones(problem.K.rows(), 1);
@@ -343,7 +345,7 @@ TEST_CASE("what cannot be solved is refused in a sentence") {
         std::string::npos);
 }
 
-TEST_CASE("a matrix with room between its columns is the same matrix") {
+TEST_CASE("a matrix with padding between its columns is the same matrix", "[core][cholesky]") {
   const BendingMatrix problem = clamped_bending(8);
   SparseMatrix loose = problem.K;
   loose.uncompress();
@@ -358,7 +360,7 @@ TEST_CASE("a matrix with room between its columns is the same matrix") {
   CHECK(same(cholesky.solve(b), factor_of(problem).solve(b)));
 }
 
-TEST_CASE("numbers that are not finite are no factor, wherever they are") {
+TEST_CASE("numbers that are not finite are no factor, wherever they are", "[core][cholesky]") {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
     for (const int where : {0, 1, 7, 24, 25, 49}) {
       // Two chains that know nothing of each other.
@@ -377,7 +379,7 @@ TEST_CASE("numbers that are not finite are no factor, wherever they are") {
     }
 }
 
-TEST_CASE("a pivot of nothing but rounding is none") {
+TEST_CASE("a pivot of nothing but rounding is none", "[core][cholesky]") {
   SparseMatrix A(2, 2);
   A.insert(0, 0) = 1;
   A.insert(1, 0) = 1;
@@ -388,7 +390,7 @@ TEST_CASE("a pivot of nothing but rounding is none") {
   CHECK(cholesky.message().find("not positive definite") != std::string::npos);
 }
 
-TEST_CASE("an order for many factorizations has no more entries than AMD's") {
+TEST_CASE("an order for many factorizations has no more entries than AMD's", "[core][cholesky]") {
   const SparseMatrix A = holed_sheet(14600).normal;
   SparseCholesky quick, thorough;
   quick.analyze(A);
@@ -408,7 +410,8 @@ TEST_CASE("an order for many factorizations has no more entries than AMD's") {
   CHECK(backward_error(A, thorough.solve(b), b) < 1e-14);
 }
 
-TEST_CASE("the least-squares residual corrects what the normal equations lost") {
+TEST_CASE("the least-squares residual corrects what the normal equations lost",
+          "[core][cholesky]") {
   for (const int vertices : {3300, 14600}) {
     const HoledSheet sheet = holed_sheet(vertices);
     SparseCholesky cholesky;

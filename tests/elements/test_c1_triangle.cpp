@@ -143,7 +143,8 @@ TriangleShape gold_triangle() { return {{0.1, 0.2}, {1.3, 0.4}, {0.5, 1.1}}; }
 
 // --- against reference numbers ------------------------------------------------------------------
 
-TEST_CASE("element matrices, loads and values are the reference numbers") {
+TEST_CASE("element matrices, loads and values are the reference numbers",
+          "[elements][c1_triangle]") {
   const auto all = batten_test::reference("element_gold.json");
   const TriangleShape shape = gold_triangle();
   const auto weight = [](const Vec3& L) { return L[0] + 2 * L[1] + 3 * L[2]; };
@@ -197,7 +198,8 @@ TEST_CASE("element matrices, loads and values are the reference numbers") {
   }
 }
 
-TEST_CASE("Z12's reference tensors are the integrals of the paper's raw functions") {
+TEST_CASE("Z12's reference tensors are the integrals of the paper's raw functions",
+          "[elements][c1_triangle]") {
   // Row r: the reference dofs of raw function r, by hand. raw = C N̂, so that S_raw = C Ŝ Cᵀ.
   Mat12 C;
   const auto gradients = [](const Vec3& L) {
@@ -250,7 +252,8 @@ TEST_CASE("Z12's reference tensors are the integrals of the paper's raw function
 
 // --- the functions ------------------------------------------------------------------------------
 
-TEST_CASE("positions, jets and reference dofs of many coordinates are the functions' sums") {
+TEST_CASE("positions, jets and reference dofs of many coordinates are the functions' sums",
+          "[elements][c1_triangle]") {
   Draws draw(11);
   for (const TriangleElement kind : {TriangleElement::HCT, TriangleElement::Z12})
     for (int i = 0; i < 50; ++i) {
@@ -266,7 +269,8 @@ TEST_CASE("positions, jets and reference dofs of many coordinates are the functi
     }
 }
 
-TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
+TEST_CASE("each function is 1 in its own dof and 0 in the eleven others",
+          "[elements][c1_triangle]") {
   Draws random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -284,7 +288,8 @@ TEST_CASE("each function is 1 in its own dof and 0 in the eleven others") {
   }
 }
 
-TEST_CASE("both triangles hold all cubics with their derivatives, and not all quartics") {
+TEST_CASE("both triangles hold all cubics with their derivatives, and not all quartics",
+          "[elements][c1_triangle]") {
   Draws random(2);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -308,7 +313,8 @@ TEST_CASE("both triangles hold all cubics with their derivatives, and not all qu
   }
 }
 
-TEST_CASE("derivatives are those of the functions, by central differences") {
+TEST_CASE("derivatives are those of the functions, by central differences",
+          "[elements][c1_triangle]") {
   Draws random(3);
   constexpr double step = 1e-6;
   for (int trial = 0; trial < 50; ++trial) {
@@ -336,7 +342,8 @@ TEST_CASE("derivatives are those of the functions, by central differences") {
   }
 }
 
-TEST_CASE("two triangles join with one tangent plane, whatever their kinds and vertex order") {
+TEST_CASE("two triangles join with one tangent plane, whatever their kinds and vertex order",
+          "[elements][c1_triangle]") {
   Draws random(4);
   double worst = 0, smallest_with_wrong_sign = 1;
   for (int trial = 0; trial < 50; ++trial) {
@@ -393,7 +400,8 @@ TEST_CASE("two triangles join with one tangent plane, whatever their kinds and v
   CHECK(smallest_with_wrong_sign > 1e-3);  // the law has teeth
 }
 
-TEST_CASE("HCT and Z12 have the same value and gradient on all three edges") {
+TEST_CASE("HCT and Z12 have the same value and gradient on all three edges",
+          "[elements][c1_triangle]") {
   Draws random(5);
   double edges = 0, interior = 0;
   for (int trial = 0; trial < 50; ++trial) {
@@ -416,7 +424,7 @@ TEST_CASE("HCT and Z12 have the same value and gradient on all three edges") {
   CHECK(interior > 1e-4);  // they are two elements
 }
 
-TEST_CASE("HCT is C1 across its spokes") {
+TEST_CASE("HCT is C1 across its spokes", "[elements][c1_triangle]") {
   Draws random(6);
   double worst = 0;
   for (int trial = 0; trial < 50; ++trial) {
@@ -436,7 +444,8 @@ TEST_CASE("HCT is C1 across its spokes") {
   CHECK(worst < 1e-7);  // the distance of the two points times second derivatives of about 100
 }
 
-TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the bisector") {
+TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the bisector",
+          "[elements][c1_triangle]") {
   Draws random(7);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -462,7 +471,7 @@ TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the
   }
 }
 
-TEST_CASE("the Bezier ordinates of HCT are the same surface") {
+TEST_CASE("the Bezier ordinates of HCT are the same surface", "[elements][c1_triangle]") {
   Draws random(8);
   const int index[10][3] = {{3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {2, 1, 0}, {1, 2, 0},
                             {0, 2, 1}, {0, 1, 2}, {1, 0, 2}, {2, 0, 1}, {1, 1, 1}};
@@ -501,7 +510,8 @@ TEST_CASE("the Bezier ordinates of HCT are the same surface") {
 
 // --- the matrices -------------------------------------------------------------------------------
 
-TEST_CASE("stiffness, mass and load are the integrals of the functions") {
+TEST_CASE("stiffness, mass and load are the integrals of the functions",
+          "[elements][c1_triangle]") {
   Draws random(9);
   for (int trial = 0; trial < 10; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -526,7 +536,7 @@ TEST_CASE("stiffness, mass and load are the integrals of the functions") {
   }
 }
 
-TEST_CASE("energies of polynomials are their integrals") {
+TEST_CASE("energies of polynomials are their integrals", "[elements][c1_triangle]") {
   // On the triangle (0,0), (1,0), (0,1): ∬ u^a v^b = a! b! / (a+b+2)!.
   const TriangleShape shape({0, 0}, {1, 0}, {0, 1}, {1, -1, 1});
   for (const auto kind : kBothElements) {
@@ -554,7 +564,8 @@ TEST_CASE("energies of polynomials are their integrals") {
   }
 }
 
-TEST_CASE("stretching costs nothing for constants only, bending for linear functions only") {
+TEST_CASE("stretching costs nothing for constants only, bending for linear functions only",
+          "[elements][c1_triangle]") {
   Draws random(10);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -581,7 +592,7 @@ TEST_CASE("stretching costs nothing for constants only, bending for linear funct
   }
 }
 
-TEST_CASE("both triangles carry a constant load in the same way") {
+TEST_CASE("both triangles carry a constant load in the same way", "[elements][c1_triangle]") {
   Draws random(11);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -600,7 +611,7 @@ TEST_CASE("both triangles carry a constant load in the same way") {
 
 // --- frames, scales, mistakes -------------------------------------------------------------------
 
-TEST_CASE("a rigid motion of the triangle moves the surface with it") {
+TEST_CASE("a rigid motion of the triangle moves the surface with it", "[elements][c1_triangle]") {
   Draws random(12);
   for (int trial = 0; trial < 20; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -630,7 +641,7 @@ TEST_CASE("a rigid motion of the triangle moves the surface with it") {
   }
 }
 
-TEST_CASE("a triangle of any size is the same triangle in other units") {
+TEST_CASE("a triangle of any size is the same triangle in other units", "[elements][c1_triangle]") {
   Draws random(13);
   for (const double scale : {1e8, 1e-8})
     for (int trial = 0; trial < 10; ++trial) {
@@ -661,7 +672,8 @@ TEST_CASE("a triangle of any size is the same triangle in other units") {
     }
 }
 
-TEST_CASE("barycentric coordinates and points are each other's inverse, outside too") {
+TEST_CASE("barycentric coordinates and points are each other's inverse, outside too",
+          "[elements][c1_triangle]") {
   Draws random(14);
   for (int trial = 0; trial < 50; ++trial) {
     const TriangleShape shape = random.triangle();
@@ -674,7 +686,7 @@ TEST_CASE("barycentric coordinates and points are each other's inverse, outside 
   }
 }
 
-TEST_CASE("triangles that are none are input errors") {
+TEST_CASE("triangles that are none are input errors", "[elements][c1_triangle]") {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   CHECK_NOTHROW(TriangleShape({0, 0}, {1, 0}, {0, 1}));
   CHECK_THROWS_AS(TriangleShape({0, 0}, {0, 1}, {1, 0}), InputError);  // clockwise

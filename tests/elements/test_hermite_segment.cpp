@@ -33,7 +33,8 @@ Vector power_dofs(double u0, double h, int e) {
 
 }  // namespace
 
-TEST_CASE("segment matrices are the reference matrices for every length") {
+TEST_CASE("segment matrices are the reference matrices for every length",
+          "[elements][hermite_segment]") {
   const auto gold = batten_test::reference("curve.json");
   const std::pair<double, const char*> cases[] = {{1, "h=1"}, {0.5, "h=0.5"}, {2, "h=2"}};
   for (const auto& [h, key] : cases) {
@@ -60,7 +61,8 @@ TEST_CASE("segment matrices are the reference matrices for every length") {
   }
 }
 
-TEST_CASE("segment functions have the Kronecker property and hold all cubics") {
+TEST_CASE("segment functions have the Kronecker property and hold all cubics",
+          "[elements][hermite_segment]") {
   for (const double h : {1e-8, 0.3, 1.0, 7.0, 1e8}) {
     const HermiteSegment segment(h);
     Matrix dofs;
@@ -84,7 +86,8 @@ TEST_CASE("segment functions have the Kronecker property and hold all cubics") {
     }
 }
 
-TEST_CASE("segment derivatives are those of the functions one order below") {
+TEST_CASE("segment derivatives are those of the functions one order below",
+          "[elements][hermite_segment]") {
   constexpr double step = 1e-5;
   for (const double h : {0.25, 1.0, 3.0})
     for (int order = 1; order <= 3; ++order)
@@ -99,7 +102,7 @@ TEST_CASE("segment derivatives are those of the functions one order below") {
       }
 }
 
-TEST_CASE("segment matrices are the integrals they stand for") {
+TEST_CASE("segment matrices are the integrals they stand for", "[elements][hermite_segment]") {
   const double h = 0.8;
   const HermiteSegment segment(h);
   const Linear weight(0.7, 2.9);
@@ -121,7 +124,8 @@ TEST_CASE("segment matrices are the integrals they stand for") {
   CHECK(batten_test::relative_error(segment.load(weight), load) < 1e-14);
 }
 
-TEST_CASE("a segment stretches for all but constants and bends for all but linear functions") {
+TEST_CASE("a segment stretches for all but constants and bends for all but linear functions",
+          "[elements][hermite_segment]") {
   const HermiteSegment segment(0.6);
   const auto zero_modes = [](const Matrix& K) {
     const VecX values = symmetric_eigenvalues(K);
@@ -136,7 +140,8 @@ TEST_CASE("a segment stretches for all but constants and bends for all but linea
   CHECK((segment.bending() * linear).norm() < 1e-12);
 }
 
-TEST_CASE("a clamped beam under a uniform load has 1/384 in the middle") {
+TEST_CASE("a clamped beam under a uniform load has 1/384 in the middle",
+          "[elements][hermite_segment]") {
   const auto gold = batten_test::reference("curve.json")["beam_test"];
   const HermiteSegment half(0.5);
   // Free: value and slope of the middle node, the second of the left and the first of the right
@@ -149,7 +154,7 @@ TEST_CASE("a clamped beam under a uniform load has 1/384 in the middle") {
   CHECK(std::abs(x[1]) < 1e-16);
 }
 
-TEST_CASE("impossible segments are input errors") {
+TEST_CASE("impossible segments are input errors", "[elements][hermite_segment]") {
   CHECK_THROWS_AS(HermiteSegment(0), InputError);
   CHECK_THROWS_AS(HermiteSegment(-1), InputError);
   CHECK_THROWS_AS(HermiteSegment(std::nan("")), InputError);

@@ -43,7 +43,8 @@ void check_is_a_rule(const TriangleRule& rule) {
 
 }  // namespace
 
-TEST_CASE("symmetric triangle rules integrate every monomial of their degree, no more") {
+TEST_CASE("symmetric triangle rules integrate every monomial of their degree, no more",
+          "[elements][quadrature]") {
   const int points[9] = {1, 1, 3, 6, 6, 7, 12, 16, 16};
   const int exact[9] = {1, 1, 2, 4, 4, 5, 6, 8, 8};
   for (int degree = 0; degree <= 8; ++degree) {
@@ -56,7 +57,7 @@ TEST_CASE("symmetric triangle rules integrate every monomial of their degree, no
   }
 }
 
-TEST_CASE("symmetric triangle rules do not prefer a vertex") {
+TEST_CASE("symmetric triangle rules do not prefer a vertex", "[elements][quadrature]") {
   for (int degree = 1; degree <= 8; ++degree) {
     const TriangleRule rule = symmetric_triangle_rule(degree);
     const int permutations[5][3] = {{1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
@@ -74,7 +75,7 @@ TEST_CASE("symmetric triangle rules do not prefer a vertex") {
   }
 }
 
-TEST_CASE("Gauss-Legendre with n points is exact to degree 2n-1") {
+TEST_CASE("Gauss-Legendre with n points is exact to degree 2n-1", "[elements][quadrature]") {
   for (int n = 1; n <= 12; ++n) {
     INFO(n << " points");
     const SegmentRule rule = gauss_legendre(n);
@@ -102,13 +103,14 @@ TEST_CASE("Gauss-Legendre with n points is exact to degree 2n-1") {
   }
 }
 
-TEST_CASE("large Gauss rules stay accurate") {
+TEST_CASE("large Gauss rules stay accurate", "[elements][quadrature]") {
   const SegmentRule rule = gauss_legendre(64);
   CHECK(std::abs(rule.weights.sum() - 1) < 4e-15);
   CHECK(std::abs(rule.weights.dot(rule.s.array().exp().matrix()) - (std::exp(1.0) - 1)) < 4e-15);
 }
 
-TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangles") {
+TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangles",
+          "[elements][quadrature]") {
   for (const int degree : {1, 2, 4, 5, 6, 8}) {
     INFO("degree " << degree);
     const TriangleRule rule = split_triangle_rule(degree);
@@ -136,7 +138,8 @@ TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangle
   }
 }
 
-TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational Z12 functions") {
+TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational Z12 functions",
+          "[elements][quadrature]") {
   for (int m = 1; m <= 7; ++m) {
     INFO("m = " << m);
     const TriangleRule rule = six_duffy_rule(m);
@@ -164,7 +167,7 @@ TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational 
   CHECK(error(symmetric_triangle_rule(8)) > 1e-3);
 }
 
-TEST_CASE("rules that do not exist are input errors") {
+TEST_CASE("rules that do not exist are input errors", "[elements][quadrature]") {
   CHECK_THROWS_AS(gauss_legendre(0), InputError);
   CHECK_THROWS_AS(gauss_legendre(-3), InputError);
   CHECK_THROWS_AS(symmetric_triangle_rule(9), InputError);

@@ -76,7 +76,8 @@ Mat12 varying(TriangleElement kind, const TriangleShape& shape, const SurfaceSti
 
 }  // namespace
 
-TEST_CASE("resistance in a direction costs the derivatives in that direction") {
+TEST_CASE("resistance in a direction costs the derivatives in that direction",
+          "[elements][stiffness]") {
   Random random(3);
   for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
@@ -97,7 +98,8 @@ TEST_CASE("resistance in a direction costs the derivatives in that direction") {
     }
 }
 
-TEST_CASE("every term of the energy is its integral, constant and varying") {
+TEST_CASE("every term of the energy is its integral, constant and varying",
+          "[elements][stiffness]") {
   Random random(5);
   for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
@@ -122,7 +124,8 @@ TEST_CASE("every term of the energy is its integral, constant and varying") {
     }
 }
 
-TEST_CASE("the energy of a turned surface in a turned direction is the same") {
+TEST_CASE("the energy of a turned surface in a turned direction is the same",
+          "[elements][stiffness]") {
   Random random(7);
   for (const auto kind : kBothElements)
     for (int round = 0; round < 20; ++round) {
@@ -143,7 +146,8 @@ TEST_CASE("the energy of a turned surface in a turned direction is the same") {
     }
 }
 
-TEST_CASE("materials that add up have energies that add up, and zero mixed terms leave all bits") {
+TEST_CASE("materials that add up have energies that add up, and zero mixed terms leave all bits",
+          "[elements][stiffness]") {
   Random random(9);
   for (const auto kind : kBothElements) {
     const TriangleShape shape = random_triangle(random);
@@ -161,7 +165,7 @@ TEST_CASE("materials that add up have energies that add up, and zero mixed terms
   }
 }
 
-TEST_CASE("which materials are valid") {
+TEST_CASE("which materials are valid", "[elements][stiffness]") {
   CHECK(SurfaceStiffness{}.is_valid());
   CHECK(SurfaceStiffness::isotropic(0, 0).is_valid());
   CHECK_FALSE(SurfaceStiffness::isotropic(-1e-3, 1).is_valid());

@@ -43,7 +43,7 @@ std::vector<Vec3> noisy(std::vector<Vec3> points, double sigma, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("sparse points of an arc are no corners") {
+TEST_CASE("sparse points of an arc are no corners", "[fairing][corners]") {
   for (const double degrees : {30.0, 90.0, 180.0, 240.0})
     for (const int points : {5, 6, 9, 17, 60}) {
       INFO(points << " points of " << degrees);
@@ -54,7 +54,8 @@ TEST_CASE("sparse points of an arc are no corners") {
   CHECK(find_corners(circle, true, 20).empty());
 }
 
-TEST_CASE("corners stand out, between straight sides and at the ends of arcs") {
+TEST_CASE("corners stand out, between straight sides and at the ends of arcs",
+          "[fairing][corners]") {
   CHECK(find_corners(path({90}, 2), false, 20) == Numbers{2});
   CHECK(find_corners(path({30, -45, 120}, 4), false, 20) == Numbers{4, 8, 12});
   CHECK(find_corners(path({10}, 8), false, 8) == Numbers{8});
@@ -77,7 +78,7 @@ TEST_CASE("corners stand out, between straight sides and at the ends of arcs") {
   CHECK(find_corners(d, true, 20) == Numbers{0, 16});
 }
 
-TEST_CASE("rounded corners and noses are none") {
+TEST_CASE("rounded corners and noses are none", "[fairing][corners]") {
   std::vector<Vec3> rounded;
   for (int k = 0; k < 4; ++k)
     for (int i = 0; i <= 4; ++i) {
@@ -107,7 +108,7 @@ TEST_CASE("rounded corners and noses are none") {
   CHECK(find_corners(hook, false, 8) == Numbers{11});
 }
 
-TEST_CASE("noise makes no corners, and hides none that stand far above it") {
+TEST_CASE("noise makes no corners, and hides none that stand far above it", "[fairing][corners]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO(seed);
     CHECK(find_corners(noisy(arc(80, 200), 0.2, seed), false, 8).empty());

@@ -109,7 +109,8 @@ Elastica shot(double from, const Vec3& end, Vec3 guess) {
 
 }  // namespace
 
-TEST_CASE("quintic segments hold fifth degrees, and cubics follow them within a tolerance") {
+TEST_CASE("quintic segments hold fifth degrees, and cubics follow them within a tolerance",
+          "[fairing][curves]") {
   const auto p = [](double u, int order) {
     const double c[4] = {u * u * u * u * u - 2 * u * u, 5 * u * u * u * u - 4 * u,
                          20 * u * u * u - 4, 60 * u * u};
@@ -137,7 +138,7 @@ TEST_CASE("quintic segments hold fifth degrees, and cubics follow them within a 
   CHECK_THROWS_AS(QuinticCurve(u, dofs.topRows(11)), InputError);
 }
 
-TEST_CASE("a build without Ceres says so") {
+TEST_CASE("a build without Ceres reports that", "[fairing][curves]") {
   if (have_curvature_fairing()) return;
   CHECK_THAT(error_message([] {
                minimum_curvature_curve(on_circle(4, true), true,
@@ -146,7 +147,8 @@ TEST_CASE("a build without Ceres says so") {
              Contains("built without Ceres"));
 }
 
-TEST_CASE("four points and tangents of a circle give the circle, with order 6 or more") {
+TEST_CASE("four points and tangents of a circle give the circle, with order 6 or more",
+          "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   double before = 0;
   for (const int segments : {4, 8, 16, 32}) {
@@ -168,8 +170,8 @@ TEST_CASE("four points and tangents of a circle give the circle, with order 6 or
   }
 }
 
-TEST_CASE(
-    "a circle comes out in any plane, far away, of any size, and from points of an arc alone") {
+TEST_CASE("a circle comes out in any plane, far away, of any size, and from points of an arc alone",
+          "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const Vec3 centre(1e4, -2e4, 5e3);
   const auto far = minimum_curvature_curve(on_circle(4, true, 3, centre, some_rotation()), true,
@@ -187,7 +189,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the unit does not matter") {
+TEST_CASE("the unit does not matter", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const std::vector<Vec3> given = {{0, 0, 0}, {1, 0.7, 0.2}, {2.2, -0.1, 0.5}, {3, 0.4, 0}};
   for (const auto functional : {CurveFunctional::Energy, CurveFunctional::Variation}) {
@@ -209,7 +211,7 @@ TEST_CASE("the unit does not matter") {
   }
 }
 
-TEST_CASE("a rod clamped at both ends is the elastica that shooting finds") {
+TEST_CASE("a rod clamped at both ends is the elastica that shooting finds", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const std::vector<CurveThroughPoint> ends = {{Vec3(0, 0, 0), direction(70)},
                                                {Vec3(1, 0.2, 0), direction(20)}};
@@ -226,7 +228,7 @@ TEST_CASE("a rod clamped at both ends is the elastica that shooting finds") {
   CHECK(error < 1e-6);
 }
 
-TEST_CASE("half of the rectangular elastica") {
+TEST_CASE("half of the rectangular elastica", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   // Of width 1, from where it starts upright to its top: height √2/c, energy c².
   const double k = std::sqrt(0.5), c = 2 * (2 * std::comp_ellint_2(k) - std::comp_ellint_1(k));
@@ -238,7 +240,8 @@ TEST_CASE("half of the rectangular elastica") {
   CHECK(half.curve.length() == Approx(std::comp_ellint_1(k) / c).epsilon(1e-6));
 }
 
-TEST_CASE("a rod that has to turn back grows without bound unless length costs") {
+TEST_CASE("a rod that has to turn back grows without bound unless length costs",
+          "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const std::vector<CurveThroughPoint> ends = {{Vec3(0, 0, 0), direction(110)},
                                                {Vec3(1, 0, 0), direction(-110)}};
@@ -251,7 +254,8 @@ TEST_CASE("a rod that has to turn back grows without bound unless length costs")
   CHECK(minimum_curvature_curve(ends, false, options).curve.length() < bounded.curve.length());
 }
 
-TEST_CASE("ends of a helix give a space curve that varies no more than the helix") {
+TEST_CASE("ends of a helix give a space curve that varies no more than the helix",
+          "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const double pitch = 0.4, turn = 0.75 * pi, speed2 = 1 + pitch * pitch;
   std::vector<CurveThroughPoint> points;
@@ -287,7 +291,7 @@ TEST_CASE("ends of a helix give a space curve that varies no more than the helix
   CHECK(slopes(c.quintic) < 1e-5 * slopes({c.quintic.parameters(), moved}));
 }
 
-TEST_CASE("evenness and quadrature do not show in the shape") {
+TEST_CASE("evenness and quadrature do not show in the shape", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const std::vector<CurveThroughPoint> points = {
       {Vec3(0, 0, 0), direction(60)}, {Vec3(0.4, 0.5, 0.1)}, {Vec3(1.3, 0.2, 0), direction(-30)}};
@@ -312,7 +316,7 @@ TEST_CASE("evenness and quadrature do not show in the shape") {
   }
 }
 
-TEST_CASE("a wavy curve is faired between what it is held by") {
+TEST_CASE("a wavy curve is faired between its constraints", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   Random random(7);
   std::vector<double> u;
@@ -348,7 +352,7 @@ TEST_CASE("a wavy curve is faired between what it is held by") {
   CHECK(free.functional < fairer);
 }
 
-TEST_CASE("what curvature fairing refuses") {
+TEST_CASE("curvature fairing refuses invalid input", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   const auto said = [](std::vector<CurveThroughPoint> points, bool closed,
                        const CurvatureFairingOptions& o) {
@@ -465,7 +469,8 @@ Surface bent_surface(TriangleElement kind, double unit = 1, const Mat3& M = Mat3
 
 }  // namespace
 
-TEST_CASE("three quarter circles with their normals give the sphere, with order 4") {
+TEST_CASE("three quarter circles with their normals give the sphere, with order 4",
+          "[fairing][curves]") {
   SurfaceCurvatureOptions options;
   options.tolerance = 1e-8;
   double before = 0, functional_before = 0;
@@ -491,7 +496,7 @@ TEST_CASE("three quarter circles with their normals give the sphere, with order 
   CHECK(functional_before < 1e-5);
 }
 
-TEST_CASE("both triangles find the sphere, and evenness does not show") {
+TEST_CASE("both triangles find the sphere, and evenness does not show", "[fairing][curves]") {
   double error[2][2];
   for (const auto kind : kBothElements)
     for (const int strong : {0, 1}) {
@@ -508,7 +513,7 @@ TEST_CASE("both triangles find the sphere, and evenness does not show") {
   CHECK(error[0][1] == Approx(error[0][0]).epsilon(0.1));
 }
 
-TEST_CASE("the same bits again, on one thread as on two") {
+TEST_CASE("the same bits again, on one thread as on two", "[fairing][curves]") {
   const Octant octant(3, TriangleElement::HCT);
   const Surface start = octant.least_bending(TriangleElement::HCT);
   Points dofs[2];
@@ -527,7 +532,8 @@ TEST_CASE("the same bits again, on one thread as on two") {
   CHECK(curve() == curve());
 }
 
-TEST_CASE("the functional of a surface knows neither place nor size nor side") {
+TEST_CASE("the functional of a surface depends neither on position nor on size nor on side",
+          "[fairing][curves]") {
   for (const auto kind : kBothElements) {
     const double here = curvature_functional(bent_surface(kind));
     CHECK(here > 1);
@@ -551,7 +557,7 @@ TEST_CASE("the functional of a surface knows neither place nor size nor side") {
   }
 }
 
-TEST_CASE("the gradient of a surface's functional is that of differences") {
+TEST_CASE("the gradient of a surface's functional is that of differences", "[fairing][curves]") {
   for (const auto kind : kBothElements) {
     const Surface surface = bent_surface(kind);
     Points gradient;
@@ -574,7 +580,8 @@ TEST_CASE("the gradient of a surface's functional is that of differences") {
   }
 }
 
-TEST_CASE("a plane stays a plane, and a bump between flat clamped edges becomes one") {
+TEST_CASE("a plane stays a plane, and a bump between flat clamped edges becomes one",
+          "[fairing][curves]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(4, 3));
   const Surface flat = interpolated(mesh, TriangleElement::HCT, [](const Vec2& p) {
     SurfaceJet j;
@@ -606,7 +613,7 @@ TEST_CASE("a plane stays a plane, and a bump between flat clamped edges becomes 
     CHECK(std::abs(off[flat.dof_map().vertex(v)] + 2e3) < 1e-6);
 }
 
-TEST_CASE("what curvature fairing of surfaces refuses") {
+TEST_CASE("curvature fairing of surfaces refuses invalid input", "[fairing][curves]") {
   const Octant octant(2, TriangleElement::HCT);
   const Surface start = octant.least_bending(TriangleElement::HCT);
   SurfaceCurvatureOptions bad;

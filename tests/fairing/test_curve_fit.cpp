@@ -63,7 +63,8 @@ std::shared_ptr<const InputCurve> ellipse() {
 
 }  // namespace
 
-TEST_CASE("a fit keeps its tolerance both ways, with fewer segments than points, and is C1") {
+TEST_CASE("a fit keeps its tolerance both ways, with fewer segments than points, and is C1",
+          "[fairing][curve_fit]") {
   const auto points = points_of(200, helix);
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
     const CurveFit fit = fit_points("helix", points, within(tolerance));
@@ -84,7 +85,7 @@ TEST_CASE("a fit keeps its tolerance both ways, with fewer segments than points,
   }
 }
 
-TEST_CASE("a fit does not see where the points are, nor in which unit") {
+TEST_CASE("a fit does not see where the points are, nor in which unit", "[fairing][curve_fit]") {
   const auto points = points_of(60, helix);
   const CurveFit fit = fit_points("line", points, within(1e-3));
   auto moved = points;
@@ -96,7 +97,7 @@ TEST_CASE("a fit does not see where the points are, nor in which unit") {
     CHECK((other.curve.position(i) - 1000 * (rotation * fit.curve.position(i))).norm() < 1e-6);
 }
 
-TEST_CASE("a closed fit is C1 across its seam") {
+TEST_CASE("a closed fit is C1 across its seam", "[fairing][curve_fit]") {
   const auto points = points_of(
       80,
       [](double s) {
@@ -118,7 +119,7 @@ TEST_CASE("a closed fit is C1 across its seam") {
   CHECK_FALSE(fit_points("loop", repeated, options).curve.closed());
 }
 
-TEST_CASE("corners are found, kept exactly, and no more than there are") {
+TEST_CASE("corners are found, kept exactly, and no more than there are", "[fairing][curve_fit]") {
   // A house: five corners, 20 points a side.
   const std::vector<Vec3> corner = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 5, 0}, {0, 3, 0}};
   std::vector<Vec3> points;
@@ -150,7 +151,8 @@ TEST_CASE("corners are found, kept exactly, and no more than there are") {
   CHECK(two.curve.closest_point(points[40]).distance < 1e-14);
 }
 
-TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces") {
+TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces",
+          "[fairing][curve_fit]") {
   // Two Bézier pieces that meet with one direction and different speeds, then a corner.
   const auto first = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
   const HermiteCurve one = *exact_curve(*first, 50);
@@ -183,7 +185,8 @@ TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces
     CHECK((again.evaluate(again.end() * k / 60) - loop.evaluate(6.1 * k / 60)).norm() < 1e-13);
 }
 
-TEST_CASE("an input that is not cubic is fitted within the tolerance, both ways") {
+TEST_CASE("an input that is not cubic is fitted within the tolerance, both ways",
+          "[fairing][curve_fit]") {
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
     const HermiteCurve fit = fit_curve("ellipse", ellipse(), within(tolerance));
     REQUIRE(fit.closed());
@@ -214,7 +217,8 @@ TEST_CASE("an input that is not cubic is fitted within the tolerance, both ways"
   }
 }
 
-TEST_CASE("what cannot be fitted is refused by name, what is odd is fitted") {
+TEST_CASE("points that cannot be fitted are refused by name, unusual ones are fitted",
+          "[fairing][curve_fit]") {
   const FitOptions options = within(0.01);
   const auto fit = [&](const std::vector<Vec3>& points) {
     return fit_points("rim", points, options);
@@ -276,7 +280,8 @@ TEST_CASE("what cannot be fitted is refused by name, what is odd is fitted") {
   CHECK(fit_points("back", doubled, corner).deviation.max <= 0.01);
 }
 
-TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them") {
+TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them",
+          "[fairing][curve_fit]") {
   Random random(17);
   for (int trial = 0; trial < 400; ++trial) {
     const int n = 2 + static_cast<int>(random.between(0, 40));
@@ -309,7 +314,7 @@ TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them") {
   }
 }
 
-TEST_CASE("halved fits end, within the tolerance or refused") {
+TEST_CASE("halved fits end, within the tolerance or refused", "[fairing][curve_fit]") {
   FitOptions options = within(1e-4);
   options.fixed_parameters = options.bisection_only = true;
   options.corner_angle = 180;
@@ -338,7 +343,7 @@ TEST_CASE("halved fits end, within the tolerance or refused") {
   }
 }
 
-TEST_CASE("points that all but repeat their neighbour are no corners") {
+TEST_CASE("points that all but repeat their neighbour are no corners", "[fairing][curve_fit]") {
   for (const double d : {1e-12, 1e-11, 1e-9, 1e-7, 1e-5, 1e-4}) {
     std::vector<Vec3> arc;
     for (int i = 0; i < 60; ++i) {
@@ -356,7 +361,8 @@ TEST_CASE("points that all but repeat their neighbour are no corners") {
         std::vector<int>{2});
 }
 
-TEST_CASE("a curve does not race through the hooks of a stroke, nor stray between its points") {
+TEST_CASE("a curve does not race through the hooks of a stroke, nor stray between its points",
+          "[fairing][curve_fit]") {
   // Drawn by hand; hooks at both ends, where the pen came down and was lifted.
   const std::vector<Vec3> stroke = {
       {0.1019, 0.9136, 0.4299}, {0.0987, 0.9116, 0.4319}, {0.1155, 0.9114, 0.4798},
@@ -380,7 +386,8 @@ TEST_CASE("a curve does not race through the hooks of a stroke, nor stray betwee
   }
 }
 
-TEST_CASE("what the fit promises between points is what the deviation reports") {
+TEST_CASE("the accuracy that the fit states between points is what the deviation reports",
+          "[fairing][curve_fit]") {
   Random random(29);
   int strayed = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -397,7 +404,8 @@ TEST_CASE("what the fit promises between points is what the deviation reports") 
   CHECK(strayed <= 3);
 }
 
-TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no parameter") {
+TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no parameter",
+          "[fairing][curve_fit]") {
   CurveFitProblem once;
   once.tolerance = 1e-6;
   for (int i = 0; i <= 20; ++i) once.points.push_back({helix(i / 20.0), i / 20.0});
@@ -418,7 +426,8 @@ TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no par
   CHECK(often.points[7].t != 7 / 20.0);
 }
 
-TEST_CASE("where the curve has to go through all points, those of straight stretches go again") {
+TEST_CASE("where the curve has to go through all points, those of straight stretches go again",
+          "[fairing][curve_fit]") {
   // No smooth curve with fewer nodes follows the spike: 6,000 nodes, then few.
   std::vector<Vec3> points = points_of(6000, [](double s) { return Vec3(1000 * s, 0, 0); });
   points[2500].y() = 40;
@@ -435,7 +444,7 @@ TEST_CASE("where the curve has to go through all points, those of straight stret
   CHECK(alone.parameters == fit.parameters);
 }
 
-TEST_CASE("a hundred thousand noisy points are fitted in few segments") {
+TEST_CASE("a hundred thousand noisy points are fitted in few segments", "[fairing][curve_fit]") {
   Random random(23);
   auto points = points_of(100000, helix);
   for (Vec3& p : points) p += 0.001 * random.point();

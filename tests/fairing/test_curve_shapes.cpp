@@ -31,7 +31,7 @@ double error_of_derivatives(const InputCurve& curve) {
 
 }  // namespace
 
-TEST_CASE("arcs, ellipses and helices are their formulas") {
+TEST_CASE("arcs, ellipses and helices are their formulas", "[fairing][curve_shapes]") {
   const auto half = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
   CHECK(ArcLength(half).total() == Approx(5 * pi));
   CHECK((half->evaluate(half->end()) - Vec3(-5, 0, 1)).norm() < 1e-14);
@@ -53,7 +53,7 @@ TEST_CASE("arcs, ellipses and helices are their formulas") {
     CHECK(error_of_derivatives(*curve) < 1e-7);
 }
 
-TEST_CASE("a rectangle has its sides and corners") {
+TEST_CASE("a rectangle has its sides and corners", "[fairing][curve_shapes]") {
   const CurvePlane plane;
   const auto sharp = rectangle(plane, 100, 60, 0), round = rectangle(plane, 100, 60, 8);
   CHECK(ArcLength(sharp).total() == Approx(320));
@@ -69,7 +69,8 @@ TEST_CASE("a rectangle has its sides and corners") {
   CHECK(ArcLength(rectangle(plane, 20, 20, 10)).total() == Approx(20 * pi));
 }
 
-TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots") {
+TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots",
+          "[fairing][curve_shapes]") {
   const std::vector<Vec3> p = {{0, 0, 0}, {1, 2, 0}, {3, 2, 1}, {4, 0, 0}, {6, 1, 2}};
   const auto bezier = bezier_curve(p[0], p[1], p[2], p[3]),
              same = nurbs_curve(3, {p.begin(), p.end() - 1}, {}, {});
@@ -91,7 +92,7 @@ TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots") 
     CHECK(error_of_derivatives(*curve) < 1e-7);
 }
 
-TEST_CASE("copies are where they are put") {
+TEST_CASE("copies are where they are put", "[fairing][curve_shapes]") {
   const auto arc = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
   const AffineTransform there =
       scaling_about({0, 0, 1}, 2).then(rotation_about({0, 0, 0}, {0, 0, 1}, pi / 2));
@@ -101,7 +102,7 @@ TEST_CASE("copies are where they are put") {
   CHECK(ArcLength(copy).total() == Approx(10 * pi));
 }
 
-TEST_CASE("what describes no curve is refused with what was found") {
+TEST_CASE("invalid descriptions of curves are refused with the reason", "[fairing][curve_shapes]") {
   const CurvePlane plane;
   CHECK_THROWS_WITH(arc_through({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), Contains("collinear"));
   CHECK_THROWS_WITH(ellipse_arc(plane, -1, 1, 0, 1), Contains("found the radius -1"));

@@ -95,7 +95,8 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-TEST_CASE("automatic fairing takes more than half of the noise, never adds to it") {
+TEST_CASE("automatic fairing takes more than half of the noise, never adds to it",
+          "[fairing][curves]") {
   for (const double sigma : {0.002, 0.007, 0.02}) {
     std::vector<double> ratios;
     for (unsigned seed = 0; seed < 9; ++seed) {
@@ -147,7 +148,8 @@ std::vector<Vec3> airfoil(double camber, double at, double thickness, int side) 
 
 }  // namespace
 
-TEST_CASE("automatic fairing leaves exact points where they are: noses, ends, corners") {
+TEST_CASE("automatic fairing leaves exact points where they are: noses, ends, corners",
+          "[fairing][curves]") {
   for (const double thickness : {0.06, 0.12, 0.21})
     for (const int side : {30, 70, 200}) {
       const auto points = airfoil(0.02, 0.4, thickness, side);
@@ -158,8 +160,8 @@ TEST_CASE("automatic fairing leaves exact points where they are: noses, ends, co
     }
 }
 
-TEST_CASE(
-    "noses of noisy sections are not flattened, and points move by twice their noise at most") {
+TEST_CASE("noses of noisy sections are not flattened, and points move by twice their noise at most",
+          "[fairing][curves]") {
   constexpr double sigma = 5e-4;
   std::vector<double> shares;
   for (unsigned seed = 0; seed < 9; ++seed) {
@@ -184,7 +186,8 @@ TEST_CASE(
   CHECK(shares.back() < 1);
 }
 
-TEST_CASE("curvature of a faired line has at most twice the extrema of the true one") {
+TEST_CASE("curvature of a faired curve has at most twice the extrema of the true one",
+          "[fairing][curves]") {
   const auto sine = [](double s) { return Vec3(10 * s, 0.6 * std::sin(8 * pi * s), 0); };
   std::vector<Vec3> exact;
   for (int i = 0; i <= 800; ++i) exact.push_back(sine(i / 800.0));
@@ -202,7 +205,8 @@ TEST_CASE("curvature of a faired line has at most twice the extrema of the true 
   }
 }
 
-TEST_CASE("outliers of a noisy line are passed over, corners and bends are none") {
+TEST_CASE("outliers of a noisy curve are ignored, corners and bends are none",
+          "[fairing][curves]") {
   constexpr double sigma = 0.004;
   std::vector<double> ratios;
   for (unsigned seed = 0; seed < 9; ++seed) {
@@ -268,7 +272,7 @@ double roof_length() { return interpolating_spline("roof", jittered_roof(0, 0, {
 
 }  // namespace
 
-TEST_CASE("a tremor that neighbours share goes where its size or its wavelength is stated") {
+TEST_CASE("correlated noise is removed if its size or wavelength is given", "[fairing][curves]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     const std::vector<Vec3> points = jittered_roof(seed, 0.01, {1, 2});
     const double before = error(points, roof);
@@ -285,7 +289,8 @@ TEST_CASE("a tremor that neighbours share goes where its size or its wavelength 
   }
 }
 
-TEST_CASE("points that a tremor moves to and fro have no corners where that is stated") {
+TEST_CASE("points that a tremor moves to and fro have no corners where that is stated",
+          "[fairing][curves]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     const std::vector<Vec3> points = jittered_roof(seed, 0.02, {0, 1, 2});
@@ -304,7 +309,8 @@ TEST_CASE("points that a tremor moves to and fro have no corners where that is s
   }
 }
 
-TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps") {
+TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps",
+          "[fairing][curves]") {
   const Noisy data = noisy(60, 4, 0.01, roof);
   FairOptions options;
   options.smoothing = FairOptions::Smoothing::Wavelength;
@@ -350,7 +356,8 @@ TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps
 }
 
 TEST_CASE(
-    "a wave of the given length keeps half of its height, a longer one more, a shorter one less") {
+    "a wave of the given length keeps half of its height, a longer one more, a shorter one less",
+    "[fairing][curves]") {
   const auto kept = [](double wave, double wavelength) {
     std::vector<Vec3> points;
     for (int i = 0; i <= 600; ++i)
@@ -369,7 +376,7 @@ TEST_CASE(
   CHECK(kept(1.5, 3) == Approx(1.0 / 65).margin(0.01));
 }
 
-TEST_CASE("a stated deviation is kept, and used") {
+TEST_CASE("a stated deviation is kept, and used", "[fairing][curves]") {
   const Noisy data = noisy(120, 7, 0.01, roof);
   double before = 1e9;
   for (const double limit : {0.03, 0.01, 0.002}) {
@@ -384,7 +391,8 @@ TEST_CASE("a stated deviation is kept, and used") {
   }
 }
 
-TEST_CASE("a stated deviation far below the noise is kept, without spikes that grow") {
+TEST_CASE("a stated deviation far below the noise is kept, without spikes that grow",
+          "[fairing][curves]") {
   Random random(11);
   std::vector<Vec3> points;
   for (int i = 0; i < 400; ++i) {
@@ -408,7 +416,8 @@ TEST_CASE("a stated deviation far below the noise is kept, without spikes that g
   }
 }
 
-TEST_CASE("conditions hold exactly after fairing, alone and together, open and closed") {
+TEST_CASE("conditions hold exactly after fairing, alone and together, open and closed",
+          "[fairing][curves]") {
   using Type = CurveCondition::Type;
   const Noisy data = noisy(100, 11, 0.01, roof);
   const Vec3 far(1e4, -2e4, 3e4);
@@ -456,7 +465,8 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
   CHECK(std::abs(fair.curve.evaluate(0).x()) < 1e-14);
 }
 
-TEST_CASE("a direction is held where the curve is nearest to its place in the end") {
+TEST_CASE("a direction is constrained where the final curve is closest to the given point",
+          "[fairing][curves]") {
   for (const int n : {20, 50}) {
     std::vector<Vec3> points;
     for (int i = 0; i < n; ++i)
@@ -471,7 +481,8 @@ TEST_CASE("a direction is held where the curve is nearest to its place in the en
 }
 
 TEST_CASE(
-    "corners and conditions that lie close together are no trouble, nor is symmetry of a drawing") {
+    "corners and conditions that lie close together are no trouble, nor is symmetry of a drawing",
+    "[fairing][curves]") {
   using Type = CurveCondition::Type;
   for (const double d : {0.0, 1e-8, 1e-6, 1e-4, 1e-2}) {
     const std::vector<Vec3> corner = {{-1, 0, 0}, {-0.4, 0.8, 0}, {0.4 + d, 0.8, 0}, {1, 0, 0}};
@@ -492,7 +503,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength says") {
+TEST_CASE("a closed curve under a given wavelength keeps the longer waves", "[fairing][curves]") {
   std::vector<Vec3> circle;
   for (int i = 0; i < 60; ++i)
     circle.emplace_back(std::cos(2 * pi * i / 60), std::sin(2 * pi * i / 60), 0);
@@ -512,7 +523,7 @@ TEST_CASE("a closed curve under a stated wavelength keeps what the wavelength sa
   }
 }
 
-TEST_CASE("corners stay corners") {
+TEST_CASE("corners stay corners", "[fairing][curves]") {
   std::vector<Vec3> points;
   std::mt19937 engine(2);
   std::normal_distribution<double> gauss(0, 0.004);
@@ -530,7 +541,8 @@ TEST_CASE("corners stay corners") {
   CHECK(fair_points("square", points, options).curve.mesh().corners().empty());
 }
 
-TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") {
+TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit",
+          "[fairing][curves]") {
   const Noisy data = noisy(200, 5, 0.004, roof);
   FairOptions options;
   options.smoothing = FairOptions::Smoothing::Wavelength;
@@ -612,7 +624,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit") 
   CHECK(fair_brush(before, centre, 10, 0.5).length() == Approx(before.length()).epsilon(0.05));
 }
 
-TEST_CASE("what cannot be faired is refused by name") {
+TEST_CASE("points that cannot be faired are refused by name", "[fairing][curves]") {
   const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {3, 1, 1}};
   FairOptions options;
   const auto fair = [&] { fair_points("rib", points, options); };
@@ -653,7 +665,8 @@ TEST_CASE("what cannot be faired is refused by name") {
   CHECK_THAT(error_message([&] { fair_interval(curve, 2, 1, 1); }), Contains("segment"));
 }
 
-TEST_CASE("odd point lists are faired: two points, a line, there and back, repeats, a crowd") {
+TEST_CASE("odd point lists are faired: two points, a line, there and back, repeats, a crowd",
+          "[fairing][curves]") {
   const auto fair = [](const std::vector<Vec3>& points) { return fair_points("odd", points); };
   CHECK(fair({{0, 0, 0}, {1, 1, 1}}).curve.length() == Approx(std::sqrt(3)));
   CHECK(fair({{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {2, 0, 0}}).parameters.size() == 4);
@@ -673,7 +686,8 @@ TEST_CASE("odd point lists are faired: two points, a line, there and back, repea
   CHECK(error(many.curve, roof) < 0.1 * crowd.noise);
 }
 
-TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair", "[data]") {
+TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair",
+          "[fairing][curves][data]") {
   const auto folder = optional_data("sketch-cassie/curves");
   if (folder.empty()) {
     WARN("skipped: no sketches on this machine");

@@ -38,7 +38,7 @@ Vec3 ellipse(double t, int order) {
 
 }  // namespace
 
-TEST_CASE("a circle has constant curvature, no extrema, no inflections") {
+TEST_CASE("a circle has constant curvature, no extrema, no inflections", "[fairing][fairness]") {
   double before = 0;
   for (const int n : {16, 32, 64}) {
     const Fairness f = fairness(sampled(n, 0, 2 * pi, circle, true));
@@ -52,7 +52,7 @@ TEST_CASE("a circle has constant curvature, no extrema, no inflections") {
   }
 }
 
-TEST_CASE("an ellipse has four extrema, a figure of eight two inflections") {
+TEST_CASE("an ellipse has four extrema, a figure of eight two inflections", "[fairing][fairness]") {
   const auto integral = [](const auto& f) {
     double sum = 0;
     const int n = 4000;
@@ -89,7 +89,8 @@ TEST_CASE("an ellipse has four extrema, a figure of eight two inflections") {
   CHECK(turned.variation == Approx(g.variation).epsilon(1e-9));
 }
 
-TEST_CASE("a straight line is fair, a wavy one is counted wave by wave, corners are left out") {
+TEST_CASE("a straight line is fair, a wavy one is counted wave by wave, corners are left out",
+          "[fairing][fairness]") {
   const Fairness straight = fairness(sampled(7, 0, 1, [](double t, int o) {
     return o == 0 ? Vec3(t, 2 * t, 1e6 + 3 * t) : Vec3(1, 2, 3);
   }));
@@ -110,7 +111,8 @@ TEST_CASE("a straight line is fair, a wavy one is counted wave by wave, corners 
   CHECK(house.largest_jump < 1e-9);
 }
 
-TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no inflections") {
+TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no inflections",
+          "[fairing][fairness]") {
   // Arcs that bulge outwards, or inwards: the curvature vector turns at every corner.
   for (const double bulge : {0.3, -0.3}) {
     std::vector<double> u;
@@ -136,7 +138,7 @@ TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no i
   }
 }
 
-TEST_CASE("a jump of curvature is reported, and a C2 curve has none") {
+TEST_CASE("a jump of curvature is reported, and a C2 curve has none", "[fairing][fairness]") {
   const HermiteCurve bent({0, 1, 2}, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 2, 0.5, 0).finished(),
                           (Points(3, 3) << 1, 0, 0, 1, 0, 0, 1, 1, 0).finished());
   // Segment one is straight, segment two has X''(0) = (0, 1, 0) at speed 1.
@@ -147,7 +149,8 @@ TEST_CASE("a jump of curvature is reported, and a C2 curve has none") {
   CHECK(given.largest_jump < 1e-9);
 }
 
-TEST_CASE("the teeth of a comb point away from the centre and are as long as the curvature") {
+TEST_CASE("the teeth of a comb point away from the centre and are as long as the curvature",
+          "[fairing][fairness]") {
   const HermiteCurve curve = sampled(64, 0, 2 * pi, circle, true);
   const auto comb = curvature_comb(curve, 128);
   CHECK(comb.size() >= 128);

@@ -61,7 +61,7 @@ std::pair<double, double> jumps(const InputCurve& curve) {
 
 }  // namespace
 
-TEST_CASE("points of an arc give the arc") {
+TEST_CASE("points of an arc give the arc", "[fairing][point_curve]") {
   const auto off = [](const Vec3& p) { return Vec2(p.x(), p.z()).norm() - 50; };
   for (const auto& [points, within] : {std::pair(4, 1e-4), {5, 1e-5}, {9, 1e-7}, {17, 2e-9}}) {
     INFO(points);
@@ -76,7 +76,7 @@ TEST_CASE("points of an arc give the arc") {
         1e-6);
 }
 
-TEST_CASE("long sides between rounded corners are straight") {
+TEST_CASE("long sides between rounded corners are straight", "[fairing][point_curve]") {
   const auto off = [](const Vec3& p) {
     const Vec2 q(std::max(std::abs(p.x()) - 42, 0.0), std::max(std::abs(p.y()) - 22, 0.0));
     return q.x() > 0 && q.y() > 0 ? q.norm() - 8 : std::max(q.x(), q.y()) - 8;
@@ -91,7 +91,8 @@ TEST_CASE("long sides between rounded corners are straight") {
   }
 }
 
-TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are left alone") {
+TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are left alone",
+          "[fairing][point_curve]") {
   std::vector<Vec3> points;
   for (int i = 0; i < 5; ++i) points.emplace_back(10 * i, 0, 0);
   for (int i = 1; i < 8; ++i) points.emplace_back(40 + 5 * i, 0.05 * i * i * i, 0);
@@ -108,7 +109,7 @@ TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are 
                  [](const Vec3& p) { return p.y() - std::sin(p.x()); }) < 5e-3);
 }
 
-TEST_CASE("dense points of smooth curves are left to the spline") {
+TEST_CASE("dense points of smooth curves are left to the spline", "[fairing][point_curve]") {
   for (const int count : {40, 54, 70, 100, 400}) {
     std::vector<Vec3> wave, ellipse;
     for (int i = 0; i <= count; ++i) {
@@ -127,7 +128,7 @@ TEST_CASE("dense points of smooth curves are left to the spline") {
   }
 }
 
-TEST_CASE("corners may be stated") {
+TEST_CASE("corners may be stated", "[fairing][point_curve]") {
   const std::vector<Vec3> points = {{0, 0, 0},   {1, 0, 0},   {2, 0, 0},
                                     {3, 0.2, 0}, {4, 0.4, 0}, {5, 0.6, 0}};
   CHECK(curve_through_points("keel", points)->corners().empty());

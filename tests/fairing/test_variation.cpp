@@ -120,7 +120,8 @@ Surface bumped(const Surface& s) {
 
 }  // namespace
 
-TEST_CASE("the change of curvature has the derivatives that differences show") {
+TEST_CASE("the change of curvature has the derivatives that differences show",
+          "[fairing][variation]") {
   std::mt19937 generator(3);
   for (int round = 0; round < 20; ++round) {
     const Jet3 jet = random_jet(generator);
@@ -149,7 +150,8 @@ TEST_CASE("the change of curvature has the derivatives that differences show") {
 }
 
 TEST_CASE(
-    "curvature does not change on spheres and cylinders, along its lines not on cones and tori") {
+    "curvature is constant on spheres and cylinders, and on cones and tori along curvature lines",
+    "[fairing][variation]") {
   using Row = std::array<long double, 3>;
   const auto sphere = [](long double u, long double v) {
     return Row{2 * std::cos(u) * std::cos(v), 2 * std::sin(u) * std::cos(v), 2 * std::sin(v)};
@@ -183,7 +185,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the forms belong to the shape, not to its parameters or its place") {
+TEST_CASE("the forms depend on the shape, not on its parameters or its position",
+          "[fairing][variation]") {
   std::mt19937 generator(5);
   const Jet3 jet = random_jet(generator);
   const CurvatureTensors forms = forms_of(jet);
@@ -198,7 +201,8 @@ TEST_CASE("the forms belong to the shape, not to its parameters or its place") {
   CHECK((same.II - forms.II).norm() < 1e-10 * forms.II.norm());
 }
 
-TEST_CASE("the functional has the gradient that differences show, where curvature does not jump") {
+TEST_CASE("the functional has the gradient that differences show, where curvature does not jump",
+          "[fairing][variation]") {
   const Surface s = cubic_graph(2);
   CurvatureVariationTerms terms(s, 0.1, 2);
   terms.add_side(s, {0, 1, 2});
@@ -218,7 +222,8 @@ TEST_CASE("the functional has the gradient that differences show, where curvatur
   CHECK(worst < 1e-7 * exact.norm());
 }
 
-TEST_CASE("the value is the sum of the elements' values, and curvature that jumps costs") {
+TEST_CASE("the value is the sum of the elements' values, and curvature that jumps costs",
+          "[fairing][variation]") {
   Surface s = cubic_graph(3);
   const CurvatureVariationTerms terms(s, 0.1, 2);
   const auto sums = [&](const Surface& surface) {
@@ -253,7 +258,8 @@ TEST_CASE("the value is the sum of the elements' values, and curvature that jump
 
 TEST_CASE(
     "jumps of curvature and tangent plane between two parts have the derivatives that differences "
-    "show") {
+    "show",
+    "[fairing][variation]") {
   // z = x²: places of equal x have equal forms, so that the jumps between them are zero, and the
   // dofs beside one are not those beside the other.
   const Surface s = cubic_graph(3, 0);
@@ -313,7 +319,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("multipliers find the minimum under rows, rows that follow from others among them") {
+TEST_CASE("multipliers find the minimum under rows, rows that follow from others among them",
+          "[fairing][variation]") {
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;
   constexpr int n = 20, count = 5;
@@ -341,7 +348,8 @@ TEST_CASE("multipliers find the minimum under rows, rows that follow from others
         1e-9);
 }
 
-TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gives") {
+TEST_CASE("constraint equations of many dofs by Lagrange multipliers equal elimination",
+          "[fairing][variation]") {
   const Surface s = cubic_graph(6), start = bumped(s);
   ConstraintSet rows(s.dof_map().count());
   SurfaceConstraints shape(s.mesh(), s.kind(), rows);
@@ -373,7 +381,8 @@ TEST_CASE("rows of many dofs, held by multipliers, give what eliminating them gi
   CHECK(held.functional < 0.1 * held.start_functional);
 }
 
-TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them") {
+TEST_CASE("triangles that stand still keep their dofs, and the others are faired beside them",
+          "[fairing][variation]") {
   const Surface s = cubic_graph(6), start = bumped(s);
   MinimumVariationOptions options;
   std::vector<char> fixed(static_cast<size_t>(start.dofs().rows()), 0);
@@ -395,7 +404,8 @@ TEST_CASE("triangles that stand still keep their dofs, and the others are faired
   CHECK(faired.functional < 0.1 * faired.start_functional);
 }
 
-TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two") {
+TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread and two",
+          "[fairing][variation]") {
   const Surface s = cubic_graph(6), start = bumped(s);
   ConstraintSet rows(s.dof_map().count());
   SurfaceConstraints shape(s.mesh(), s.kind(), rows);
@@ -415,7 +425,7 @@ TEST_CASE("fairing keeps the rows exactly, and gives the same bits on one thread
   CHECK(alone.dofs == faired.dofs);
 }
 
-TEST_CASE("what cannot be faired says so") {
+TEST_CASE("surfaces that cannot be faired are reported", "[fairing][variation]") {
   const Surface s = cubic_graph(2);
   const ConstraintSet rows(s.dof_map().count());
   CHECK_THAT(error_message([&] { minimize_curvature_variation(s, ConstraintSet(3)); }),
@@ -434,7 +444,8 @@ TEST_CASE("what cannot be faired says so") {
              Contains("area zero"));
 }
 
-TEST_CASE("steps along the normals keep the rows and go along the normals") {
+TEST_CASE("steps along the normals keep the rows and go along the normals",
+          "[fairing][variation]") {
   const Surface s = cubic_graph(4);
   ConstraintSet rows(s.dof_map().count());
   for (int v = 0; v < s.mesh().vertex_count(); ++v)
@@ -462,7 +473,8 @@ TEST_CASE("steps along the normals keep the rows and go along the normals") {
   }
 }
 
-TEST_CASE("the same amount everywhere makes the parallel surface of a sphere") {
+TEST_CASE("the same amount everywhere makes the parallel surface of a sphere",
+          "[fairing][variation]") {
   // Dofs of a piece of the unit sphere, over (u, v) in [0, 0.5]².
   auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(6));
   const DofMap map(*mesh);

@@ -72,7 +72,8 @@ std::vector<SurfaceStiffness> one_for_each(const ParametricMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("an assembled matrix is the sum of its elements' matrices, in the lower triangle") {
+TEST_CASE("an assembled matrix is the sum of its elements' matrices, in the lower triangle",
+          "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(4, 1);
   const DofMap dofs(mesh);
   const std::vector<SurfaceStiffness> materials = one_for_each(mesh);
@@ -111,7 +112,7 @@ TEST_CASE("an assembled matrix is the sum of its elements' matrices, in the lowe
   }
 }
 
-TEST_CASE("the mass of 1 is the area, and a constant load is the mass times 1") {
+TEST_CASE("the mass of 1 is the area, and a constant load is the mass times 1", "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(5, 2);
   const VecX one = dofs_of(mesh, [](const Vec2&) { return Vec3(1, 0, 0); });
   const VecX u2v = dofs_of(mesh, [](const Vec2& p) {
@@ -130,7 +131,7 @@ TEST_CASE("the mass of 1 is the area, and a constant load is the mass times 1") 
   }
 }
 
-TEST_CASE("energies of global polynomials are their integrals over the square") {
+TEST_CASE("energies of global polynomials are their integrals over the square", "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(3, 3);
   const VecX uv2 = dofs_of(mesh, [](const Vec2& p) {
     return Vec3(p.x() * p.y() * p.y(), p.y() * p.y(), 2 * p.x() * p.y());
@@ -150,7 +151,8 @@ TEST_CASE("energies of global polynomials are their integrals over the square") 
   }
 }
 
-TEST_CASE("one material given once, for each triangle, or as a function is the same material") {
+TEST_CASE("one material given once, for each triangle, or as a function is the same material",
+          "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(6, 4);
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -170,7 +172,7 @@ TEST_CASE("one material given once, for each triangle, or as a function is the s
   }
 }
 
-TEST_CASE("a material that varies weights the energy where it is") {
+TEST_CASE("a material that varies weights the energy where it is", "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(4, 5);
   const VecX half_u2 =
       dofs_of(mesh, [](const Vec2& p) { return Vec3(0.5 * p.x() * p.x(), p.x(), 0); });
@@ -189,7 +191,8 @@ TEST_CASE("a material that varies weights the energy where it is") {
   }
 }
 
-TEST_CASE("a load that varies is told its place, and works on the surface there") {
+TEST_CASE("a varying load is evaluated at its position, and acts on the surface there",
+          "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(4, 6);
   const VecX u3 = dofs_of(
       mesh, [](const Vec2& p) { return Vec3(p.x() * p.x() * p.x(), 3 * p.x() * p.x(), 0); });
@@ -218,7 +221,8 @@ TEST_CASE("a load that varies is told its place, and works on the surface there"
   }
 }
 
-TEST_CASE("matrices and loads have the same bits on one, two and three threads") {
+TEST_CASE("matrices and loads have the same bits on one, two and three threads",
+          "[fem][assembly]") {
   const ThreadGuard guard;
   const ParametricMesh mesh = shuffled_square(32, 7);
   const std::vector<SurfaceStiffness> materials = one_for_each(mesh);
@@ -262,7 +266,7 @@ TEST_CASE("matrices and loads have the same bits on one, two and three threads")
   CHECK(same_bits(one, three));
 }
 
-TEST_CASE("an exception in a material reaches the caller") {
+TEST_CASE("an exception in a material reaches the caller", "[fem][assembly]") {
   const ParametricMesh mesh = shuffled_square(24, 8);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
   SparseMatrix K = assembler.pattern();
@@ -273,7 +277,7 @@ TEST_CASE("an exception in a material reaches the caller") {
   CHECK_THROWS_AS(assembler.stiffness(bad, K), InputError);
 }
 
-TEST_CASE("wrong counts and foreign matrices are input errors") {
+TEST_CASE("wrong counts and foreign matrices are input errors", "[fem][assembly]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(2),
                        other = ParametricMesh::unit_square(3);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
@@ -312,7 +316,8 @@ VecX solve_with_fixed(const SparseMatrix& K, const VecX& F, const std::vector<in
 
 }  // namespace
 
-TEST_CASE("an assembled curve is the sum of its segments, with coefficients linear between nodes") {
+TEST_CASE("an assembled curve is the sum of its segments, with coefficients linear between nodes",
+          "[fem][assembly]") {
   const std::vector<double> u{-1, -0.2, 0.1, 1.5}, alpha{1, 2, 3, 5}, beta{4, 3, 2, 7};
   const CurveAssembler assembler{CurveMesh(u)};
   REQUIRE(assembler.mesh().dof_count() == 8);
@@ -342,7 +347,7 @@ TEST_CASE("an assembled curve is the sum of its segments, with coefficients line
   CHECK(relative_error(dense(assembler.stiffness({2}, {0.5})), dense(K)) < 1e-15);
 }
 
-TEST_CASE("beams and strings have the closed-form solutions at their nodes") {
+TEST_CASE("beams and strings have the closed-form solutions at their nodes", "[fem][assembly]") {
   const std::vector<double> u{0, 0.13, 0.4, 0.55, 0.9, 1};
   const CurveAssembler assembler{CurveMesh(u)};
   const int last = assembler.mesh().dof_count() - 2;

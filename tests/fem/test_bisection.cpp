@@ -114,7 +114,7 @@ std::vector<char> near(const ParametricMesh& mesh, const Vec2& p, double distanc
 
 }  // namespace
 
-TEST_CASE("bisection conforms, covers the same, and divides what was marked") {
+TEST_CASE("bisection conforms, covers the same, and divides what was marked", "[fem][bisection]") {
   Random random(4);
   for (unsigned trial = 0; trial < 40; ++trial) {
     ParametricMesh mesh = trial % 2 ? perturbed_square(5, trial) : ParametricMesh::unit_square(4);
@@ -131,7 +131,7 @@ TEST_CASE("bisection conforms, covers the same, and divides what was marked") {
   }
 }
 
-TEST_CASE("nothing marked changes nothing, a wrong count is refused") {
+TEST_CASE("nothing marked changes nothing, a wrong count is refused", "[fem][bisection]") {
   const ParametricMesh mesh = perturbed_square(3, 1);
   const Bisection same = bisected(mesh, std::vector<char>(18, 0));
   CHECK(same.mesh.triangles() == mesh.triangles());
@@ -141,7 +141,8 @@ TEST_CASE("nothing marked changes nothing, a wrong count is refused") {
         "17 marks for 18 triangles");
 }
 
-TEST_CASE("all marked twice: right isosceles triangles in four of half the size") {
+TEST_CASE("all marked twice: right isosceles triangles in four of half the size",
+          "[fem][bisection]") {
   ParametricMesh mesh = squares({-1, -1}, 0.25, 8, 8);
   for (int round = 1; round <= 6; ++round) {
     mesh = bisected(mesh, std::vector<char>(mesh.triangle_count(), 1)).mesh;
@@ -150,7 +151,8 @@ TEST_CASE("all marked twice: right isosceles triangles in four of half the size"
   }
 }
 
-TEST_CASE("right isosceles triangles stay so, and a point draws few triangles a round") {
+TEST_CASE("right isosceles triangles stay so, and a point draws few triangles a round",
+          "[fem][bisection]") {
   // On a vertex, on an edge, and inside an element.
   for (const Vec2& p : {Vec2(0, 0), Vec2(0.1, 0), Vec2(0.1, 0.1), Vec2(0.137, 0.061)}) {
     ParametricMesh mesh = squares({-1, -1}, 0.25, 8, 8);
@@ -175,7 +177,7 @@ TEST_CASE("right isosceles triangles stay so, and a point draws few triangles a 
   }
 }
 
-TEST_CASE("angles stay above half of the smallest, however often") {
+TEST_CASE("angles stay above half of the smallest, however often", "[fem][bisection]") {
   for (unsigned trial = 0; trial < 12; ++trial) {
     Random random(trial);
     ParametricMesh mesh = perturbed_square(4 + trial % 3, trial);
@@ -196,7 +198,7 @@ TEST_CASE("angles stay above half of the smallest, however often") {
   }
 }
 
-TEST_CASE("equal lengths: neighbours agree, whatever the rounding") {
+TEST_CASE("equal lengths: neighbours agree, whatever the rounding", "[fem][bisection]") {
   // Equilateral triangles turned and moved, so that lengths differ in their last bits only.
   std::vector<int> first;
   for (const double angle : {0., 0.3, 1.1}) {
@@ -229,7 +231,7 @@ TEST_CASE("equal lengths: neighbours agree, whatever the rounding") {
   }
 }
 
-TEST_CASE("of equal edges the two triangles beside one choose the same") {
+TEST_CASE("of equal edges the two triangles beside one choose the same", "[fem][bisection]") {
   const double w = std::sqrt(3.) / 2;
   const std::vector<Vec2> vertices{{0, 0}, {w, -0.5}, {w, 0.5}, {2 * w, 0}};
   // The shared edge is the first that the mesh numbers, wherever it is in the second triangle.
@@ -244,7 +246,7 @@ TEST_CASE("of equal edges the two triangles beside one choose the same") {
   }
 }
 
-TEST_CASE("bisection does not know where the mesh lies, nor its unit") {
+TEST_CASE("bisection does not know where the mesh lies, nor its unit", "[fem][bisection]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(4);
   std::vector<Vec2> moved;
   for (const Vec2& p : mesh.vertices()) moved.emplace_back(1000 * p + Vec2(137.3, -1e4));
@@ -257,7 +259,7 @@ TEST_CASE("bisection does not know where the mesh lies, nor its unit") {
   }
 }
 
-TEST_CASE("a tube is halved around its seam") {
+TEST_CASE("a tube is halved around its seam", "[fem][bisection]") {
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;
   const int n = 6;
@@ -285,7 +287,8 @@ TEST_CASE("a tube is halved around its seam") {
   CHECK(area(part.mesh) == Approx(2 / 3.).epsilon(1e-12));
 }
 
-TEST_CASE("a part of a mesh keeps its triangles and the order of its vertices") {
+TEST_CASE("a part of a mesh keeps its triangles and the order of its vertices",
+          "[fem][bisection]") {
   const ParametricMesh mesh = perturbed_square(4, 9);
   const std::vector<int> wanted{9, 2, 3, 17, 30};
   const Submesh part = extract_submesh(mesh, wanted);

@@ -105,7 +105,8 @@ Errors solve_biharmonic(const ParametricMesh& mesh, TriangleElement kind,
 
 }  // namespace
 
-TEST_CASE("the clamped biharmonic problem converges with orders 4, 3, 2 on perturbed meshes") {
+TEST_CASE("the clamped biharmonic problem converges with orders 4, 3, 2 on perturbed meshes",
+          "[fem][convergence]") {
   for (const auto kind : kBothElements) {
     INFO(name(kind));
     const TriangleRule rule =
@@ -123,7 +124,8 @@ TEST_CASE("the clamped biharmonic problem converges with orders 4, 3, 2 on pertu
   }
 }
 
-TEST_CASE("the clamped biharmonic problem has the reference errors on the regular meshes") {
+TEST_CASE("the clamped biharmonic problem has the reference errors on the regular meshes",
+          "[fem][convergence]") {
   const auto gold = batten_test::reference("convergence.json")["biharmonic"]["results"];
   // The reference integrated the errors of Z12 by this rule, which moves its H2 by 2 %.
   const auto entries = batten_test::reference("triangle_rules.json")["rules"]["10"];
@@ -147,7 +149,8 @@ TEST_CASE("the clamped biharmonic problem has the reference errors on the regula
   }
 }
 
-TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh") {
+TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh",
+          "[fem][convergence]") {
   const ParametricMesh mesh = perturbed_square(6, 3);
   const std::vector<char> fixed = fixed_dofs(mesh, true);
   SurfaceStiffness bend, both;
@@ -185,7 +188,8 @@ TEST_CASE("patch test: what the space holds is found exactly on a perturbed mesh
 // gradient along the boundary only. It is zero there on clamped sides; on a straight simply
 // supported side the gradient is a multiple of one fixed normal, so the form w_u dw_v - w_v dw_u
 // vanishes too. Hence the same discrete solution, for all ν.
-TEST_CASE("square plates under uniform load have Timoshenko's deflection in the middle") {
+TEST_CASE("square plates under uniform load have Timoshenko's deflection in the middle",
+          "[fem][convergence]") {
   const auto gold = batten_test::reference("convergence.json")["plates"];
   for (const auto kind : kBothElements)
     for (const bool clamped : {false, true}) {

@@ -40,7 +40,8 @@ MatX whole(const SparseMatrix& lower) {
 
 }  // namespace
 
-TEST_CASE("dofs are numbered along the curve, each once, and shared except at corners") {
+TEST_CASE("dofs are numbered along the curve, each once, and shared except at corners",
+          "[fem][curve_mesh]") {
   for (const CurveMesh& mesh : sample_meshes()) {
     std::set<int> seen;
     for (int s = 0; s < mesh.segment_count(); ++s)
@@ -65,7 +66,7 @@ TEST_CASE("dofs are numbered along the curve, each once, and shared except at co
   CHECK(CurveMesh({0, 1, 2}).locate(7).segment == 1);
 }
 
-TEST_CASE("curve meshes that are none are refused") {
+TEST_CASE("curve meshes that are none are refused", "[fem][curve_mesh]") {
   CHECK_THAT(error_message([] { CurveMesh({1.0}); }), Contains("two nodes"));
   CHECK_THAT(error_message([] { CurveMesh({0, 1}, true); }), Contains("two segments"));
   CHECK_THAT(error_message([] { CurveMesh({0, 1, 1}); }), Contains("u[1] = 1, u[2] = 1"));
@@ -79,7 +80,8 @@ TEST_CASE("curve meshes that are none are refused") {
              Contains("3 dofs"));
 }
 
-TEST_CASE("energies of any mesh equal quadrature of the curve, with weights linear in a segment") {
+TEST_CASE("energies of any mesh equal quadrature of the curve, with weights linear in a segment",
+          "[fem][curve_mesh]") {
   Random random(9);
   for (const CurveMesh& mesh : sample_meshes()) {
     const HermiteCurve curve = random_curve(mesh, 7);
@@ -125,7 +127,8 @@ TEST_CASE("energies of any mesh equal quadrature of the curve, with weights line
   }
 }
 
-TEST_CASE("two clamped segments under a uniform load sag by 1/384 in the middle") {
+TEST_CASE("two clamped segments under a uniform load sag by 1/384 in the middle",
+          "[fem][curve_mesh]") {
   const CurveMesh mesh({0, 0.5, 1});
   ConstraintSet clamped(mesh.dof_count());
   CurveConstraints rows(mesh, clamped);
@@ -141,7 +144,8 @@ TEST_CASE("two clamped segments under a uniform load sag by 1/384 in the middle"
 }
 
 TEST_CASE(
-    "refinement orders: value 4, slope 3, curvature 2, with varying weights and a closed curve") {
+    "refinement orders: value 4, slope 3, curvature 2, with varying weights and a closed curve",
+    "[fem][curve_mesh]") {
   // -(alpha w')' + (beta w'')'' = f for w = sin, periodic; beta = 1 + 0.3 t/(2 pi) open, clamped.
   const double whole = 2 * M_PI;
   const auto solve = [&](int n, bool closed, double* errors) {
@@ -190,7 +194,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("further nodes change no point of a curve, and no bit elsewhere") {
+TEST_CASE("further nodes change no point of a curve, and no bit elsewhere", "[fem][curve_mesh]") {
   for (const CurveMesh& mesh : sample_meshes()) {
     const HermiteCurve curve = random_curve(mesh, 21);
     const double a = mesh.start(), h = mesh.end() - a, first = mesh.parameters()[1];
@@ -208,7 +212,7 @@ TEST_CASE("further nodes change no point of a curve, and no bit elsewhere") {
   }
 }
 
-TEST_CASE("the nearest point is never missed, on any curve") {
+TEST_CASE("the nearest point is never missed, on any curve", "[fem][curve_mesh]") {
   Random random(77);
   for (int trial = 0; trial < 60; ++trial) {
     const auto meshes = sample_meshes();
@@ -230,7 +234,8 @@ TEST_CASE("the nearest point is never missed, on any curve") {
   }
 }
 
-TEST_CASE("a band matrix is added, solved, fixed and inverted like a dense one") {
+TEST_CASE("a band matrix is added, solved, fixed and inverted like a dense one",
+          "[fem][curve_mesh]") {
   Random random(31);
   for (const auto& [n, band] : {std::pair(1, 3), {2, 1}, {7, 3}, {40, 3}, {41, 7}, {12, 11}}) {
     MatX A = MatX::Zero(n, n);

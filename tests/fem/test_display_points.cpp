@@ -61,7 +61,7 @@ struct Shown {
 
 }  // namespace
 
-TEST_CASE("display points and normals are those of the surface") {
+TEST_CASE("display points and normals are those of the surface", "[fem][display]") {
   for (const TriangleElement kind : kBothElements)
     for (const int n : {1, 3, 40}) {
       const Surface surface = wavy(n, kind, 3);
@@ -82,7 +82,7 @@ TEST_CASE("display points and normals are those of the surface") {
     }
 }
 
-TEST_CASE("display points of a tube go around its seam") {
+TEST_CASE("display points of a tube go around its seam", "[fem][display]") {
   // Twelve columns around, two rows, one diagonal a cell.
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;
@@ -108,7 +108,8 @@ TEST_CASE("display points of a tube go around its seam") {
   CHECK(worst < 2e-6);
 }
 
-TEST_CASE("display points ask for no memory and give the same bits on one thread or two") {
+TEST_CASE("display points ask for no memory and give the same bits on one thread or two",
+          "[fem][display]") {
   const Surface surface = wavy(50, TriangleElement::HCT, 1);
   const auto where = places(surface.mesh(), 2);
   const DisplayPoints display(surface.mesh(), surface.kind(), where);
@@ -129,7 +130,7 @@ TEST_CASE("display points ask for no memory and give the same bits on one thread
   CHECK(std::memcmp(shown.normals.data(), again.normals.data(), bytes) == 0);
 }
 
-TEST_CASE("display normals do not depend on the unit of length") {
+TEST_CASE("display normals do not depend on the unit of length", "[fem][display]") {
   const Surface surface = wavy(3, TriangleElement::HCT, 8);
   const auto where = places(surface.mesh(), 2);
   const DisplayPoints display(surface.mesh(), surface.kind(), where);
@@ -141,7 +142,7 @@ TEST_CASE("display normals do not depend on the unit of length") {
   }
 }
 
-TEST_CASE("a singular place has no normal, its neighbours have theirs") {
+TEST_CASE("a singular point has no normal, its neighbours have theirs", "[fem][display]") {
   Surface surface = wavy(4, TriangleElement::HCT, 6);
   Points q = surface.dofs();
   q.row(3 * 7 + 2) = -3 * q.row(3 * 7 + 1);  // x_v ∥ x_u at vertex 7
@@ -151,7 +152,8 @@ TEST_CASE("a singular place has no normal, its neighbours have theirs") {
     CHECK(shown.normal(p).norm() == Approx(p == 7 ? 0.0 : 1.0).margin(1e-6));
 }
 
-TEST_CASE("places that no triangle has, and dofs of another mesh, are refused") {
+TEST_CASE("locations outside of all triangles, and dofs of another mesh, are refused",
+          "[fem][display]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(2);
   const auto make = [&](const Location& where) {
     return DisplayPoints(mesh, TriangleElement::HCT, {{}, where});

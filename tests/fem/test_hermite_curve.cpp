@@ -70,7 +70,8 @@ double distance_by_search(const HermiteCurve& curve, const Vec3& p) {
 
 }  // namespace
 
-TEST_CASE("a curve takes its nodes' positions and derivatives, and is C1 at them") {
+TEST_CASE("a curve takes its nodes' positions and derivatives, and is C1 at them",
+          "[fem][hermite_curve]") {
   const HermiteCurve curve = random_curve(1, 6);
   REQUIRE(curve.node_count() == 6);
   CHECK(curve.start() == curve.parameters().front());
@@ -93,7 +94,8 @@ TEST_CASE("a curve takes its nodes' positions and derivatives, and is C1 at them
   CHECK(curve.evaluate(curve.end() + 5) == curve.evaluate(curve.end()));
 }
 
-TEST_CASE("curve derivatives are those of the order below, by central differences") {
+TEST_CASE("curve derivatives are those of the order below, by central differences",
+          "[fem][hermite_curve]") {
   const HermiteCurve curve = random_curve(2, 5);
   constexpr double step = 1e-5;
   for (int i = 0; i < 4; ++i) {
@@ -108,7 +110,7 @@ TEST_CASE("curve derivatives are those of the order below, by central difference
   CHECK_THROWS_AS(curve.evaluate(0, 4), InputError);
 }
 
-TEST_CASE("a curve holds cubics exactly and circles to the fourth order") {
+TEST_CASE("a curve holds cubics exactly and circles to the fourth order", "[fem][hermite_curve]") {
   const HermiteCurve cubic = interpolate({-1, 0.3, 0.5, 2}, [](double u) {
     return std::pair(Vec3(u * u * u, u * u - u, 2), Vec3(3 * u * u, 2 * u - 1, 0));
   });
@@ -127,7 +129,7 @@ TEST_CASE("a curve holds cubics exactly and circles to the fourth order") {
   }
 }
 
-TEST_CASE("length and curvature are those of lines and circles") {
+TEST_CASE("length and curvature are those of straight lines and circles", "[fem][hermite_curve]") {
   const HermiteCurve line = interpolate({0, 1, 5}, [](double u) {
     return std::pair(Vec3(1 + 2 * u, 2 - u, 3 + 2 * u), Vec3(2, -1, 2));
   });
@@ -168,7 +170,7 @@ TEST_CASE("length and curvature are those of lines and circles") {
   CHECK(still.curvature(0.5) == 0);
 }
 
-TEST_CASE("the closest point is the closest point") {
+TEST_CASE("the closest point is the closest point", "[fem][hermite_curve]") {
   for (unsigned seed = 10; seed < 14; ++seed) {
     const HermiteCurve curve = random_curve(seed, 5);
     Random random(seed);
@@ -194,7 +196,8 @@ TEST_CASE("the closest point is the closest point") {
   CHECK(line.closest_point({2.5, 1e6, 0}).u == Approx(2.5).epsilon(1e-12));
 }
 
-TEST_CASE("the closest point is found from near the centre of curvature too") {
+TEST_CASE("the closest point is found from near the centre of curvature too",
+          "[fem][hermite_curve]") {
   const HermiteCurve curve = interpolate({0, 1, 2, 3}, [](double u) {
     return std::pair(Vec3(std::cos(u), 1.05 * std::sin(u), 0.02 * u),
                      Vec3(-std::sin(u), 1.05 * std::cos(u), 0.02));
@@ -208,7 +211,7 @@ TEST_CASE("the closest point is found from near the centre of curvature too") {
   CHECK(excess < 1e-11);
 }
 
-TEST_CASE("curves that are none are input errors") {
+TEST_CASE("curves that are none are input errors", "[fem][hermite_curve]") {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   const Points two = Points::Zero(2, 3), three = Points::Zero(3, 3);
   CHECK_NOTHROW(HermiteCurve({0, 1}, two, two));

@@ -49,7 +49,8 @@ HermiteCurve in_space(const HermiteCurve& pcurve) {
 
 }  // namespace
 
-TEST_CASE("a line's load adds up to its length, and works on cubics as the line's integral") {
+TEST_CASE("a line load sums to its length, and its work on cubics is the line integral",
+          "[fem][loads]") {
   for (const auto kind : kBothElements)
     for (const int n : {3, 8, 17}) {
       const ParametricMesh mesh = perturbed_square(n, 3);
@@ -64,7 +65,7 @@ TEST_CASE("a line's load adds up to its length, and works on cubics as the line'
     }
 }
 
-TEST_CASE("a line's load on any surface is the integral along it, to 1e-8") {
+TEST_CASE("a line load on any surface is the integral along the curve, to 1e-8", "[fem][loads]") {
   Random random(5);
   for (const auto kind : kBothElements) {
     const ParametricMesh mesh = perturbed_square(6, 4);
@@ -89,7 +90,7 @@ TEST_CASE("a line's load on any surface is the integral along it, to 1e-8") {
   }
 }
 
-TEST_CASE("a run along element edges loads the edges' dofs only") {
+TEST_CASE("a run along element edges loads the edges' dofs only", "[fem][loads]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(4);
   const TriangleLocator locator(mesh);
   Points ends(2, 3), slopes(2, 3);
@@ -106,7 +107,7 @@ TEST_CASE("a run along element edges loads the edges' dofs only") {
   }
 }
 
-TEST_CASE("a line and an image over different intervals are refused") {
+TEST_CASE("a curve and a pcurve over different intervals are refused", "[fem][loads]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(4);
   const HermiteCurve pcurve = circle({0.5, 0.5}, 0.3, 8);
   CHECK_THROWS_AS(line_load(mesh, TriangleElement::HCT, TriangleLocator(mesh), pcurve,
@@ -114,7 +115,8 @@ TEST_CASE("a line and an image over different intervals are refused") {
                   InputError);
 }
 
-TEST_CASE("weights of triangles: 1 everywhere is the constant load, and parts add up") {
+TEST_CASE("weights of triangles: 1 everywhere is the constant load, and parts add up",
+          "[fem][loads]") {
   Random random(6);
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(6, 4));
   const auto trim = std::make_shared<Trim>(*mesh, DomainLoops({{circle({0.5, 0.5}, 0.4, 12)}}));

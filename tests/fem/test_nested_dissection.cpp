@@ -14,7 +14,7 @@
 
 using namespace batten_test;
 
-TEST_CASE("the dissection order holds every dof once") {
+TEST_CASE("the dissection order holds every dof once", "[fem][ordering]") {
   for (const int n : {1, 2, 7, 16}) {
     const ParametricMesh mesh = perturbed_square(n, 4);
     std::vector<int> order = nested_dissection_order(mesh);
@@ -25,7 +25,7 @@ TEST_CASE("the dissection order holds every dof once") {
   }
 }
 
-TEST_CASE("the order changes the fill, not the solution") {
+TEST_CASE("the order changes the fill, not the solution", "[fem][ordering]") {
   const ParametricMesh mesh = perturbed_square(40, 5);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
   const SparseMatrix K = assembler.stiffness(SurfaceStiffness{});
@@ -52,14 +52,14 @@ TEST_CASE("the order changes the fill, not the solution") {
     CHECK(entries(order) < 0.6 * entries(natural));
 }
 
-TEST_CASE("an order of the wrong size is refused") {
+TEST_CASE("an order of the wrong size is refused", "[fem][ordering]") {
   SparseMatrix A(3, 3);
   A.setIdentity();
   SparseCholesky cholesky;
   CHECK_THROWS_AS(cholesky.analyze(A, {0, 1}), InputError);
 }
 
-TEST_CASE("a coordinate without load and values stays exactly zero") {
+TEST_CASE("a coordinate without load and values stays exactly zero", "[fem][ordering]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(6);
   const SurfaceAssembler assembler(mesh, TriangleElement::HCT);
   const Points q =
@@ -69,7 +69,8 @@ TEST_CASE("a coordinate without load and values stays exactly zero") {
   CHECK(q.col(2).maxCoeff() > 1e-4);
 }
 
-TEST_CASE("pressure on a plane is a uniform load along its normal, on any surface it closes up") {
+TEST_CASE("pressure on a plane is a uniform load along its normal, on any surface it closes up",
+          "[fem][ordering]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(5, 6));
   for (const auto kind : kBothElements) {
     const SurfaceAssembler assembler(*mesh, kind);

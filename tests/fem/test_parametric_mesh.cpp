@@ -66,7 +66,8 @@ ParametricMesh strip(int columns, int rows, double shift) {
 
 }  // namespace
 
-TEST_CASE("a square mesh has the counts of Euler's formula and covers the square") {
+TEST_CASE("a square mesh has the counts of Euler's formula and covers the square",
+          "[fem][parametric_mesh]") {
   for (const int n : {1, 2, 5}) {
     const ParametricMesh mesh = ParametricMesh::unit_square(n);
     CHECK(mesh.vertex_count() == (n + 1) * (n + 1));
@@ -84,7 +85,7 @@ TEST_CASE("a square mesh has the counts of Euler's formula and covers the square
   CHECK_THROWS_AS(ParametricMesh::unit_square(0), InputError);
 }
 
-TEST_CASE("edges know their triangles, and triangles their edges") {
+TEST_CASE("edges know their triangles, and triangles their edges", "[fem][parametric_mesh]") {
   for (const ParametricMesh& mesh : {ParametricMesh::unit_square(3), fan()}) {
     std::map<std::pair<int, int>, int> uses;
     int last_new = -1;
@@ -110,7 +111,8 @@ TEST_CASE("edges know their triangles, and triangles their edges") {
   CHECK(fan().edge_between(1, 3) == -1);
 }
 
-TEST_CASE("the two triangles of an edge have opposite signs, and +1 has the normal pointing in") {
+TEST_CASE("the two triangles of an edge have opposite signs, and +1 has the normal pointing in",
+          "[fem][parametric_mesh]") {
   const ParametricMesh mesh = fan();
   for (int e = 0; e < mesh.edge_count(); ++e) {
     const auto& edge = mesh.edges()[e];
@@ -132,7 +134,8 @@ TEST_CASE("the two triangles of an edge have opposite signs, and +1 has the norm
   }
 }
 
-TEST_CASE("refinement cuts each triangle in four equal ones and stays conforming") {
+TEST_CASE("refinement cuts each triangle in four equal ones and stays conforming",
+          "[fem][parametric_mesh]") {
   const ParametricMesh coarse = fan();
   const ParametricMesh fine = coarse.refined();
   CHECK(fine.triangle_count() == 4 * coarse.triangle_count());
@@ -155,7 +158,8 @@ TEST_CASE("refinement cuts each triangle in four equal ones and stays conforming
     CHECK(std::abs(4 * fine.shape(t).area - coarse.shape(t / 4).area) < 1e-15);
 }
 
-TEST_CASE("every dof has one number, and neighbours share those of their edge") {
+TEST_CASE("every dof has one number, and neighbours share those of their edge",
+          "[fem][parametric_mesh]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(3);
   const DofMap dofs(mesh);
   CHECK(dofs.count() == 3 * mesh.vertex_count() + mesh.edge_count());
@@ -173,7 +177,7 @@ TEST_CASE("every dof has one number, and neighbours share those of their edge") 
   CHECK(*used.rbegin() == dofs.count() - 1);
 }
 
-TEST_CASE("meshes that are none are input errors that say what is wrong") {
+TEST_CASE("invalid meshes are input errors that state the reason", "[fem][parametric_mesh]") {
   const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   CHECK_NOTHROW(ParametricMesh(square, {{0, 1, 2}, {0, 2, 3}}));
   CHECK(rejected(square, {}, "at least one triangle"));
@@ -194,7 +198,9 @@ TEST_CASE("meshes that are none are input errors that say what is wrong") {
   CHECK_THROWS_AS(ParametricMesh(square, {{0, 1, 1}, {0, 2, 3}}), InputError);
 }
 
-TEST_CASE("a strip that is periodic in u has no seam: Euler's number 0, two rims, the whole area") {
+TEST_CASE(
+    "a strip that is periodic in u has no seam: Euler's number 0, two boundaries, the whole area",
+    "[fem][parametric_mesh]") {
   for (const double shift : {0.0, 0.17, 1.9}) {
     const ParametricMesh mesh = strip(7, 3, shift);
     CHECK(mesh.vertex_count() == 7 * 4);
@@ -216,7 +222,7 @@ TEST_CASE("a strip that is periodic in u has no seam: Euler's number 0, two rims
   }
 }
 
-TEST_CASE("moving the seam of a periodic mesh moves nothing else") {
+TEST_CASE("moving the seam of a periodic mesh moves nothing else", "[fem][parametric_mesh]") {
   const ParametricMesh one = strip(7, 3, 0), other = strip(7, 3, 1.9);
   for (int e = 0; e < one.edge_count(); ++e) {
     CHECK(std::abs(one.edge_length(e) - other.edge_length(e)) < 1e-15);
@@ -242,7 +248,8 @@ TEST_CASE("moving the seam of a periodic mesh moves nothing else") {
     CHECK(std::abs(fine.edge_length(e) - fine_other.edge_length(e)) < 1e-15);
 }
 
-TEST_CASE("a periodic function is interpolated across the seam as elsewhere, and C1") {
+TEST_CASE("a periodic function is interpolated across the seam as elsewhere, and C1",
+          "[fem][parametric_mesh]") {
   const auto mesh = std::make_shared<ParametricMesh>(strip(24, 6, 0.04));
   const double k = 2 * std::acos(-1.0) / around;
   const auto f = [&](Vec2 p) {
@@ -280,7 +287,9 @@ TEST_CASE("a periodic function is interpolated across the seam as elsewhere, and
     }
 }
 
-TEST_CASE("a vertex at the seam is found from both sides, a point beyond the rim at the rim") {
+TEST_CASE(
+    "a vertex at the seam is found from both sides, a point beyond the boundary on the boundary",
+    "[fem][parametric_mesh]") {
   const ParametricMesh mesh = strip(8, 2, 0);
   const TriangleLocator locator(mesh);
   const auto position = [&](const Vec2& p) {
@@ -299,7 +308,8 @@ TEST_CASE("a vertex at the seam is found from both sides, a point beyond the rim
   }
 }
 
-TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere") {
+TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere",
+          "[fem][parametric_mesh]") {
   const ParametricMesh mesh = strip(20, 6, 0);
   const auto hole = [](double u) {
     // Clockwise, four cubics about a circle of radius 0.4.
@@ -326,14 +336,15 @@ TEST_CASE("a hole across the seam cuts as much as the same hole elsewhere") {
   }
 }
 
-TEST_CASE("the dissection order of a periodic mesh holds every dof once") {
+TEST_CASE("the dissection order of a periodic mesh holds every dof once",
+          "[fem][parametric_mesh]") {
   std::vector<int> order = nested_dissection_order(strip(30, 4, 0.3));
   std::set<int> all(order.begin(), order.end());
   CHECK(all.size() == order.size());
   CHECK(static_cast<int>(order.size()) == DofMap(strip(30, 4, 0.3)).count());
 }
 
-TEST_CASE("a periodic mesh that is none says why") {
+TEST_CASE("an invalid periodic mesh is refused with the reason", "[fem][parametric_mesh]") {
   CHECK_NOTHROW(strip(4, 1, 0));
   CHECK_THROWS_WITH(strip(3, 1, 0), Catch::Matchers::Contains("at least four columns"));
   const ParametricMesh mesh = strip(5, 1, 0);

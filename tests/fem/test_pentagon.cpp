@@ -51,7 +51,8 @@ double energy(const SparseMatrix& K, const MatX& q, const MatX& F) {
 
 }  // namespace
 
-TEST_CASE("the loaded pentagon has the reference heights, slopes and energies") {
+TEST_CASE("the loaded pentagon has the reference heights, slopes and energies",
+          "[fem][convergence]") {
   const auto gold = batten_test::reference("pentagon.json");
   const auto mesh = pentagon();
   int cases = 0;
@@ -94,7 +95,7 @@ TEST_CASE("the loaded pentagon has the reference heights, slopes and energies") 
   CHECK(cases == 10);
 }
 
-TEST_CASE("heights are proportional to the load") {
+TEST_CASE("heights are proportional to the load", "[fem][convergence]") {
   const auto mesh = pentagon();
   for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
     const SurfaceAssembler assembler(*mesh, kind);
@@ -109,7 +110,8 @@ TEST_CASE("heights are proportional to the load") {
   }
 }
 
-TEST_CASE("the pentagon with a held normal and a held tangent has the reference shape") {
+TEST_CASE("the pentagon with a held normal and a held tangent has the reference shape",
+          "[fem][convergence]") {
   const auto gold = batten_test::reference("constraint_example.json");
   const auto mesh = pentagon();
   for (const char* name : {"Z12", "HCT"}) {

@@ -53,7 +53,7 @@ struct TrimmedSquare {
 
 }  // namespace
 
-TEST_CASE("the operator's load is the quadrature's, whole and trimmed") {
+TEST_CASE("the operator's load is the quadrature's, whole and trimmed", "[fem][loads]") {
   const TrimmedSquare square;
   const Points q = random_dofs(*square.mesh, 5);
   for (const bool trimmed : {false, true}) {
@@ -71,7 +71,7 @@ TEST_CASE("the operator's load is the quadrature's, whole and trimmed") {
   }
 }
 
-TEST_CASE("the load of rational triangles is that of a rule without error") {
+TEST_CASE("the load of rational triangles is that of a rule without error", "[fem][loads]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(3, 4));
   const Surface surface(mesh, TriangleElement::Z12, random_dofs(*mesh, 5));
   Points expected = Points::Zero(surface.dofs().rows(), 3);
@@ -92,7 +92,7 @@ TEST_CASE("the load of rational triangles is that of a rule without error") {
   CHECK(difference(force(pressure, surface.dofs()), expected) < 1e-10);
 }
 
-TEST_CASE("what is added stays: loads add up, weights and values are factors") {
+TEST_CASE("loads add up, weights and values are factors", "[fem][loads]") {
   const auto mesh = perturbed_square(9, 1);
   const PressureOperator pressure(mesh, TriangleElement::HCT);
   const Points q = random_dofs(mesh, 2);
@@ -104,7 +104,7 @@ TEST_CASE("what is added stays: loads add up, weights and values are factors") {
   CHECK(force(pressure, q, VecX::Zero(ones.size())).norm() == 0);
 }
 
-TEST_CASE("without its rim, the load is the derivative of the volume") {
+TEST_CASE("without its boundary, the load is the derivative of the volume", "[fem][loads]") {
   for (const auto kind : kBothElements) {
     const auto mesh = perturbed_square(5, 8);
     const PressureOperator pressure(mesh, kind);
@@ -121,7 +121,7 @@ TEST_CASE("without its rim, the load is the derivative of the volume") {
   }
 }
 
-TEST_CASE("volumes in closed form, of sheets and of a sector of a tube") {
+TEST_CASE("volumes in closed form, of sheets and of a sector of a tube", "[fem][loads]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(4, 3));
   const PressureOperator pressure(*mesh, TriangleElement::HCT);
   const auto sheet = [&](double a, double b) {
@@ -156,7 +156,7 @@ TEST_CASE("volumes in closed form, of sheets and of a sector of a tube") {
   CHECK(trimmed.volume(flat) == Approx(1.5 * square.trim->area() / 3).epsilon(1e-12));
 }
 
-TEST_CASE("far from the origin the load keeps its digits") {
+TEST_CASE("far from the origin the load keeps its digits", "[fem][loads]") {
   const auto mesh = perturbed_square(6, 2);
   const PressureOperator pressure(mesh, TriangleElement::HCT);
   Points q = random_dofs(mesh, 4);
@@ -165,7 +165,8 @@ TEST_CASE("far from the origin the load keeps its digits") {
   CHECK(difference(force(pressure, q), near) < 1e-8);
 }
 
-TEST_CASE("the operator gives the same bits on any number of threads, and asks for no memory") {
+TEST_CASE("the operator gives the same bits on any number of threads, and asks for no memory",
+          "[fem][loads]") {
   const TrimmedSquare small;
   const auto large = std::make_shared<ParametricMesh>(perturbed_square(40, 7));
   const auto cut = std::make_shared<Trim>(*large, DomainLoops({{circle({0.5, 0.5}, 0.4, 12)}}));
@@ -192,7 +193,7 @@ TEST_CASE("the operator gives the same bits on any number of threads, and asks f
   }
 }
 
-TEST_CASE("wrong counts are told apart") {
+TEST_CASE("different wrong counts are reported differently", "[fem][loads]") {
   const auto mesh = ParametricMesh::unit_square(2);
   const PressureOperator pressure(mesh, TriangleElement::HCT);
   const Points q = random_dofs(mesh, 1);

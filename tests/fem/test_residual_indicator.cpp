@@ -46,14 +46,14 @@ double energy_error(const Surface& surface) {
 
 }  // namespace
 
-TEST_CASE("a cubic has no jumps of curvature") {
+TEST_CASE("a cubic has no jumps of curvature", "[fem][error_indicator]") {
   for (const auto kind : kBothElements) {
     const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(6, 3));
     CHECK(residual_indicator(interpolated(mesh, kind, cubic)).maxCoeff() < 1e-20);
   }
 }
 
-TEST_CASE("jumps fall as the energy's error, and are as large as it") {
+TEST_CASE("jumps fall as the energy's error, and are as large as it", "[fem][error_indicator]") {
   for (const auto kind : kBothElements) {
     double before = 0, error_before = 0;
     for (const int n : {8, 16, 32}) {
@@ -73,7 +73,7 @@ TEST_CASE("jumps fall as the energy's error, and are as large as it") {
   }
 }
 
-TEST_CASE("the jumps are those of the second normal derivative") {
+TEST_CASE("the jumps are those of the second normal derivative", "[fem][error_indicator]") {
   // One coordinate, one inner edge: against the definition by jets from either side.
   Random random(8);
   const auto mesh =
@@ -110,7 +110,7 @@ TEST_CASE("the jumps are those of the second normal derivative") {
   }
 }
 
-TEST_CASE("under a point load, the jumps crowd around it") {
+TEST_CASE("under a point load, the jumps crowd around it", "[fem][error_indicator]") {
   const ParametricMesh mesh = ParametricMesh::unit_square(16);
   for (const auto kind : kBothElements) {
     const SurfaceAssembler assembler(mesh, kind);
@@ -131,7 +131,7 @@ TEST_CASE("under a point load, the jumps crowd around it") {
   }
 }
 
-TEST_CASE("what lies outside of a trim has no jumps") {
+TEST_CASE("triangles outside of a trim have no jumps", "[fem][error_indicator]") {
   Random random(4);
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(10, 3));
   const auto trim = std::make_shared<Trim>(*mesh, DomainLoops({{circle({0.5, 0.5}, 0.3, 12)}}));
@@ -157,7 +157,7 @@ TEST_CASE("what lies outside of a trim has no jumps") {
   }
 }
 
-TEST_CASE("a trim along element edges has no jumps across it") {
+TEST_CASE("a trim along element edges has no jumps across it", "[fem][error_indicator]") {
   const auto mesh = std::make_shared<ParametricMesh>(ParametricMesh::unit_square(8));
   DomainLoops::Loop box;
   const Vec2 corner[4] = {{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}};

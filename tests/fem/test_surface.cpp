@@ -62,7 +62,7 @@ Surface random_surface(int n, TriangleElement kind, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a surface holds polynomials of degree three with all derivatives") {
+TEST_CASE("a surface holds polynomials of degree three with all derivatives", "[fem][surface]") {
   Draws random(1);
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -87,7 +87,7 @@ TEST_CASE("a surface holds polynomials of degree three with all derivatives") {
   }
 }
 
-TEST_CASE("a jet is the derivative of positions, by central differences") {
+TEST_CASE("a jet is the derivative of positions, by central differences", "[fem][surface]") {
   constexpr double step = 1e-6;
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -109,7 +109,7 @@ TEST_CASE("a jet is the derivative of positions, by central differences") {
   }
 }
 
-TEST_CASE("points of a surface by its Bezier ordinates are the surface's") {
+TEST_CASE("points of a surface by its Bezier ordinates are the surface's", "[fem][surface]") {
   for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
     const Surface surface = random_surface(4, kind, 7);
     const SurfaceEvaluator points(surface);
@@ -126,7 +126,7 @@ TEST_CASE("points of a surface by its Bezier ordinates are the surface's") {
   }
 }
 
-TEST_CASE("an area vector is that of the jet") {
+TEST_CASE("an area vector is that of the jet", "[fem][surface]") {
   for (const auto kind : {TriangleElement::HCT, TriangleElement::Z12}) {
     const Surface surface = random_surface(4, kind, 7);
     Draws random(8);
@@ -138,7 +138,7 @@ TEST_CASE("an area vector is that of the jet") {
   }
 }
 
-TEST_CASE("a surface is C1 across every edge of its mesh") {
+TEST_CASE("a surface is C1 across every edge of its mesh", "[fem][surface]") {
   for (const auto kind : kBothElements) {
     INFO(name(kind));
     const Surface surface = random_surface(4, kind, 3);
@@ -161,7 +161,8 @@ TEST_CASE("a surface is C1 across every edge of its mesh") {
   }
 }
 
-TEST_CASE("curvatures are those of the second fundamental form, with the sign of the normal") {
+TEST_CASE("curvatures are those of the second fundamental form, with the sign of the normal",
+          "[fem][surface]") {
   const SurfaceJet bowl{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}, {0, 0, 0}, {0, 0, 0.5}};
   const Curvatures c = curvatures(bowl);  // bends towards its normal +z
   CHECK(c.k1 == Approx(2));
@@ -189,7 +190,8 @@ TEST_CASE("curvatures are those of the second fundamental form, with the sign of
   CHECK(singular.normal() == Vec3::Zero());
 }
 
-TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recovered curvature") {
+TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recovered curvature",
+          "[fem][surface]") {
   struct Case {
     const char* name;
     Patch (*patch)(const Vec2&);
@@ -239,7 +241,8 @@ TEST_CASE("interpolated cylinders and spheres converge: area, curvature, recover
     }
 }
 
-TEST_CASE("locate finds every point of the domain, and the nearest triangle outside") {
+TEST_CASE("locate finds every point of the domain, and the nearest triangle outside",
+          "[fem][surface]") {
   const auto mesh = shared_square(5, 6);
   const Surface surface = interpolated(mesh, TriangleElement::HCT, saddle);
   Draws random(6);
@@ -319,7 +322,7 @@ Surface bumpy_surface(int n, TriangleElement kind, unsigned seed) {
   return {random.shared_mesh(), kind, sheet.dofs() + 0.2 * random.dofs()};
 }
 
-TEST_CASE("the closest point of a surface is the closest point") {
+TEST_CASE("the closest point of a surface is the closest point", "[fem][surface]") {
   Draws random(7);
   for (const auto kind : kBothElements) {
     const Surface surfaces[] = {interpolated(shared_square(4, 7), kind, cylinder),
@@ -344,7 +347,8 @@ TEST_CASE("the closest point of a surface is the closest point") {
   }
 }
 
-TEST_CASE("points beside the boundary and near vertices have their closest points too") {
+TEST_CASE("points beside the boundary and near vertices have their closest points too",
+          "[fem][surface]") {
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
   Draws random(9);
   const Surface surface = interpolated(shared_square(4, 9), TriangleElement::HCT, flat);
@@ -364,7 +368,7 @@ TEST_CASE("points beside the boundary and near vertices have their closest point
   CHECK(worst < 1e-12);
 }
 
-TEST_CASE("the evaluation operator is evaluation") {
+TEST_CASE("the evaluation operator is evaluation", "[fem][surface]") {
   Draws random(10);
   for (const auto kind : kBothElements) {
     INFO(name(kind));
@@ -395,7 +399,7 @@ TEST_CASE("the evaluation operator is evaluation") {
   }
 }
 
-TEST_CASE("a tessellation is watertight, oriented, and covers the domain") {
+TEST_CASE("a tessellation is watertight, oriented, and covers the domain", "[fem][surface]") {
   const auto mesh = shared_square(4, 12);
   const Surface plane = interpolated(mesh, TriangleElement::HCT, [](const Vec2& p) {
     return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}};
@@ -447,7 +451,7 @@ TEST_CASE("a tessellation is watertight, oriented, and covers the domain") {
   CHECK_THROWS_AS(tessellate(*mesh, 0), InputError);
 }
 
-TEST_CASE("facets converge to the surface's area") {
+TEST_CASE("facets converge to the surface's area", "[fem][surface]") {
   const Surface surface = interpolated(shared_square(3, 13), TriangleElement::HCT, sphere);
   double before = 0;
   for (const int n : {2, 4, 8}) {
@@ -465,7 +469,8 @@ TEST_CASE("facets converge to the surface's area") {
   }
 }
 
-TEST_CASE("a surface shares its mesh with its copies and refuses dofs of another mesh") {
+TEST_CASE("a surface shares its mesh with its copies and refuses dofs of another mesh",
+          "[fem][surface]") {
   const Surface surface = random_surface(2, TriangleElement::Z12, 14);
   const Surface copy = surface;
   CHECK(&copy.mesh() == &surface.mesh());
@@ -489,7 +494,7 @@ Surface cut_disc(int n, Patch (*patch)(const Vec2&)) {
 
 }  // namespace
 
-TEST_CASE("the area of a trimmed surface is that inside of its loops") {
+TEST_CASE("the area of a trimmed surface is that inside of its loops", "[fem][surface]") {
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
   const Surface plane = cut_disc(9, flat);
   CHECK(plane.area() == Approx(plane.trim()->loops().area()).epsilon(1e-12));
@@ -503,7 +508,7 @@ TEST_CASE("the area of a trimmed surface is that inside of its loops") {
   CHECK(std::log2(coarse / fine) > 3.2);
 }
 
-TEST_CASE("the closest point of a trimmed surface lies inside or on its loops") {
+TEST_CASE("the closest point of a trimmed surface lies inside or on its loops", "[fem][surface]") {
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
   const Surface plane = cut_disc(9, flat);
   Draws random(30);
@@ -545,7 +550,8 @@ TEST_CASE("the closest point of a trimmed surface lies inside or on its loops") 
   CHECK(on_surface < 1e-9);
 }
 
-TEST_CASE("elements outside of a trim do not reach the recovered curvatures inside") {
+TEST_CASE("elements outside of a trim do not reach the recovered curvatures inside",
+          "[fem][surface]") {
   const Surface plain = cut_disc(16, sphere);
   // What the surface does where only slivers are inside: nonsense.
   std::vector<double> share(plain.mesh().vertex_count(), 0);

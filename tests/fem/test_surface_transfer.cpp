@@ -29,7 +29,8 @@ Surface random_surface(std::shared_ptr<const ParametricMesh> mesh, TriangleEleme
 
 }  // namespace
 
-TEST_CASE("along old edges a carried surface keeps its shape and its slope across") {
+TEST_CASE("along old edges a carried surface keeps its shape and its slope across",
+          "[fem][transfer]") {
   for (const auto kind : kBothElements) {
     const auto coarse = std::make_shared<ParametricMesh>(perturbed_square(5, 3));
     const Surface from = random_surface(coarse, kind);
@@ -49,7 +50,7 @@ TEST_CASE("along old edges a carried surface keeps its shape and its slope acros
   }
 }
 
-TEST_CASE("what is carried to the same mesh, or is a cubic, stays as it is") {
+TEST_CASE("surfaces transferred to the same mesh, and cubics, stay unchanged", "[fem][transfer]") {
   for (const auto kind : kBothElements) {
     const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(5, 3));
     const Surface any = random_surface(mesh, kind);
@@ -76,7 +77,7 @@ TEST_CASE("what is carried to the same mesh, or is a cubic, stays as it is") {
   }
 }
 
-TEST_CASE("inside, a carried surface moves by the fourth power of the size") {
+TEST_CASE("inside, a carried surface moves by the fourth power of the size", "[fem][transfer]") {
   for (const auto kind : kBothElements) {
     double before = 0;
     for (const int n : {8, 16, 32}) {
@@ -90,7 +91,7 @@ TEST_CASE("inside, a carried surface moves by the fourth power of the size") {
   }
 }
 
-TEST_CASE("the displacement that is said is the one that is there") {
+TEST_CASE("the reported displacement is the actual one", "[fem][transfer]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(4, 3));
   const Surface from = random_surface(mesh, TriangleElement::HCT);
   const auto fine = std::make_shared<ParametricMesh>(bisected(*mesh, random_marks(*mesh, 9)).mesh);
@@ -106,7 +107,7 @@ TEST_CASE("the displacement that is said is the one that is there") {
   CHECK(carried.max_displacement < 1.1 * largest);
 }
 
-TEST_CASE("a tube is carried around its seam, on any number of threads") {
+TEST_CASE("a tube is carried around its seam, on any number of threads", "[fem][transfer]") {
   // 6 × 3 squares around, u from 0 to 6.
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;

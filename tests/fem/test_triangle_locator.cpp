@@ -71,7 +71,8 @@ std::vector<ParametricMesh> meshes() {
 
 }  // namespace
 
-TEST_CASE("every point is found in the triangle that holds it, others at the nearest point") {
+TEST_CASE("every point is found in the triangle that holds it, others at the nearest point",
+          "[fem][locator]") {
   Random random(31);
   for (const ParametricMesh& mesh : meshes()) {
     const TriangleLocator locator(mesh);
@@ -98,7 +99,7 @@ TEST_CASE("every point is found in the triangle that holds it, others at the nea
   }
 }
 
-TEST_CASE("on an edge or vertex the triangle of lowest number answers") {
+TEST_CASE("on an edge or vertex the triangle of lowest number is returned", "[fem][locator]") {
   for (const ParametricMesh& mesh : meshes()) {
     const TriangleLocator locator(mesh);
     std::vector<int> lowest(mesh.vertex_count(), -1);
@@ -126,7 +127,7 @@ TEST_CASE("on an edge or vertex the triangle of lowest number answers") {
   }
 }
 
-TEST_CASE("triangles near a box are all whose boxes meet it") {
+TEST_CASE("triangles near a box are all whose boxes meet it", "[fem][locator]") {
   Random random(37);
   for (const ParametricMesh& mesh : meshes()) {
     const TriangleLocator locator(mesh);
@@ -150,7 +151,8 @@ TEST_CASE("triangles near a box are all whose boxes meet it") {
   }
 }
 
-TEST_CASE("on a tube u comes around, whichever side of the seam an element is placed on") {
+TEST_CASE("on a tube u comes around, whichever side of the seam an element is placed on",
+          "[fem][locator]") {
   const int n = 6;
   const double period = 2;
   // The seam on a line of edges, and through elements, whose first vertex is left or right of it.

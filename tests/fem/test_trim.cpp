@@ -136,7 +136,7 @@ ParametricMesh random_grid(int kind, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a cubic's zeros are found where its sign changes") {
+TEST_CASE("a cubic's zeros are found where its sign changes", "[fem][trim]") {
   Random random(3);
   const auto from_roots = [](double scale, double a, double b, double c) {
     // The blossom of (t - a)(t - b)(t - c) at 000, 001, 011, 111.
@@ -192,7 +192,7 @@ TEST_CASE("a cubic's zeros are found where its sign changes") {
   CHECK(BernsteinCubic{{-1, 0, 0, 1}}.zeros() == std::vector<double>{0.5});
 }
 
-TEST_CASE("part of an arc is the same curve") {
+TEST_CASE("part of an arc is the same curve", "[fem][trim]") {
   Random random(5);
   const auto point = [&] { return Vec2(random(), random()); };
   for (int trial = 0; trial < 50; ++trial) {
@@ -206,7 +206,8 @@ TEST_CASE("part of an arc is the same curve") {
   }
 }
 
-TEST_CASE("inside is where loops turn around: random cubics, also level with nodes and turns") {
+TEST_CASE("inside is where loops turn around: random cubics, also level with nodes and turns",
+          "[fem][trim]") {
   Random random(17);
   int compared = 0;
   for (int trial = 0; trial < 40; ++trial) {
@@ -240,7 +241,7 @@ TEST_CASE("inside is where loops turn around: random cubics, also level with nod
   CHECK(compared > 3000);
 }
 
-TEST_CASE("inside is left of the loop, to a billionth: outlines and holes") {
+TEST_CASE("inside is left of the loop, to a billionth: outlines and holes", "[fem][trim]") {
   Random random(23);
   for (int trial = 0; trial < 30; ++trial) {
     const Vec2 centre(random(), random());
@@ -268,7 +269,7 @@ TEST_CASE("inside is left of the loop, to a billionth: outlines and holes") {
   CHECK(!DomainLoops(DomainLoops::Background::Outside).contains({3, 4}));
 }
 
-TEST_CASE("areas of loops are exact, holes count negative") {
+TEST_CASE("areas of loops are exact, holes count negative", "[fem][trim]") {
   CHECK(DomainLoops({box({1, 2}, {4, 7})}).area() == Approx(15).epsilon(1e-15));
   CHECK(DomainLoops({box({1, 2}, {4, 7}), polygon({{2, 3}, {2, 4}, {3, 4}, {3, 3}})}).area() ==
         Approx(14).epsilon(1e-15));
@@ -287,7 +288,8 @@ TEST_CASE("areas of loops are exact, holes count negative") {
   }
 }
 
-TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the loop") {
+TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the loop",
+          "[fem][trim]") {
   // The unit square as one curve with four corners.
   const CurveMesh mesh({0, 1, 2, 3, 4}, true, {0, 1, 2, 3});
   const Vec3 at[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -318,7 +320,7 @@ TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the l
   }
 }
 
-TEST_CASE("loops that are none are refused") {
+TEST_CASE("loops that are none are refused", "[fem][trim]") {
   CHECK(error_message([] { DomainLoops({Loop{}}); }).find("has no curves") != std::string::npos);
   Loop open = box({0, 0}, {1, 1});
   open.pop_back();
@@ -330,7 +332,9 @@ TEST_CASE("loops that are none are refused") {
         }).find("z = 0") != std::string::npos);
 }
 
-TEST_CASE("shares of the triangles sum to the area: 200 random loops with holes on three grids") {
+TEST_CASE(
+    "area fractions of the triangles sum to the area: 200 random loops with holes on three grids",
+    "[fem][trim]") {
   Random random(41);
   for (unsigned trial = 0; trial < 200; ++trial) {
     const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial);
@@ -352,7 +356,7 @@ TEST_CASE("shares of the triangles sum to the area: 200 random loops with holes 
   }
 }
 
-TEST_CASE("rules over the inside are exact for polynomials of their degree") {
+TEST_CASE("rules over the inside are exact for polynomials of their degree", "[fem][trim]") {
   Random random(43);
   for (unsigned trial = 0; trial < 12; ++trial) {
     const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial + 7);
@@ -376,7 +380,7 @@ TEST_CASE("rules over the inside are exact for polynomials of their degree") {
   }
 }
 
-TEST_CASE("loops inside one element, through its centroid, vertices and spokes") {
+TEST_CASE("loops inside one element, through its centroid, vertices and spokes", "[fem][trim]") {
   const ParametricMesh one({{0, 0}, {1, 0}, {0.2, 0.9}}, {{0, 1, 2}});
   const Vec2 centroid(0.4, 0.3);
   Random random(5);
@@ -403,7 +407,7 @@ TEST_CASE("loops inside one element, through its centroid, vertices and spokes")
   check_cut(mesh, DomainLoops({polygon({V[0], V[1], centroid, V[2]})}));
 }
 
-TEST_CASE("outlines along grid lines, exactly and nearly") {
+TEST_CASE("outlines along grid lines, exactly and nearly", "[fem][trim]") {
   const ParametricMesh mesh = squares({-1, -1}, 0.25, 16, 16);
   for (const double off :
        {0., 1e-16, 1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 1e-4})
@@ -456,7 +460,7 @@ TEST_CASE("outlines along grid lines, exactly and nearly") {
   CHECK(trim.area() == Approx(1.125).epsilon(1e-15));
 }
 
-TEST_CASE("loops that touch element edges") {
+TEST_CASE("loops that touch element edges", "[fem][trim]") {
   // Four arcs: turned by 45° it is the arcs' middles that touch.
   const auto round = [](const Vec2& centre, double radius, double turn, int n, bool clockwise) {
     return hermite(0, 2 * pi, n, true, [=](double t, int order) {
@@ -490,7 +494,7 @@ TEST_CASE("loops that touch element edges") {
         }
 }
 
-TEST_CASE("corners inside elements, and loops that nearly touch") {
+TEST_CASE("corners inside elements, and loops that nearly touch", "[fem][trim]") {
   Random random(61);
   for (unsigned trial = 0; trial < 40; ++trial) {
     const ParametricMesh mesh = random_grid(static_cast<int>(trial % 3), trial);
@@ -519,7 +523,7 @@ TEST_CASE("corners inside elements, and loops that nearly touch") {
   }
 }
 
-TEST_CASE("a cut of some triangles alone is the same cut") {
+TEST_CASE("a cut of some triangles alone is the same cut", "[fem][trim]") {
   const ParametricMesh mesh = perturbed_square(6, 8);
   const DomainLoops loops({{circle({0.5, 0.5}, 0.31, 20)}, {circle({0.45, 0.5}, 0.1, 9, true)}});
   const Trim whole(mesh, loops);
@@ -543,7 +547,8 @@ TEST_CASE("a cut of some triangles alone is the same cut") {
   CHECK(part.loops().segments().size() == loops.segments().size());
 }
 
-TEST_CASE("matrices and loads of a region and of the rest sum to those of the whole") {
+TEST_CASE("matrices and loads of a trimmed part and of the rest sum to those of the whole",
+          "[fem][trim]") {
   const ParametricMesh mesh = perturbed_square(5, 12);
   Random random(7);
   const HermiteCurve curve = wavy(random, {0.5, 0.5}, 0.3, 9);
@@ -595,7 +600,7 @@ TEST_CASE("matrices and loads of a region and of the rest sum to those of the wh
             .norm() < 1e-11 * MatX(whole.stiffness(bending)).norm());
 }
 
-TEST_CASE("no loops: all of the mesh, or nothing") {
+TEST_CASE("no loops: all of the mesh, or nothing", "[fem][trim]") {
   const ParametricMesh mesh = perturbed_square(3, 1);
   const Trim all(mesh, DomainLoops()), none(mesh, DomainLoops(DomainLoops::Background::Outside));
   CHECK(all.area() == Approx(1).epsilon(1e-14));
@@ -608,7 +613,7 @@ TEST_CASE("no loops: all of the mesh, or nothing") {
   CHECK(Trim(mesh, hole).area() == Approx(1 + hole.area()).epsilon(1e-13));
 }
 
-TEST_CASE("a tube is cut on both sides of its seam") {
+TEST_CASE("a tube is cut on both sides of its seam", "[fem][trim]") {
   // Four columns around, v from 0 to 1.
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;
@@ -631,7 +636,7 @@ TEST_CASE("a tube is cut on both sides of its seam") {
   }
 }
 
-TEST_CASE("resistance in a direction counts inside of a cut, constant and varying") {
+TEST_CASE("resistance in a direction counts inside of a cut, constant and varying", "[fem][trim]") {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(5, 2));
   const auto trim = std::make_shared<Trim>(*mesh, DomainLoops({{circle({0.5, 0.5}, 0.35, 12)}}));
   const VecX q = dofs_of(*mesh, [](const Vec2& p) {

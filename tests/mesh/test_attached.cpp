@@ -78,7 +78,8 @@ double off(const Rigid& motion, const Points& before, const Points& after) {
 
 }  // namespace
 
-TEST_CASE("what hangs on a rigid motion moves rigidly: solids, spiders, means, chains of bars") {
+TEST_CASE("attachments to a rigid motion move rigidly: solids, spiders, means, chains of bars",
+          "[mesh][attached]") {
   LayeredPlate layered(5);
   const auto first = static_cast<int>(layered.points.rows());
   // A spider's centre, a mean's node, a chain of two bars, a brick's node that a mass is on.
@@ -101,7 +102,7 @@ TEST_CASE("what hangs on a rigid motion moves rigidly: solids, spiders, means, c
   CHECK(inverted_solids(layered.elements, layered.points, after).empty());
 }
 
-TEST_CASE("solids under a bent plate bend with it") {
+TEST_CASE("solids under a bent plate bend with it", "[mesh][attached]") {
   const LayeredPlate layered(9);
   Points after = layered.points;
   std::vector<Mat3> rotations = layered.rotations;
@@ -131,7 +132,8 @@ TEST_CASE("solids under a bent plate bend with it") {
   CHECK(after(40 + 162, 2) > -1 + 0.1);
 }
 
-TEST_CASE("a spider stays concentric with a ring that turns, a mean has its weights") {
+TEST_CASE("a spider stays concentric with a rotating ring, a mean has its weights",
+          "[mesh][attached]") {
   std::vector<Vec3> list{{1, 2, 0}};
   for (int i = 0; i < 12; ++i) {
     const double a = i * std::numbers::pi / 6;
@@ -163,7 +165,8 @@ TEST_CASE("a spider stays concentric with a ring that turns, a mean has its weig
   CHECK(after(0, 2) == Approx(5.75));
 }
 
-TEST_CASE("one node carries by its own rotation, nodes on a line by theirs about it") {
+TEST_CASE("one node carries by its own rotation, nodes on a line by theirs about it",
+          "[mesh][attached]") {
   const Points before = points_of({{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
   Points after = before;
   after.row(0) = Vec3(5, 0, 0);
@@ -181,7 +184,7 @@ TEST_CASE("one node carries by its own rotation, nodes on a line by theirs about
   CHECK((after.row(2).transpose() - Vec3(0, 0, 2)).norm() < 1e-8);
 }
 
-TEST_CASE("what does not move keeps every digit, what is to stay stays") {
+TEST_CASE("unmoved nodes keep every digit, and fixed ones stay", "[mesh][attached]") {
   LayeredPlate layered(5);
   layered.points.array() += 1.0 / 3;
   Points after = layered.points;
@@ -199,7 +202,7 @@ TEST_CASE("what does not move keeps every digit, what is to stay stays") {
   CHECK(!inverted_solids(layered.elements, layered.points, after).empty());
 }
 
-TEST_CASE("connections that keep their shape") {
+TEST_CASE("connections that keep their shape", "[mesh][attached]") {
   // 0 … 3 have faces; 4, 5 are centres of spiders with a bolt between them; 6 hangs on a bar.
   const std::vector<NonShellElement> elements{
       {Kind::Rigid, "RBE2", 1, {4, 0, 1}, {}}, {Kind::Rigid, "RBE2", 2, {5, 2, 3}, {}},
@@ -216,7 +219,8 @@ TEST_CASE("connections that keep their shape") {
   CHECK(connections(elements, has_face, none).empty());
 }
 
-TEST_CASE("solids turned inside out are found whichever way they are numbered") {
+TEST_CASE("solids turned inside out are found whichever way they are numbered",
+          "[mesh][attached]") {
   const Points before = points_of(
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}});
   const std::vector<NonShellElement> solids{{Kind::Solid, "CHEXA", 1, {0, 1, 2, 3, 4, 5, 6, 7}, {}},

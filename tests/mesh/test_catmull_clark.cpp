@@ -40,7 +40,7 @@ ShellMesh grid(int n, const Height& height) {
 
 }  // namespace
 
-TEST_CASE("limits of a node do not depend on the number of rounds") {
+TEST_CASE("limits of a node do not depend on the number of rounds", "[mesh][subdivision]") {
   ShellMesh cage = cube();
   cage.points(7, 2) = 1.7;
   const ShellMesh a = catmull_clark(cage, {1}), b = catmull_clark(cage, {3});
@@ -48,7 +48,8 @@ TEST_CASE("limits of a node do not depend on the number of rounds") {
   CHECK(b.face_count() == 6 * 4 * 16);
 }
 
-TEST_CASE("a regular part is a bicubic B-spline: cubics come back moved, planes as they are") {
+TEST_CASE("a regular part is a bicubic B-spline: cubics come back moved, planes as they are",
+          "[mesh][subdivision]") {
   // The B-spline of control values f(i) is Σ f B = (f(-1) + 4 f(0) + f(1))/6 at a node: i² + 1/3 for i².
   const ShellMesh fine = catmull_clark(grid(8, [](double x, double y) { return x * x - y; }), {2});
   for (int j = 2; j <= 6; ++j)
@@ -63,7 +64,8 @@ TEST_CASE("a regular part is a bicubic B-spline: cubics come back moved, planes 
   CHECK(plane.points.topRows(1).norm() < 1e-15);  // corners stay
 }
 
-TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they are") {
+TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they are",
+          "[mesh][subdivision]") {
   const PreparedMesh smooth = prepare(catmull_clark(cube(), {4}));
   for (const auto& edge : smooth.mesh.topology().edges())
     CHECK((edge.left >= 0 && edge.right >= 0));
@@ -82,7 +84,8 @@ TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they a
   CHECK(on_top == 17 * 17);  // the face with its edges is a plane
 }
 
-TEST_CASE("a roof's ridge of sharpness s goes down as cubic splines say") {
+TEST_CASE("a roof's ridge of sharpness s follows the cubic spline of theory",
+          "[mesh][subdivision]") {
   // Across the ridge it is the subdivision of -|x|: s rounds keep it and halve its neighbours, then
   // it is smooth, so it ends at -2^-k (2 - f)/6 for s = k + f.
   constexpr int n = 12;
@@ -105,7 +108,8 @@ TEST_CASE("a roof's ridge of sharpness s goes down as cubic splines say") {
   CHECK(std::abs(catmull_clark(roof, for_good).points(6 * (n + 1) + n / 2, 2)) < 1e-15);
 }
 
-TEST_CASE("limits do not depend on the rounds, whatever is sharp and by how much") {
+TEST_CASE("limits do not depend on the rounds, whatever is sharp and by how much",
+          "[mesh][subdivision]") {
   ShellMesh cage = cube();
   cage.points(7, 2) = 1.7;
   cage.points(2, 0) = -1.4;
@@ -124,7 +128,7 @@ TEST_CASE("limits do not depend on the rounds, whatever is sharp and by how much
   CHECK((limits[0].points.row(5) - cage.points.row(5)).norm() == 0);
 }
 
-TEST_CASE("no sharpness is smooth, and more is nearer to the cage") {
+TEST_CASE("no sharpness is smooth, and more is nearer to the cage", "[mesh][subdivision]") {
   const auto top = [](double s) {
     CatmullClarkOptions options;
     options.tags.corners = {{7, s}};
@@ -139,7 +143,7 @@ TEST_CASE("no sharpness is smooth, and more is nearer to the cage") {
   CHECK(top(10) == std::sqrt(3.0));
 }
 
-TEST_CASE("cages and options that cannot be are refused") {
+TEST_CASE("cages and options that cannot be are refused", "[mesh][subdivision]") {
   CHECK_THROWS_WITH(catmull_clark(cube(), {0}), Contains("1 or more"));
   CHECK_THROWS_WITH(catmull_clark(cube(), {12}), Contains("4,000,000"));
   CatmullClarkOptions wrong;

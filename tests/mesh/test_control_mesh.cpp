@@ -50,7 +50,8 @@ FrameTargets prescribed(const std::vector<RigidMotion>& motions) {
 
 }  // namespace
 
-TEST_CASE("mean value coordinates give points back, inside, outside and on the mesh") {
+TEST_CASE("mean value coordinates give points back, inside, outside and on the mesh",
+          "[mesh][subdivision]") {
   Random random(51);
   TriangleMesh control = around_bar();
   Points bent_points = control.points();
@@ -94,7 +95,8 @@ TEST_CASE("mean value coordinates give points back, inside, outside and on the m
         std::string::npos);
 }
 
-TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over smoothly") {
+TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over smoothly",
+          "[mesh][subdivision]") {
   const TriangleMesh control = sphere(1);
   Random random(52);
   Points x(200, 3);
@@ -113,7 +115,8 @@ TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over
   CHECK((V.row(2) - V.row(0)).norm() < 1e-4);
 }
 
-TEST_CASE("a control mesh is closed around all of a mesh, in about as many vertices as asked") {
+TEST_CASE("a control mesh is closed around all of a mesh, in about as many vertices as asked",
+          "[mesh][subdivision]") {
   if (!can_wrap()) return;
   for (const TriangleMesh& mesh :
        {sheet(20), bar(30, 5, 4, 0.6), sphere(3), flat_square(8, 0, 1), plate_with_wall(10).mesh})
@@ -142,7 +145,8 @@ TEST_CASE("a control mesh is closed around all of a mesh, in about as many verti
   CHECK(!error_message([&] { control_mesh(TriangleMesh(Points::Zero(1, 3), {})); }).empty());
 }
 
-TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh") {
+TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh",
+          "[mesh][subdivision]") {
   const TriangleMesh mesh = bar(16, 4, 3, 0.6), control = around_bar();
   const ControlMeshTransfer transfer(mesh, control.points(),
                                      mean_value_coordinates(control, mesh.points()));
@@ -167,7 +171,8 @@ TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh
          }).empty());
 }
 
-TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about") {
+TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about",
+          "[mesh][subdivision]") {
   const TriangleMesh mesh = bar(20, 4, 3, 0.6), control = around_bar();
   const Points& p = mesh.points();
   FrameConstraints constraints;
@@ -203,7 +208,8 @@ TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about"
   CHECK(!error_message([&] { SubspaceSolver(mesh, constraints, control, {8, -1}); }).empty());
 }
 
-TEST_CASE("a session answers at once and refines to where the solver comes") {
+TEST_CASE("a session updates at once and refines to the result of the solver",
+          "[mesh][subdivision]") {
   const TriangleMesh mesh = bar(24, 4, 3, 0.6);
   const Points& p = mesh.points();
   FrameConstraints constraints;

@@ -48,7 +48,8 @@ std::vector<Vec3> around(double most_off) {
 
 }  // namespace
 
-TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat one") {
+TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat one",
+          "[mesh][curved_mesh]") {
   const std::array<Vec3, 3> corners = {Vec3(0, 0, 0), Vec3(1, 0.1, 0), Vec3(0.2, 0.9, 0)};
   const PnTriangle flat(corners, {Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitZ()});
   const Vec3 w(0.2, 0.5, 0.3);
@@ -66,7 +67,8 @@ TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat 
   CHECK((jet.uv - (by_u(0.5, 0.3 + h) - by_u(0.5, 0.3 - h)) / (2 * h)).norm() < 1e-8);
 }
 
-TEST_CASE("Curved triangles come nearer to a sphere by 16 where they are halved") {
+TEST_CASE("Curved triangles come nearer to a sphere by 16 where they are halved",
+          "[mesh][curved_mesh]") {
   double last = 0;
   for (const int n : {4, 8, 16}) {
     const PnTriangleMesh mesh = cap(n);
@@ -80,7 +82,8 @@ TEST_CASE("Curved triangles come nearer to a sphere by 16 where they are halved"
   CHECK(last < 1e-5 * kRadius);
 }
 
-TEST_CASE("The nearest point of curved triangles is the foot of the normal, across their edges") {
+TEST_CASE("The nearest point of curved triangles is the foot of the normal, across their edges",
+          "[mesh][curved_mesh]") {
   const PnTriangleMesh mesh = cap(12);
   for (const Vec3& p : around(0.3)) {
     const auto found = mesh.nearest(p);
@@ -96,7 +99,8 @@ TEST_CASE("The nearest point of curved triangles is the foot of the normal, acro
   CHECK_FALSE(mesh.nearest(Vec3(0, 0, 3), Vec3(0, 0, -1)));
 }
 
-TEST_CASE("Beyond the rim of curved triangles the nearest point is on it") {
+TEST_CASE("Beyond the boundary of curved triangles the nearest point is on it",
+          "[mesh][curved_mesh]") {
   const PnTriangleMesh mesh = cap(6);
   const auto found = mesh.nearest(Vec3(2.5, 0.05, 1.3));
   REQUIRE(found);
@@ -106,7 +110,7 @@ TEST_CASE("Beyond the rim of curved triangles the nearest point is on it") {
   CHECK(found->at.norm() == Approx(kRadius).margin(1e-3));
 }
 
-TEST_CASE("Without normals triangles are flat") {
+TEST_CASE("Without normals triangles are flat", "[mesh][curved_mesh]") {
   const PnTriangleMesh curved = cap(3);
   const PnTriangleMesh flat(curved.mesh());
   const AabbTree search(curved.mesh());

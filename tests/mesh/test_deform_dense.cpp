@@ -233,7 +233,7 @@ HandleTransform move_of(Random& random) {
 
 }  // namespace
 
-TEST_CASE("each kind of row against the dense problem, both weightings") {
+TEST_CASE("each kind of row against the dense problem, both weightings", "[mesh][deform]") {
   const int n = 7;
   const TriangleMesh mesh = sheet(n);
   Random random(3);
@@ -303,7 +303,8 @@ TEST_CASE("each kind of row against the dense problem, both weightings") {
   }
 }
 
-TEST_CASE("random problems against the dense one: the answer, or a conflict that is one") {
+TEST_CASE("random problems against the dense one: the result, or a true conflict",
+          "[mesh][deform]") {
   const int n = 6;
   const TriangleMesh mesh = sheet(n);
   Random random(17);
@@ -349,7 +350,7 @@ TEST_CASE("random problems against the dense one: the answer, or a conflict that
   CHECK(conflicts > 20);
 }
 
-TEST_CASE("what is fixed stays, whoever else holds it") {
+TEST_CASE("fixed vertices stay, whatever other constraints they have", "[mesh][deform]") {
   const int n = 6;
   const TriangleMesh mesh = sheet(n);
   DeformProblem problem;
@@ -380,7 +381,8 @@ TEST_CASE("what is fixed stays, whoever else holds it") {
   }
 }
 
-TEST_CASE("a failed edit leaves positions, rotations and their check as they were") {
+TEST_CASE("a failed edit leaves positions, rotations and their check as they were",
+          "[mesh][deform]") {
   const int n = 6;
   const TriangleMesh mesh = sheet(n);
   DeformProblem problem;
@@ -405,7 +407,7 @@ TEST_CASE("a failed edit leaves positions, rotations and their check as they wer
   CHECK(deformer.deform(edit) == before);
 }
 
-TEST_CASE("parts that features join are one part, in whatever order") {
+TEST_CASE("parts that features join are one part, in whatever order", "[mesh][deform]") {
   // Three sheets, 100 apart; the first is held.
   const int n = 4, m = (n + 1) * (n + 1);
   const TriangleMesh one = sheet(n);
@@ -455,7 +457,8 @@ TEST_CASE("parts that features join are one part, in whatever order") {
   CHECK_THROWS_AS(FormFeatureDeformer(mesh, problem).deform(edit), ConflictError);
 }
 
-TEST_CASE("guided points that are nearly dependent, or only rounding is left of them") {
+TEST_CASE("guided points that are nearly dependent, or only rounding is left of them",
+          "[mesh][deform]") {
   const int n = 6;
   const TriangleMesh mesh = sheet(n);
   DeformProblem problem;
@@ -485,7 +488,7 @@ TEST_CASE("guided points that are nearly dependent, or only rounding is left of 
   CHECK(calm.hard_residual() < 1e-13);
 }
 
-TEST_CASE("far from the origin, tiny and huge: the same shape") {
+TEST_CASE("far from the origin, tiny and huge: the same shape", "[mesh][deform]") {
   const int n = 6;
   const auto deformed = [&](double size, const Vec3& far) {
     const TriangleMesh mesh =
@@ -512,7 +515,7 @@ TEST_CASE("far from the origin, tiny and huge: the same shape") {
   CHECK((deformed(1, {1e6, -2e6, 3e6}) - near).cwiseAbs().maxCoeff() < 1e-7);
 }
 
-TEST_CASE("edits and problems that cannot be are refused by name") {
+TEST_CASE("edits and problems that cannot be are refused by name", "[mesh][deform]") {
   const int n = 4;
   const TriangleMesh mesh = sheet(n);
   DeformProblem good;
@@ -579,7 +582,7 @@ TEST_CASE("edits and problems that cannot be are refused by name") {
   has(refused([](auto& e) { e.targets[0][2] = NAN; }), "row 'r'");
 }
 
-TEST_CASE("the check of hard rows sees every kind of violation") {
+TEST_CASE("the check of hard rows sees every kind of violation", "[mesh][deform]") {
   const int n = 5;
   const TriangleMesh mesh = sheet(n);
   DeformProblem problem;

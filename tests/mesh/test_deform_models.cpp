@@ -52,7 +52,7 @@ double degrees_of(const Mat3& R) { return Eigen::AngleAxisd(R).angle() * 180 / s
 
 }  // namespace
 
-TEST_CASE("plate with five holes: ovals without features, circles with them") {
+TEST_CASE("plate with five holes: ovals without features, circles with them", "[mesh][deform]") {
   Part plate(plate_with_holes());
   plate.bend(300, 75);
   const auto features = plate.problem.features;
@@ -85,7 +85,8 @@ TEST_CASE("plate with five holes: ovals without features, circles with them") {
   }
 }
 
-TEST_CASE("plate: direction kept, on a plane, on a line, turning and not") {
+TEST_CASE("plate: orientation kept, on a plane, on a line, with and without rotation",
+          "[mesh][deform]") {
   size_t centre = 0;
   for (const auto kind : {FormFeature::Kind::TranslationOnly, FormFeature::Kind::Free}) {
     Part plate(plate_with_holes());
@@ -117,7 +118,7 @@ TEST_CASE("plate: direction kept, on a plane, on a line, turning and not") {
   }
 }
 
-TEST_CASE("sheet with 16 cavities: they turn with it, each a step further round") {
+TEST_CASE("sheet with 16 cavities: they rotate with it, each by a further step", "[mesh][deform]") {
   Part sheet(sheet_with_cavities());
   sheet.bend(400, 95);
   const Points p = sheet.deformed();
@@ -138,7 +139,8 @@ TEST_CASE("sheet with 16 cavities: they turn with it, each a step further round"
       CHECK(std::hypot(p(v, 0), p(v, 2) - radius) == Approx(radius).epsilon(0.05));
 }
 
-TEST_CASE("grill: cavities keep shape and direction, their scale can change at any event") {
+TEST_CASE("grill: cavities keep shape and direction, their scale can change at any event",
+          "[mesh][deform]") {
   Part front(grill(), FormFeature::Kind::TranslationOnly);
   front.edit.handles[0].translation = {25, 0, -45};
   FormFeatureDeformer deformer(front.mesh, front.problem);
@@ -155,7 +157,7 @@ TEST_CASE("grill: cavities keep shape and direction, their scale can change at a
   }
 }
 
-TEST_CASE("door panel: character lines are warped unless they are kept") {
+TEST_CASE("door panel: feature lines are warped unless they are kept", "[mesh][deform]") {
   Part door(door_panel());
   // Pulled out between the lines.
   std::vector<int> patch =
@@ -177,7 +179,8 @@ TEST_CASE("door panel: character lines are warped unless they are kept") {
   CHECK(warp(door.deformed()) < 1e-14);
 }
 
-TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices") {
+TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices",
+          "[mesh][deform]") {
   Part panel(holed_panel(101000));
   REQUIRE(panel.mesh.vertex_count() > 95000);
   panel.problem.handles.push_back({"borders", panel.problem.fixed});
@@ -199,7 +202,8 @@ TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices
   CHECK(worst < 1e-10 * panel.mesh.size());
 }
 
-TEST_CASE("reduction and saddle point agree at 14,000 vertices, guided points and all") {
+TEST_CASE("reduction and saddle point agree at 14,000 vertices, guided points and all",
+          "[mesh][deform]") {
   Part panel(holed_panel(14000));
   panel.edit.handles[0].translation = {0, 0, 60};
   panel.edit.handles[0].rotation_vector = to_rotation_vector({1, 2, 0.5}, 0.5);
@@ -215,7 +219,7 @@ TEST_CASE("reduction and saddle point agree at 14,000 vertices, guided points an
     CHECK(panel.fit(deformer.positions(), f).max_error < 1e-12);
 }
 
-TEST_CASE("details turn with the sheet: curvature vectors are rotated") {
+TEST_CASE("details rotate with the sheet: curvature vectors are rotated", "[mesh][deform]") {
   // The sheet with cavities, none of them a feature, bent by 95 degrees.
   Part sheet(sheet_with_cavities());
   sheet.bend(400, 95);

@@ -77,7 +77,8 @@ struct Case {
 
 }  // namespace
 
-TEST_CASE("without features the deformer solves the dense least-squares problem") {
+TEST_CASE("without features the deformer solves the dense least-squares problem",
+          "[mesh][deform]") {
   const TriangleMesh mesh = sheet(9);
   for (const auto weighting : {DeformProblem::Weighting::Area, DeformProblem::Weighting::Uniform}) {
     DeformProblem problem;
@@ -138,7 +139,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
   }
 }
 
-TEST_CASE("reduction, saddle point and dense elimination of all rows agree") {
+TEST_CASE("reduction, saddle point and dense elimination of all rows agree", "[mesh][deform]") {
   for (const bool point_constraints : {false, true}) {
     Case c(16, point_constraints);
     FormFeatureDeformer deformer(c.mesh, c.problem);
@@ -157,7 +158,7 @@ TEST_CASE("reduction, saddle point and dense elimination of all rows agree") {
   }
 }
 
-TEST_CASE("features are their originals up to one similarity") {
+TEST_CASE("features are their originals up to one similarity", "[mesh][deform]") {
   for (const bool point_constraints : {false, true}) {
     Case c(24, point_constraints);
     FormFeatureDeformer deformer(c.mesh, c.problem);
@@ -187,7 +188,7 @@ TEST_CASE("features are their originals up to one similarity") {
   }
 }
 
-TEST_CASE("a rigid motion of everything held moves the mesh rigidly") {
+TEST_CASE("a rigid motion of everything held moves the mesh rigidly", "[mesh][deform]") {
   for (const double angle : {0.4, 2.5, 3 * std::numbers::pi}) {
     Case c(20, false);
     c.problem.handles.push_back({"left", c.problem.fixed});
@@ -210,8 +211,8 @@ TEST_CASE("a rigid motion of everything held moves the mesh rigidly") {
   }
 }
 
-TEST_CASE(
-    "features in the dense problem: one translation and one rotation for all their vertices") {
+TEST_CASE("features in the dense problem: one translation and one rotation for all their vertices",
+          "[mesh][deform]") {
   const TriangleMesh mesh = sheet(9);
   DeformProblem problem;
   problem.fixed = where(mesh, [](const Vec3& p) { return p.x() < 0.1; });
@@ -268,7 +269,7 @@ TEST_CASE(
   CHECK((deformer.rotation_logs() - q).cwiseAbs().maxCoeff() < 1e-12);
 }
 
-TEST_CASE("contradictions are named, and the last good state stays") {
+TEST_CASE("contradictions are named, and the last good state stays", "[mesh][deform]") {
   Case c(16, false);
   // A feature from the fixed border to the handle.
   c.problem.features = {
@@ -306,7 +307,8 @@ TEST_CASE("contradictions are named, and the last good state stays") {
   CHECK(deformer.deform(still) == before);
 }
 
-TEST_CASE("features that touch merge, go with a handle, or stay with the fixed region") {
+TEST_CASE("features that touch merge, follow a handle, or stay with the fixed vertices",
+          "[mesh][deform]") {
   Case c(16, false);
   c.problem.features = {{"a", disc(c.mesh, 1.2, 1.5, 0.5)},
                         {"b", disc(c.mesh, 1.8, 1.5, 0.5)},
@@ -330,7 +332,8 @@ TEST_CASE("features that touch merge, go with a handle, or stay with the fixed r
   CHECK_THROWS_AS(deformer.deform(c.edit), ConflictError);
 }
 
-TEST_CASE("guided points: redundant rows are dropped, impossible ones named, planes move") {
+TEST_CASE("guided points: redundant rows are dropped, impossible ones named, planes move",
+          "[mesh][deform]") {
   Case c(16, true);
   c.problem.point_constraints.push_back(c.problem.point_constraints[0]);
   c.problem.point_constraints.back().name = "again";
@@ -373,7 +376,7 @@ TEST_CASE("guided points: redundant rows are dropped, impossible ones named, pla
   }
 }
 
-TEST_CASE("many guided points: the Schur complement is the coupled reduction") {
+TEST_CASE("many guided points: the Schur complement is the coupled reduction", "[mesh][deform]") {
   Case c(14, false);
   // A plane for 20 single vertices, each its own direction.
   Random random(3);
@@ -403,7 +406,7 @@ TEST_CASE("many guided points: the Schur complement is the coupled reduction") {
   CHECK(relative(moved, p) < 1e-10);
 }
 
-TEST_CASE("rotations wind as far as they are asked to") {
+TEST_CASE("rotations wind as far as they are asked to", "[mesh][deform]") {
   // On a flat strip of squares the harmonic field is linear from end to end.
   const TriangleMesh mesh = sheet(12, 0, 0);
   DeformProblem problem;
@@ -422,7 +425,8 @@ TEST_CASE("rotations wind as far as they are asked to") {
   }
 }
 
-TEST_CASE("a region of interest: nothing outside moves, the shape joins smoothly") {
+TEST_CASE("a region of interest: nothing outside moves, the shape joins smoothly",
+          "[mesh][deform]") {
   double last = 0;
   for (const int n : {40, 80}) {
     const TriangleMesh mesh = sheet(n, 0.4, 0.1);
@@ -455,7 +459,7 @@ TEST_CASE("a region of interest: nothing outside moves, the shape joins smoothly
   }
 }
 
-TEST_CASE("with area weights the shape does not depend on the mesh") {
+TEST_CASE("with area weights the shape does not depend on the mesh", "[mesh][deform]") {
   // Heights of the middle line under refinement: differences shrink. Uniform rows give another
   // shape on a mesh that is fine on one side.
   const auto height = [](int n, DeformProblem::Weighting weighting, bool graded) {
@@ -485,7 +489,8 @@ TEST_CASE("with area weights the shape does not depend on the mesh") {
   CHECK(std::abs(uniform - even) > 0.1 * even);
 }
 
-TEST_CASE("soft rows: from nothing to a hard row as the weight grows, and rows that turn") {
+TEST_CASE("soft constraints: from nothing to hard as the weight grows, and rotating ones",
+          "[mesh][deform]") {
   Case c(12, false);
   const int v = nearest_to(c.mesh, {2, 2.0, 0});
   const Vec3 target = c.mesh.point(v) + Vec3(0, 0.2, 1.5);
@@ -523,7 +528,7 @@ TEST_CASE("soft rows: from nothing to a hard row as the weight grows, and rows t
   CHECK(q.norm() > 0.01);
 }
 
-TEST_CASE("a character line keeps its shape the better the wider the strip it stands for") {
+TEST_CASE("a feature line keeps its shape better the wider its strip is", "[mesh][deform]") {
   Case c(24, false);
   c.problem.features.clear();
   c.edit.feature_scales.clear();
@@ -558,7 +563,7 @@ TEST_CASE("a character line keeps its shape the better the wider the strip it st
   CHECK(last < 0.01 * warp(0));
 }
 
-TEST_CASE("parts that nothing holds stay, and are told of") {
+TEST_CASE("unconstrained parts stay, and are reported", "[mesh][deform]") {
   // The sheet and a triangle of its own, and a vertex without triangles.
   const TriangleMesh one = sheet(8);
   Points points(one.vertex_count() + 4, 3);
@@ -587,7 +592,8 @@ TEST_CASE("parts that nothing holds stay, and are told of") {
   CHECK((p.row(n) - points.row(n)).norm() > 0.1);
 }
 
-TEST_CASE("the same bits on one thread and on two, and no allocation while dragging") {
+TEST_CASE("the same bits on one thread and on two, and no allocation while dragging",
+          "[mesh][deform]") {
   Case c(80, true);
   Points first;
   {
@@ -607,7 +613,7 @@ TEST_CASE("the same bits on one thread and on two, and no allocation while dragg
   CHECK(work.of(OpCounter::Allocation) == 0);
 }
 
-TEST_CASE("random problems: an answer within the constraints, or a named error") {
+TEST_CASE("random problems: a result within the constraints, or a named error", "[mesh][deform]") {
   const TriangleMesh mesh = sheet(12);
   const int n = mesh.vertex_count();
   Random random(11);

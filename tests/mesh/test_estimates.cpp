@@ -74,7 +74,7 @@ HandleTransform other_move() {
 
 }  // namespace
 
-TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly") {
+TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly", "[mesh][estimates]") {
   const ClampedSheet c(12);
   for (const double angle : {0.4, 2.5, 3 * std::numbers::pi})
     for (const auto& deformer :
@@ -92,7 +92,7 @@ TEST_CASE("estimates: a rigid motion of all handles moves the mesh rigidly") {
     }
 }
 
-TEST_CASE("fitted lengths follow a scale, original ones resist it") {
+TEST_CASE("fitted lengths follow a scale, original ones resist it", "[mesh][estimates]") {
   const ClampedSheet c(12);
   HandleTransform move;
   move.about = {1, 2, 3};
@@ -117,7 +117,8 @@ TEST_CASE("fitted lengths follow a scale, original ones resist it") {
   }
 }
 
-TEST_CASE("estimates: the energy falls from round to round and what is reported is true") {
+TEST_CASE("estimates: the energy decreases in every iteration and is reported correctly",
+          "[mesh][estimates]") {
   const ClampedSheet c(16);
   for (const auto& deformer : all_kinds(c.mesh, quads_of_sheet(16), c.left, {{"right", c.right}})) {
     const Points before = deformer->positions();
@@ -145,7 +146,7 @@ TEST_CASE("estimates: the energy falls from round to round and what is reported 
   CHECK(deformer.report().last_change > 1e-6);
 }
 
-TEST_CASE("estimates: the energy falls for any moves") {
+TEST_CASE("estimates: the energy falls for any moves", "[mesh][estimates]") {
   const ClampedSheet c(8);
   Random random(21);
   for (const auto& deformer :
@@ -164,7 +165,8 @@ TEST_CASE("estimates: the energy falls for any moves") {
   }
 }
 
-TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate nothing") {
+TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate nothing",
+          "[mesh][estimates]") {
   const ClampedSheet c(20);
   const auto make = [&](int kind) -> std::unique_ptr<IterativeDeformer> {
     if (kind == 0)
@@ -195,7 +197,7 @@ TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate n
   }
 }
 
-TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
+TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents", "[mesh][estimates]") {
   const ClampedSheet c(10);
   ArapOptions options;
   options.smoothing = 0.003;
@@ -226,7 +228,9 @@ TEST_CASE("the nonlinear energy is that of spokes and rims with cotangents") {
   CHECK(deformer.report().energies.back() == Approx(energy / 2).epsilon(1e-10));
 }
 
-TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand upright") {
+TEST_CASE(
+    "the dual energy is that of its documentation, and Laplacian vectors keep their direction",
+    "[mesh][estimates]") {
   const ClampedSheet c(8);
   DualLaplacianOptions options;
   options.border = DualLaplacianOptions::Border::EdgeMidpoints;
@@ -281,7 +285,8 @@ TEST_CASE("the dual energy is that of its header, and Laplacian vectors stand up
   CHECK(deformer.report().energies.back() == Approx(energy / 2).epsilon(1e-9));
 }
 
-TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned") {
+TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned",
+          "[mesh][estimates]") {
   const BossPanel panel(40);
   const auto lift = panel.lift(1.2);
   DualLaplacianDeformer dual(panel.mesh, {}, panel.fixed, panel.handles);
@@ -294,7 +299,7 @@ TEST_CASE("a patch lifted without a turn gives a slope whose faces have turned")
   }
 }
 
-TEST_CASE("squares: primal rows keep vertices from moving to and fro") {
+TEST_CASE("squares: primal rows keep vertices from moving to and fro", "[mesh][estimates]") {
   const int n = 20;
   const TriangleMesh mesh = sheet(n, 0.4, 0);
   const auto fixed = vertices_where(mesh, [](const Vec3& p) { return p.x() < 0.3; });
@@ -325,7 +330,7 @@ TEST_CASE("squares: primal rows keep vertices from moving to and fro") {
   CHECK(to_and_fro(0) > 5 * kept);
 }
 
-TEST_CASE("a bar twisted by half a turn keeps its section and its edges") {
+TEST_CASE("a bar twisted by half a turn keeps its section and its edges", "[mesh][estimates]") {
   const double length = 10;
   const Bar bar(length, 6);
   const auto twist = Bar::twist(180);
@@ -363,7 +368,8 @@ TEST_CASE("a bar twisted by half a turn keeps its section and its edges") {
   CHECK(edge_change(bar.mesh, p, all).most < edge_change(bar.mesh, q, all).most);
 }
 
-TEST_CASE("estimates: same bits on one thread and on several, and again after another edit") {
+TEST_CASE("estimates: same bits on one thread and on several, and again after another edit",
+          "[mesh][estimates]") {
   const ClampedSheet c(40);
   for (const int kind : {0, 1}) {
     const auto answer = [&] {
@@ -385,7 +391,7 @@ TEST_CASE("estimates: same bits on one thread and on several, and again after an
   }
 }
 
-TEST_CASE("estimates: from a guess to the same shape") {
+TEST_CASE("estimates: from a guess to the same shape", "[mesh][estimates]") {
   const ClampedSheet c(14);
   HandleTransform move;
   move.translation = {0, 0, 0.8};
@@ -404,7 +410,7 @@ TEST_CASE("estimates: from a guess to the same shape") {
   }
 }
 
-TEST_CASE("estimates: a part of the mesh that nothing holds stays") {
+TEST_CASE("estimates: a part of the mesh that nothing holds stays", "[mesh][estimates]") {
   const TriangleMesh square = flat_square(4, 0, 1);
   const TriangleMesh mesh = disjoint_union(square, square);
   const auto handle = vertices_where(square, [](const Vec3& p) { return p.x() > 0.9; });
@@ -417,7 +423,7 @@ TEST_CASE("estimates: a part of the mesh that nothing holds stays") {
   }
 }
 
-TEST_CASE("estimates: bad input is refused with what was found") {
+TEST_CASE("estimates: bad input is refused with what was found", "[mesh][estimates]") {
   const ClampedSheet c(4);
   const std::vector<Handle> handles = {{"right", c.right}};
   const auto dual = [&](Faces faces) {

@@ -37,7 +37,7 @@ TriangleMesh prism(int n, bool lid) {
 
 }  // namespace
 
-TEST_CASE("a box has twelve creases between its corners") {
+TEST_CASE("a box has twelve creases between its corners", "[mesh][features]") {
   const TriangleMesh box = prism(4, true);
   const auto [lines, patches] = feature_lines(box);
   REQUIRE(lines.size() == 12);
@@ -58,7 +58,7 @@ TEST_CASE("a box has twelve creases between its corners") {
   }
 }
 
-TEST_CASE("a cup has one closed crease and one closed rim") {
+TEST_CASE("a cup has one closed crease and one closed free edge", "[mesh][features]") {
   const auto [lines, patches] = feature_lines(prism(40, false));
   REQUIRE(lines.size() == 2);
   for (const FeatureLine& line : lines) {
@@ -71,7 +71,7 @@ TEST_CASE("a cup has one closed crease and one closed rim") {
   for (const FeaturePatch& patch : patches) CHECK(patch.loops.size() == (patch.flat ? 1 : 2));
 }
 
-TEST_CASE("short creases that end in the open are noise, long ones are not") {
+TEST_CASE("short creases that end in the open are noise, long ones are not", "[mesh][features]") {
   // A plane with a small tent along one edge of it.
   ShellMesh mesh;
   const auto add = [&](double length) {
@@ -91,8 +91,29 @@ TEST_CASE("short creases that end in the open are noise, long ones are not") {
   CHECK(add(1) > 0);
 }
 
-TEST_CASE("angles of feature lines are between 0 and 180") {
+TEST_CASE("angles of feature lines are between 0 and 180", "[mesh][features]") {
   FeatureLineOptions options;
   options.crease_degrees = 0;
   CHECK_THROWS_WITH(feature_lines(prism(4, true), options), Contains("crease angle"));
+}
+
+TEST_CASE("paths follow creases and close", "[mesh][features]") {
+  const TriangleMesh box = prism(4, true);
+  CHECK(crease_path(box, {0, 1}) == std::vector<int>{0, 1});
+  CHECK(crease_path(box, {0}) == std::vector<int>{0});
+  // Along two creases, although a flat diagonal of the side or of the lid may be shorter.
+  for (const int goal : {2, 5}) {
+    const std::vector<int> path = crease_path(box, {0, goal});
+    REQUIRE(path.size() == 3);
+    CHECK(path.front() == 0);
+    CHECK(path.back() == goal);
+  }
+  CHECK(crease_path(box, {0, 1, 2, 3}, true) == std::vector<int>{0, 1, 2, 3});
+  CHECK_THROWS_WITH(crease_path(box, {0, 8}), Contains("found vertex 8"));
+  ShellMesh two;
+  two.points.resize(6, 3);
+  two.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0;
+  two.add_face(std::array{0, 1, 2});
+  two.add_face(std::array{3, 4, 5});
+  CHECK_THROWS_WITH(crease_path(prepare(two).mesh, {0, 3}), Contains("not connected"));
 }

@@ -63,7 +63,7 @@ struct Lifted {
 
 }  // namespace
 
-TEST_CASE("rotations of 10,000 triangles that were rotated are exact") {
+TEST_CASE("rotations of 10,000 triangles that were rotated are exact", "[mesh][feature_regions]") {
   Random random(11);
   for (int k = 0; k < 10000; ++k) {
     Points before(3, 3), after(3, 3);
@@ -84,7 +84,8 @@ TEST_CASE("rotations of 10,000 triangles that were rotated are exact") {
   }
 }
 
-TEST_CASE("the rotation part is that of the singular value decomposition, and never a reflection") {
+TEST_CASE("the rotation part is that of the singular value decomposition, and never a reflection",
+          "[mesh][feature_regions]") {
   Random random(12);
   for (int k = 0; k < 3000; ++k) {
     Vec3 values = random.point().cwiseAbs();
@@ -107,7 +108,8 @@ TEST_CASE("the rotation part is that of the singular value decomposition, and ne
             .norm() < 1e-14);
 }
 
-TEST_CASE("faces that collapse, stretch or turn inside out have a rotation") {
+TEST_CASE("faces that collapse, stretch or turn inside out have a rotation",
+          "[mesh][feature_regions]") {
   Points before(4, 3);
   before << 0, 0, 0, 1, 0, 0, 1, 1, 0.2, 0, 1, 0;
   const std::vector<int> quad = {0, 1, 2, 3};
@@ -129,7 +131,7 @@ TEST_CASE("faces that collapse, stretch or turn inside out have a rotation") {
   CHECK((onto * Vec3::UnitX() - Vec3::UnitZ()).norm() < 1e-7);
 }
 
-TEST_CASE("rotations of triangles side by side are those one by one") {
+TEST_CASE("rotations of triangles side by side are those one by one", "[mesh][feature_regions]") {
   Random random(17);
   Points before(40, 3), after(40, 3);
   for (int i = 0; i < 40; ++i)
@@ -150,7 +152,8 @@ TEST_CASE("rotations of triangles side by side are those one by one") {
   }
 }
 
-TEST_CASE("means of rotations: outliers carry the squared one away, not the other") {
+TEST_CASE("means of rotations: outliers carry the squared one away, not the other",
+          "[mesh][feature_regions]") {
   Random random(13);
   const Mat3 truth = random_rotation(random);
   const Mat3 wrong = truth * Eigen::AngleAxisd(1.5, Vec3::UnitX()).toRotationMatrix();
@@ -190,7 +193,8 @@ TEST_CASE("means of rotations: outliers carry the squared one away, not the othe
         "0 weights of 100 rotations, expected one each");
 }
 
-TEST_CASE("regions: a rigid motion of all handles moves the mesh rigidly") {
+TEST_CASE("regions: a rigid motion of all handles moves the mesh rigidly",
+          "[mesh][feature_regions]") {
   const BossPanel panel(20);
   const std::vector<Handle> handles = {{"left", panel.fixed}, panel.handles[0]};
   HandleTransform move;
@@ -210,7 +214,8 @@ TEST_CASE("regions: a rigid motion of all handles moves the mesh rigidly") {
   }
 }
 
-TEST_CASE("a lifted panel: the boss leans with the sheet around it, and keeps its shape") {
+TEST_CASE("a lifted panel: the boss leans with the sheet around it, and keeps its shape",
+          "[mesh][feature_regions]") {
   const Lifted c(40);
   FeatureRegionDeformer hard = c.deformer(options_of(Kind::Hard));
   const Points p = hard.deform(c.estimate, c.moves);
@@ -232,7 +237,8 @@ TEST_CASE("a lifted panel: the boss leans with the sheet around it, and keeps it
   CHECK(tilt_degrees(harmonic.deform(edit), c.panel.boss) < 1e-9);
 }
 
-TEST_CASE("estimate, rough, soft, hard: each keeps the boss better than the one before") {
+TEST_CASE("estimate, rough, soft, hard: each keeps the boss better than the one before",
+          "[mesh][feature_regions]") {
   const Lifted c(20);
   FeatureRegionDeformer soft = c.deformer(options_of(Kind::Soft));
   FeatureRegionDeformer hard = c.deformer(options_of(Kind::Hard));
@@ -252,7 +258,7 @@ TEST_CASE("estimate, rough, soft, hard: each keeps the boss better than the one 
   CHECK(hard.face_rotations(0).size() == hard.faces(0).size());
 }
 
-TEST_CASE("soft regions of a large weight are hard ones") {
+TEST_CASE("soft regions of a large weight are hard ones", "[mesh][feature_regions]") {
   Lifted c(20);
   c.regions = {{"low", {}, disc_of(c.panel.mesh, 1, 1, 0.3)},
                {"boss", {}, c.panel.boss},
@@ -275,7 +281,8 @@ TEST_CASE("soft regions of a large weight are hard ones") {
   CHECK(before < 1e-6);
 }
 
-TEST_CASE("hard regions are the dense least-squares problem with three unknowns a region") {
+TEST_CASE("hard regions are the dense least-squares problem with three unknowns a region",
+          "[mesh][feature_regions]") {
   Lifted c(20, 0.8);
   const double scale = c.regions[0].scale = 1.25;
   FeatureRegionOptions options = options_of(Kind::Hard);
@@ -316,7 +323,8 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
   }
 }
 
-TEST_CASE("the user's rotation and scale override the estimate's, without a new factor") {
+TEST_CASE("the user's rotation and scale override the estimate's, without a new factor",
+          "[mesh][feature_regions]") {
   Lifted c(20);
   const Mat3 wanted = Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()).toRotationMatrix();
   for (const Kind kind : {Kind::Soft, Kind::Hard}) {
@@ -346,7 +354,7 @@ TEST_CASE("the user's rotation and scale override the estimate's, without a new 
   CHECK(stated.region_rotations()[0] == wanted);
 }
 
-TEST_CASE("one factor for any number of edits of feature regions") {
+TEST_CASE("one factor for any number of edits of feature regions", "[mesh][feature_regions]") {
   const Lifted c(20);
   const ScopedOpCount making;
   FeatureRegionDeformer deformer = c.deformer(options_of(Kind::Hard));
@@ -360,7 +368,8 @@ TEST_CASE("one factor for any number of edits of feature regions") {
   CHECK(soft.unknowns() - deformer.unknowns() == isize(deformer.vertices(0)) - 1);
 }
 
-TEST_CASE("hard regions go with what holds them, and those that share vertices turn as one") {
+TEST_CASE("hard regions follow their constraints, and those that share vertices rotate as one",
+          "[mesh][feature_regions]") {
   Lifted c(20);
   HandleTransform move = c.moves[0];
   move.rotation_vector = to_rotation_vector({0, 1, 0}, -0.5);
@@ -397,7 +406,7 @@ TEST_CASE("hard regions go with what holds them, and those that share vertices t
   }
 }
 
-TEST_CASE("a robust mean of a region ignores a dent in the estimate") {
+TEST_CASE("a robust mean of a region ignores a dent in the estimate", "[mesh][feature_regions]") {
   Lifted c(20, 0);
   c.estimate = c.panel.mesh.points();
   // A dent of a few faces of the flat sheet, which is one region.
@@ -413,7 +422,7 @@ TEST_CASE("a robust mean of a region ignores a dent in the estimate") {
   CHECK(angle_between(b.region_rotations()[0], Mat3::Identity()) < 1e-6);
 }
 
-TEST_CASE("feature regions: same bits on one thread and on several") {
+TEST_CASE("feature regions: same bits on one thread and on several", "[mesh][feature_regions]") {
   const Lifted c(40);
   for (const Kind kind : {Kind::Soft, Kind::Hard}) {
     FeatureRegionDeformer deformer = c.deformer(options_of(kind));
@@ -424,7 +433,7 @@ TEST_CASE("feature regions: same bits on one thread and on several") {
   }
 }
 
-TEST_CASE("feature regions: bad input is refused with what was found") {
+TEST_CASE("feature regions: bad input is refused with what was found", "[mesh][feature_regions]") {
   const BossPanel panel(10);
   const auto refused = [&](const FeatureRegion& region, double weight = 1) {
     FeatureRegionOptions options;
@@ -456,7 +465,7 @@ TEST_CASE("feature regions: bad input is refused with what was found") {
         }) == "found two feature regions named 'a', expected unique names");
 }
 
-TEST_CASE("components of a mask") {
+TEST_CASE("components of a mask", "[mesh][feature_regions]") {
   const TriangleMesh mesh = flat_square(8, 0, 3);
   std::vector<char> mask(81, 0);
   for (const int v : {0, 1, 2, 9, 40, 79, 80}) mask[v] = 1;
@@ -471,8 +480,8 @@ TEST_CASE("components of a mask") {
         }) == "the mask has 2 marks, expected one for each of 81 vertices");
 }
 
-TEST_CASE(
-    "saliency: a bump stands out from the ball it is on, wherever and however large that is") {
+TEST_CASE("saliency: a bump stands out from the ball it is on, wherever and however large that is",
+          "[mesh][feature_regions]") {
   TriangleMesh ball = sphere(5);
   Points p = ball.points();
   for (long v = 0; v < p.rows(); ++v)
@@ -507,7 +516,8 @@ TEST_CASE(
   CHECK(mesh_saliency(flat_square(20, 0.2, 5)).isZero(0));
 }
 
-TEST_CASE("a cut between two strokes follows the creases of a boss and of a closed solid") {
+TEST_CASE("a cut between two strokes follows the creases of a boss and of a closed solid",
+          "[mesh][feature_regions]") {
   const BossPanel panel(40);
   // On the top, and on the sheet.
   const auto on = disc_of(panel.mesh, 2, 2, 0.12);
@@ -539,7 +549,8 @@ TEST_CASE("a cut between two strokes follows the creases of a boss and of a clos
   CHECK(cut.cost < length);
 }
 
-TEST_CASE("strokes that cannot be separated are refused with the place") {
+TEST_CASE("strokes that cannot be separated are refused with the position",
+          "[mesh][feature_regions]") {
   const TriangleMesh square = flat_square(6, 0, 3);
   const TriangleMesh mesh = disjoint_union(square, square);
   const auto refused = [&](const std::vector<int>& in, const std::vector<int>& out) {

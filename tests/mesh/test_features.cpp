@@ -69,7 +69,7 @@ double radius_of(const Vec3& p) { return p.head<2>().norm(); }
 
 }  // namespace
 
-TEST_CASE("circles in space are measured to rounding") {
+TEST_CASE("circles in space are measured to rounding", "[mesh][features]") {
   const Vec3 centre(1000, -200, 30), axis = Vec3(1, 2, -2) / 3;
   for (const int n : {5, 8, 41}) {
     const Points p = circle(centre, axis, 12.5, n);
@@ -90,7 +90,7 @@ TEST_CASE("circles in space are measured to rounding") {
   CHECK(unit.centre.norm() < 1e-14);
 }
 
-TEST_CASE("the circle of a rough loop is the one of least squares") {
+TEST_CASE("the circle of a rough loop is the one of least squares", "[mesh][features]") {
   Random random(3);
   Points p = circle(Vec3(1, 2, 3), Vec3(0, 0, 1), 4, 60);
   for (int i = 0; i < 60; ++i) p.row(i) += 0.3 * Vec3(random(), random(), 0).transpose();
@@ -116,7 +116,7 @@ TEST_CASE("the circle of a rough loop is the one of least squares") {
   CHECK(measure_hole(p, counted(60)).flatness > 0.1);
 }
 
-TEST_CASE("loops that are no circles say so") {
+TEST_CASE("loops that are no circles are reported", "[mesh][features]") {
   Points square(4, 3), slender(40, 3);
   square << 0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0;
   CHECK_FALSE(measure_hole(square, counted(4)).circular);
@@ -142,7 +142,8 @@ TEST_CASE("loops that are no circles say so") {
         std::string::npos);
 }
 
-TEST_CASE("the axis of a hole is on the side of the mesh's normals, before and after") {
+TEST_CASE("the axis of a hole is on the side of the mesh's normals, before and after",
+          "[mesh][features]") {
   const TriangleMesh mesh = revolved_profile({{3, 0}, {2, 0}, {1, 0}}, 12);
   const auto holes = detect_features(mesh);
   REQUIRE(holes.size() == 1);
@@ -154,7 +155,7 @@ TEST_CASE("the axis of a hole is on the side of the mesh's normals, before and a
   CHECK((after.axis - rotation.col(2)).norm() < 1e-14);
 }
 
-TEST_CASE("the forms of the models are proposed, whole and nothing else") {
+TEST_CASE("the forms of the models are proposed, whole and nothing else", "[mesh][features]") {
   struct Case {
     std::string name;
     MeshModel model;
@@ -181,7 +182,7 @@ TEST_CASE("the forms of the models are proposed, whole and nothing else") {
   }
 }
 
-TEST_CASE("names follow the lowest vertex of the loop, holes first") {
+TEST_CASE("names follow the lowest vertex of the loop, holes first", "[mesh][features]") {
   const auto proposals = detect_features(prepare(panel().shells).mesh);
   int holes = 0, creases = 0, last = -1;
   for (const DetectedFeature& p : proposals) {
@@ -198,7 +199,7 @@ TEST_CASE("names follow the lowest vertex of the loop, holes first") {
   CHECK(creases == 1);
 }
 
-TEST_CASE("holes without a flange have one ring, or the width asked for") {
+TEST_CASE("holes without a flange have one ring, or the width asked for", "[mesh][features]") {
   const TriangleMesh mesh = revolved_profile(subdivided({{5, 0}, {1, 0}}, 0.5), 16);
   auto holes = detect_features(mesh);
   REQUIRE(holes.size() == 1);
@@ -216,7 +217,8 @@ TEST_CASE("holes without a flange have one ring, or the width asked for") {
   CHECK(detect_features(disjoint_union(disjoint_union(mesh, mesh), sphere(3))).size() == 2);
 }
 
-TEST_CASE("a flange ends at its outermost crease, a hole in a cavity at its own") {
+TEST_CASE("a flange ends at its outermost crease, a hole in a cavity at its own",
+          "[mesh][features]") {
   // A dimple with steps around the hole, then a wide cavity.
   const std::vector<Vec2> corners = {{20, 0}, {12, 0}, {11, -2}, {5, -2}, {4, -3}, {3, -3}};
   const TriangleMesh mesh = revolved_profile(subdivided(corners, 0.5), 48);
@@ -237,7 +239,7 @@ TEST_CASE("a flange ends at its outermost crease, a hole in a cavity at its own"
   CHECK(detect_features(mesh, options)[0].vertices == proposals[1].vertices);
 }
 
-TEST_CASE("nested creases are one feature, or one each when asked for") {
+TEST_CASE("nested creases are one feature, or one each when asked for", "[mesh][features]") {
   const TriangleMesh mesh =
       revolved_profile(subdivided({{20, 0}, {12, 0}, {12, 2}, {6, 2}, {6, 4}, {0, 4}}, 1), 32);
   const auto outermost = detect_features(mesh);
@@ -257,7 +259,8 @@ TEST_CASE("nested creases are one feature, or one each when asked for") {
         std::vector<std::vector<int>>{inside(12, 0), inside(12, 2), inside(6, 2), inside(6, 4)});
 }
 
-TEST_CASE("panels within a flange are no feature, rings and bosses on them are") {
+TEST_CASE("panels within a flange are no feature, rings and bosses on them are",
+          "[mesh][features]") {
   // Flange with a step; a groove around; a boss in the middle.
   const TriangleMesh mesh = revolved_profile(
       subdivided({{30, -4}, {27, -4}, {27, 0}, {20, 0}, {19, -1}, {18, 0}, {5, 0}, {5, 1}, {0, 1}},
@@ -274,7 +277,7 @@ TEST_CASE("panels within a flange are no feature, rings and bosses on them are")
   CHECK(proposals[0].measure.radius == Approx(5));
 }
 
-TEST_CASE("creases that do not close and single vertices propose nothing") {
+TEST_CASE("creases that do not close and single vertices propose nothing", "[mesh][features]") {
   const TriangleMesh flat = revolved_profile(subdivided({{20, 0}, {8, 0}, {6, 0}, {0, 0}}, 1), 48);
   const auto raised = [&](double lowest) {
     Points p = flat.points();
@@ -302,7 +305,7 @@ TEST_CASE("creases that do not close and single vertices propose nothing") {
         std::string::npos);
 }
 
-TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings") {
+TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings", "[mesh][features]") {
   const auto support = optional_data("panel-bottle-support/W1000BO_pid_1_a_tri.obj");
   const auto side = optional_data("panel-neon-side/neon_side.off");
   if (support.empty() || side.empty()) {
@@ -334,7 +337,8 @@ TEST_CASE("real panels: thirteen rimmed holes, and a body side's openings") {
   CHECK(sorted(lengths) == std::vector<int>{40, 310, 326});
 }
 
-TEST_CASE("the cut around a boss is the circle where it meets the plate, on every mesh") {
+TEST_CASE("the cut around a boss is the circle where it meets the plate, on every mesh",
+          "[mesh][features]") {
   const double radius = 5;
   double last = 0;
   for (const double h : {1.0, 0.5, 0.25}) {
@@ -364,7 +368,8 @@ TEST_CASE("the cut around a boss is the circle where it meets the plate, on ever
   }
 }
 
-TEST_CASE("which creases attract the cut is settable, and turns round with the mesh") {
+TEST_CASE("which creases attract the cut is settable, and turns round with the mesh",
+          "[mesh][features]") {
   const TriangleMesh mesh =
       revolved_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
   const std::vector<int> band = triangles_between(
@@ -380,7 +385,7 @@ TEST_CASE("which creases attract the cut is settable, and turns round with the m
   CHECK(height(below, cut_feature(below, band, {0.2, 1, -1})) == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("the feature is the smaller side, or the one named") {
+TEST_CASE("the feature is the smaller side, or the one named", "[mesh][features]") {
   const TriangleMesh mesh =
       revolved_profile(subdivided({{15, 0}, {5, 0}, {5, 4}, {0, 4}}, 0.5), 64);
   const std::vector<int> band =
@@ -393,7 +398,7 @@ TEST_CASE("the feature is the smaller side, or the one named") {
   CHECK(cut_feature(mesh, band, {1, 0.2, mesh.vertex_count() - 1}).triangles == boss.triangles);
 }
 
-TEST_CASE("the cut is the cheapest of all cuts") {
+TEST_CASE("the cut is the cheapest of all cuts", "[mesh][features]") {
   // Every subset of the band, with the cost written down once more.
   int checked = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
@@ -460,7 +465,7 @@ TEST_CASE("the cut is the cheapest of all cuts") {
   CHECK(checked == 12);
 }
 
-TEST_CASE("in a flat band the shortest cut wins, from border to border, too") {
+TEST_CASE("in a flat band the shortest cut wins, from border to border, too", "[mesh][features]") {
   // An hourglass: the narrowest place is in the middle.
   const int n = 24;
   TriangleMesh mesh = flat_square(n, 0, 3);
@@ -484,7 +489,8 @@ TEST_CASE("in a flat band the shortest cut wins, from border to border, too") {
   CHECK(cut_feature(mesh.with_points(p), band).triangles == cut.triangles);
 }
 
-TEST_CASE("bands that do not separate exactly two sides are refused with what was found") {
+TEST_CASE("bands that do not separate exactly two sides are refused with what was found",
+          "[mesh][features]") {
   const TriangleMesh mesh = flat_square(10, 0, 3);
   const auto refused = [&](const TriangleMesh& m, const std::vector<int>& band,
                            const CutOptions& options = {}) {

@@ -51,7 +51,8 @@ double twice_area(const HarmonicMap& map, const std::array<int, 3>& t) {
 
 }  // namespace
 
-TEST_CASE("No triangle of a deep cap turns over where its rim lies on a square") {
+TEST_CASE("No triangle of a deep cap inverts if its boundary is mapped to a square",
+          "[mesh][flat_map]") {
   const PnTriangleMesh mesh = cap(2.6);  // most of the sphere: its rim is the smaller part of it
   const HarmonicMap map(mesh, on_square);
   double sum = 0;
@@ -66,7 +67,7 @@ TEST_CASE("No triangle of a deep cap turns over where its rim lies on a square")
   CHECK(std::abs(map.surface_point({0.31, 0.17}).norm() - 1) < 2e-3);
 }
 
-TEST_CASE("An even piece of a plane is laid out by the affine map of its rim") {
+TEST_CASE("A planar piece is flattened by the affine map of its boundary", "[mesh][flat_map]") {
   constexpr int n = 6;
   Points points((n + 1) * (n + 1), 3);
   std::vector<std::array<int, 3>> triangles;
@@ -85,7 +86,7 @@ TEST_CASE("An even piece of a plane is laid out by the affine map of its rim") {
     CHECK((map.parameter(v) - wanted(points.row(v))).norm() < 1e-12);
 }
 
-TEST_CASE("A closed surface, or two, cannot be laid flat") {
+TEST_CASE("A closed surface, or two, cannot be laid flat", "[mesh][flat_map]") {
   Points points(4, 3);
   points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
   const PnTriangleMesh closed(TriangleMesh(points, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));

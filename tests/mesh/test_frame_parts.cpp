@@ -87,7 +87,8 @@ Mat3 rotation_by_search(const std::function<double(const Mat3&)>& energy) {
 
 }  // namespace
 
-TEST_CASE("features and handles that turn freely are rigid, turned as a search would turn them") {
+TEST_CASE("features and handles that turn freely are rigid, turned as a search would turn them",
+          "[mesh][sequences]") {
   const Bar b;
   for (const bool handle : {false, true}) {
     FrameConstraints constraints = b.constraints();
@@ -113,7 +114,7 @@ TEST_CASE("features and handles that turn freely are rigid, turned as a search w
   }
 }
 
-TEST_CASE("guided points are on their plane and line") {
+TEST_CASE("guided points are on their plane and line", "[mesh][sequences]") {
   const Bar b;
   FrameConstraints constraints = b.constraints();
   const Vec3 normal(1, 0.3, 2), along(0.1, -0.4, 1);
@@ -150,7 +151,7 @@ TEST_CASE("guided points are on their plane and line") {
                      .dot(normal.normalized())) < 1e-13);
 }
 
-TEST_CASE("a closed surface keeps its volume, with the least energy") {
+TEST_CASE("a closed surface keeps its volume, with the least energy", "[mesh][sequences]") {
   const Bar b;
   FrameConstraints constraints = b.constraints();
   for (const bool soft : {false, true}) {
@@ -187,7 +188,7 @@ TEST_CASE("a closed surface keeps its volume, with the least energy") {
   }
 }
 
-TEST_CASE("what hangs on nothing stays, and is told") {
+TEST_CASE("unconnected parts stay, and are reported", "[mesh][sequences]") {
   const TriangleMesh two =
       disjoint_union(bar(6, 2, 2, 0.5), sphere(1).with_points(sphere(1).points().array() + 5));
   FrameConstraints constraints;
@@ -204,7 +205,7 @@ TEST_CASE("what hangs on nothing stays, and is told") {
         1e-10);
 }
 
-TEST_CASE("a frame solver refuses what it cannot take") {
+TEST_CASE("a frame solver refuses invalid input", "[mesh][sequences]") {
   const Bar b;
   const auto refused = [&](const FrameConstraints& constraints, const TriangleMesh& mesh) {
     return error_message([&] { FrameSolver solver(mesh, constraints); });
@@ -262,7 +263,7 @@ TEST_CASE("a frame solver refuses what it cannot take") {
   CHECK_NOTHROW(both.alternate(b.p, apart));
 }
 
-TEST_CASE("sequences are checked before they are edited") {
+TEST_CASE("sequences are checked before they are edited", "[mesh][sequences]") {
   const TriangleMesh mesh = sphere(0);
   MeshSequence s;
   s.shells.points = mesh.points();

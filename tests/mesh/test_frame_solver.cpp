@@ -60,7 +60,8 @@ double highest_rise(const std::vector<double>& energies) {
 
 }  // namespace
 
-TEST_CASE("a frame without an edit stays, and one rigid motion moves all of it") {
+TEST_CASE("a frame without an edit stays, and one rigid motion moves all of it",
+          "[mesh][sequences]") {
   Random random(41);
   for (const Sample& s : samples())
     for (const auto weights : {FrameOptions::Weights::Uniform, FrameOptions::Weights::Cotangent}) {
@@ -84,7 +85,7 @@ TEST_CASE("a frame without an edit stays, and one rigid motion moves all of it")
     }
 }
 
-TEST_CASE("no round raises the energy, whatever is held") {
+TEST_CASE("no round raises the energy, whatever is held", "[mesh][sequences]") {
   for (const Sample& s : samples())
     for (const auto weights : {FrameOptions::Weights::Uniform, FrameOptions::Weights::Cotangent})
       for (int kind = 0; kind < 4; ++kind) {
@@ -117,7 +118,8 @@ TEST_CASE("no round raises the energy, whatever is held") {
       }
 }
 
-TEST_CASE("the linear step is the least-squares solution of a dense twin") {
+TEST_CASE("the global step is the least-squares solution of a dense reference implementation",
+          "[mesh][sequences]") {
   Random random(42);
   const Sample s = sample("bar", bar(7, 2, 2, 0.5), 0.01, 1.99);
   const Points p = s.frame();
@@ -203,7 +205,7 @@ TEST_CASE("the linear step is the least-squares solution of a dense twin") {
   }
 }
 
-TEST_CASE("at rest no ring and no node has anywhere better to go") {
+TEST_CASE("at convergence no one-ring and no node has a better position", "[mesh][sequences]") {
   const Sample s = sample("bar", bar(12, 3, 3, 0.6), 0.01, 2.99);
   const Points p = s.frame();
   FrameConstraints constraints;
@@ -223,7 +225,7 @@ TEST_CASE("at rest no ring and no node has anywhere better to go") {
   CHECK(distance(reference_solver.solve(), at.positions) < 1e-11);
 }
 
-TEST_CASE("softness tends to hard handles") {
+TEST_CASE("softness tends to hard handles", "[mesh][sequences]") {
   const Sample s = sample("sheet", sheet(12), 0.05, 3.95);
   FrameConstraints constraints = two_handles(s);
   const FrameTargets targets = prescribed({{}, bending(s)});
@@ -243,7 +245,8 @@ TEST_CASE("softness tends to hard handles") {
   CHECK(before < 1e-6);
 }
 
-TEST_CASE("frames are the same bits on one thread and two, and go on where they stopped") {
+TEST_CASE("frames are the same bits on one thread and two, and go on where they stopped",
+          "[mesh][sequences]") {
   const Sample s = sample("sheet", sheet(40), 0.05, 3.95);
   FrameConstraints constraints = two_handles(s);
   constraints.features = {{"middle", nodes_where(s.frame(), [](const Vec3& x) {
@@ -262,7 +265,7 @@ TEST_CASE("frames are the same bits on one thread and two, and go on where they 
   CHECK(solved(1, 5, 7) == one);
 }
 
-TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
+TEST_CASE("the rotations of a shape at rest give it back in one linear step", "[mesh][sequences]") {
   for (const Sample& s : samples()) {
     FrameSolver solver(s.mesh, two_handles(s), {FrameOptions::Weights::Cotangent, 300, 1e-7});
     const FrameTargets targets = prescribed({{}, bending(s, 0.4)});
@@ -278,7 +281,8 @@ TEST_CASE("the rotations of a shape at rest give it back in one linear step") {
   }
 }
 
-TEST_CASE("edges of sheets that meet are one edge between nodes, their weights added") {
+TEST_CASE("edges where manifold patches meet are one edge between nodes, with their weights added",
+          "[mesh][sequences]") {
   const TriangleMesh mesh = plate_with_wall(6).mesh;
   const size_t all = mesh.topology().edges().size();
   const NodeGraph plain = node_graph(mesh.topology()),

@@ -75,7 +75,7 @@ Points moved(const TriangleMesh& mesh, const HandleTransform& move) {
 
 }  // namespace
 
-TEST_CASE("a skin goes on past its stiffener, which ends there") {
+TEST_CASE("a skin goes on past its stiffener, which ends there", "[mesh][joints]") {
   const PreparedMesh ready = prepare(stiffened());
   const MeshTopology& t = ready.mesh.topology();
   CHECK(ready.diagnosis.non_manifold_edge_count == kLong);
@@ -97,7 +97,7 @@ TEST_CASE("a skin goes on past its stiffener, which ends there") {
   CHECK(detect_features(ready.mesh).empty());
 }
 
-TEST_CASE("at a joint all sheets end that do not clearly go on") {
+TEST_CASE("at a non-manifold edge all patches end that do not clearly continue", "[mesh][joints]") {
   const auto manifold_patches = [](const std::vector<double>& angles) {
     return prepare(star(angles, std::vector<int>(angles.size(), 2))).diagnosis.manifold_patches;
   };
@@ -110,7 +110,7 @@ TEST_CASE("at a joint all sheets end that do not clearly go on") {
   CHECK(manifold_patches({0, 90}) == 1);            // two faces are one sheet however they bend
 }
 
-TEST_CASE("parts that touch at a node are joined there") {
+TEST_CASE("parts that touch at a node are joined there", "[mesh][joints]") {
   ShellMesh mesh;
   mesh.points.resize(5, 3);
   mesh.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0;
@@ -125,7 +125,7 @@ TEST_CASE("parts that touch at a node are joined there") {
   CHECK(ready.mesh.topology().nodes_of({5, 2}) == std::vector<int>{0, 2});
 }
 
-TEST_CASE("a sheet with one side is cut open, and deforms as one") {
+TEST_CASE("a one-sided patch is cut open, and deforms as one", "[mesh][joints]") {
   const PreparedMesh ready = prepare(moebius(24));
   CHECK(!ready.diagnosis.orientable);
   CHECK(ready.diagnosis.manifold_patches == 1);
@@ -144,7 +144,8 @@ TEST_CASE("a sheet with one side is cut open, and deforms as one") {
   CHECK(deformer.hard_residual() < 1e-14);
 }
 
-TEST_CASE("mathematics on joined sheets: rigid motions, and what is joined stays joined") {
+TEST_CASE("joined patches: rigid motions are reproduced, and joined vertices stay joined",
+          "[mesh][joints]") {
   const PreparedMesh ready = prepare(stiffened());
   const TriangleMesh& mesh = ready.mesh;
   HandleTransform move;
@@ -181,7 +182,7 @@ TEST_CASE("mathematics on joined sheets: rigid motions, and what is joined stays
   for (int i = 0; i <= kLong; ++i) CHECK(row(i) < 0.01);
 }
 
-TEST_CASE("a stretch passes joints as if they were not there") {
+TEST_CASE("a stretch passes joints as if they were not there", "[mesh][joints]") {
   // A plate with two ribs across it: the sheet is a plate all the same.
   const PreparedMesh ready = prepare(stiffened());
   const TriangleMesh& mesh = ready.mesh;
@@ -201,7 +202,7 @@ TEST_CASE("a stretch passes joints as if they were not there") {
   }
 }
 
-TEST_CASE("distances and rings pass joints") {
+TEST_CASE("distances and rings pass non-manifold edges", "[mesh][joints]") {
   const PreparedMesh ready = prepare(stiffened());
   const TriangleMesh& mesh = ready.mesh;
   const int source = nearest_vertex(mesh, {6, 5, 0});

@@ -111,7 +111,7 @@ TEST_CASE("no quad of a model is folded or thin", "[mesh][models]") {
   }
 }
 
-TEST_CASE("holes are round, and what belongs to models is there", "[mesh][models]") {
+TEST_CASE("holes are round, and the parts of models exist", "[mesh][models]") {
   const std::map<std::string, std::array<int, 3>> expected{// forms, holes, vertices
                                                            {"plate with holes", {5, 5, 2784}},
                                                            {"door panel", {1, 0, 2982}},
@@ -142,7 +142,7 @@ TEST_CASE("holes are round, and what belongs to models is there", "[mesh][models
   }
 }
 
-TEST_CASE("character lines are chains of edges across the sheet", "[mesh][models]") {
+TEST_CASE("feature lines are chains of edges across the sheet", "[mesh][models]") {
   for (const auto& [model, lines] : {std::pair{door_panel(), 2}, std::pair{panel(), 1}}) {
     REQUIRE(static_cast<int>(model.lines.size()) == lines);
     const auto edges = directed_edges(model);

@@ -49,7 +49,7 @@ ShellMesh shells_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("regular polygons are perfect") {
+TEST_CASE("regular polygons are perfect", "[mesh][quality]") {
   for (int k = 3; k <= 8; ++k) {
     std::vector<Vec3> p;
     for (int i = 0; i < k; ++i) {
@@ -65,7 +65,7 @@ TEST_CASE("regular polygons are perfect") {
   }
 }
 
-TEST_CASE("aspect and angles of triangles and parallelograms") {
+TEST_CASE("aspect and angles of triangles and parallelograms", "[mesh][quality]") {
   const ElementQuality right = quality(moved({{0, 0, 0}, {4, 0, 0}, {0, 3, 0}}));
   CHECK(right.aspect == Approx(std::sqrt(0.75) * 5 / 2.4));
   CHECK(right.smallest_angle_degrees ==
@@ -83,7 +83,7 @@ TEST_CASE("aspect and angles of triangles and parallelograms") {
   CHECK(sheared.aspect == Approx(3));
 }
 
-TEST_CASE("warpage is the angle between the halves") {
+TEST_CASE("warpage is the angle between the halves", "[mesh][quality]") {
   for (const double h : {0.0, 0.05, 0.3, 1.0}) {
     const ElementQuality q = quality(moved({{0, 0, 0}, {1, 0, h}, {1, 1, 0}, {0, 1, h}}));
     const double exact = std::acos((1 - 2 * h * h) / (1 + 2 * h * h)) * 180 / std::numbers::pi;
@@ -94,7 +94,7 @@ TEST_CASE("warpage is the angle between the halves") {
   CHECK(quality({{1, 0, 0}, {1, 1, 1}, {0, 1, 0}, {0, 0, 0}}).warpage_degrees == Approx(60));
 }
 
-TEST_CASE("the Jacobian of a quad with a corner pushed in") {
+TEST_CASE("the Jacobian of a quad with a corner pushed in", "[mesh][quality]") {
   for (const double t : {0.0, 0.2, 0.4, 0.5, 0.6}) {
     const ElementQuality q = quality(moved({{t, t, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
     CHECK(std::abs(q.jacobian - (1 - 2 * t)) < 1e-12);
@@ -105,7 +105,7 @@ TEST_CASE("the Jacobian of a quad with a corner pushed in") {
   CHECK(bow_tie <= 0);
 }
 
-TEST_CASE("faces of second order are measured at all their nodes") {
+TEST_CASE("faces of second order are measured at all their nodes", "[mesh][quality]") {
   // x = ξ + c ξ², y = η: both elements hold quadratics, J = 1 + 2 c ξ.
   const auto at = [](double xi, double eta, double c) { return Vec3(xi + c * xi * xi, eta, 0); };
   for (const double c : {0.0, 0.2, -0.3}) {
@@ -138,7 +138,7 @@ TEST_CASE("faces of second order are measured at all their nodes") {
             .aspect == Approx(2));
 }
 
-TEST_CASE("collapsed and flattened faces") {
+TEST_CASE("collapsed and flattened faces", "[mesh][quality]") {
   ShellMesh shells = single({{0, 0, 0}, {4, 0, 0}, {0, 3, 0}});
   shells.add_face(std::vector<int>{0, 1, 2, 2});
   shells.add_face(std::vector<int>{0, 0, 1, 2});
@@ -157,7 +157,7 @@ TEST_CASE("collapsed and flattened faces") {
   CHECK(flat.aspect > 1e12);
 }
 
-TEST_CASE("summaries: worst, mean, count, and what is not a number is worst") {
+TEST_CASE("summaries: worst, mean, count, and what is not a number is worst", "[mesh][quality]") {
   ShellMesh shells;
   shells.points.resize(8, 3);
   shells.points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 7, 0, 0, 7, 1, 0, 7, 2, 0, 1, 2, 0;
@@ -195,7 +195,7 @@ TEST_CASE("summaries: worst, mean, count, and what is not a number is worst") {
         "element quality: 7 points for 8 nodes");
 }
 
-TEST_CASE("folds are found where the flat area changes its sign") {
+TEST_CASE("folds are found where the flat area changes its sign", "[mesh][quality]") {
   const TriangleMesh mesh = flat_square(12, 0.2, 7);
   const ShellMesh shells = shells_of(mesh);
   int found = 0;
@@ -219,7 +219,7 @@ TEST_CASE("folds are found where the flat area changes its sign") {
   CHECK(found > 50);
 }
 
-TEST_CASE("rigid motions, bending and other windings invert nothing") {
+TEST_CASE("rigid motions, bending and other windings invert nothing", "[mesh][quality]") {
   const TriangleMesh mesh = flat_square(12, 0.2, 7);
   ShellMesh shells = shells_of(mesh);
   const Mat3 rotation = Eigen::AngleAxisd(3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
@@ -248,7 +248,8 @@ TEST_CASE("rigid motions, bending and other windings invert nothing") {
   CHECK(inverted_faces(mixed, mesh.points(), folded) == turned);
 }
 
-TEST_CASE("quads that fold in themselves, lost areas and lost numbers are inverted") {
+TEST_CASE("quads that fold in themselves, lost areas and lost numbers are inverted",
+          "[mesh][quality]") {
   const ShellMesh shells = single({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   Points after = shells.points;
   after.row(0) << 0.7, 0.7, 0;

@@ -60,7 +60,7 @@ void check_all(const std::vector<Mat3>& matrices, const std::string& kind) {
 
 }  // namespace
 
-TEST_CASE("rotation parts of a batch are those of its matrices") {
+TEST_CASE("rotation parts of a batch are those of its matrices", "[mesh][rotations]") {
   Random random(31);
   std::vector<Mat3> plain, flat, mirrored, lines, nearly, scaled;
   for (int k = 0; k < 20000; ++k) {
@@ -84,7 +84,8 @@ TEST_CASE("rotation parts of a batch are those of its matrices") {
   check_all(scaled, "of any size");
 }
 
-TEST_CASE("batches hold what has no rotation of its own, and sizes past squares") {
+TEST_CASE("batches contain matrices without a unique rotation, and sizes past squares",
+          "[mesh][rotations]") {
   RotationBatch M, R;
   const Mat3 rotation = rotation_matrix(Vec3(0.1, 0.4, -0.2));
   const std::vector<Mat3> matrices = {
@@ -102,7 +103,7 @@ TEST_CASE("batches hold what has no rotation of its own, and sizes past squares"
   CHECK(R.get(0) == Mat3::Identity());
 }
 
-TEST_CASE("lanes of a batch know nothing of each other") {
+TEST_CASE("lanes of a batch know nothing of each other", "[mesh][rotations]") {
   Random random(32);
   for (int k = 0; k < 500; ++k) {
     Mat3 M;

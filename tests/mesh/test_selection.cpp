@@ -46,7 +46,7 @@ double sphere_error(const TriangleMesh& mesh, int source, double up_to) {
 
 }  // namespace
 
-TEST_CASE("selections by place hold what lies there and nothing else") {
+TEST_CASE("selections by position contain what lies there and nothing else", "[mesh][selection]") {
   const TriangleMesh mesh = flat_square(10, 0, 1);  // spacing 0.1, 11 vertices a row
   CHECK(vertices_in_box(mesh, Vec3(0, 0, 0), Vec3(0.31, 0.01, 0)) == Selection{0, 1, 2, 3});
   CHECK(vertices_in_box(mesh, Vec3(0, 0, 0.1), Vec3(1, 1, 1)).empty());
@@ -69,7 +69,7 @@ TEST_CASE("selections by place hold what lies there and nothing else") {
   }
 }
 
-TEST_CASE("rings, borders and sets") {
+TEST_CASE("rings, borders and sets", "[mesh][selection]") {
   const TriangleMesh mesh = flat_square(10, 0, 1);
   const MeshTopology& topology = mesh.topology();
   CHECK(grown(topology, {60, 60}, 0) == Selection{60});
@@ -98,7 +98,7 @@ TEST_CASE("rings, borders and sets") {
         "triangle -1 does not exist: there are 200");
 }
 
-TEST_CASE("distances are exact on flat meshes") {
+TEST_CASE("distances are exact on flat meshes", "[mesh][selection]") {
   for (const double jitter : {0.0, 0.24})  // angles up to almost 180 degrees
     for (const int n : {4, 15, 60}) {
       const TriangleMesh mesh = flat_square(n, jitter, 3);
@@ -107,7 +107,8 @@ TEST_CASE("distances are exact on flat meshes") {
     }
 }
 
-TEST_CASE("meshes of nothing but slivers cost a share of an edge, and no time") {
+TEST_CASE("meshes of nothing but slivers cost a fraction of an edge, and no time",
+          "[mesh][selection]") {
   const int n = 60;
   for (const double shear : {0.0, 1.0, 4.0})
     for (const double width : {1.0, 0.1, 0.01}) {
@@ -122,7 +123,7 @@ TEST_CASE("meshes of nothing but slivers cost a share of an edge, and no time") 
     }
 }
 
-TEST_CASE("bending without stretching keeps distances") {
+TEST_CASE("bending without stretching keeps distances", "[mesh][selection]") {
   const int n = 20;
   const TriangleMesh flat = flat_square(n, 0, 5);
   // A fan fold along every fourth line of edges.
@@ -138,7 +139,7 @@ TEST_CASE("bending without stretching keeps distances") {
   }
 }
 
-TEST_CASE("distances on a sphere are arcs, to first order") {
+TEST_CASE("distances on a sphere are arcs, to first order", "[mesh][selection]") {
   for (const int source : {0, 20}) {
     double last = 0;
     for (int level = 2; level <= 5; ++level) {
@@ -153,7 +154,7 @@ TEST_CASE("distances on a sphere are arcs, to first order") {
   }
 }
 
-TEST_CASE("a row of sources is a curve") {
+TEST_CASE("a row of sources is a curve", "[mesh][selection]") {
   const int n = 30;
   const TriangleMesh mesh = flat_square(n, 0.24, 9);
   std::vector<int> row;
@@ -173,7 +174,7 @@ TEST_CASE("a row of sources is a curve") {
   }
 }
 
-TEST_CASE("several sources: the nearest one counts") {
+TEST_CASE("several sources: the nearest one counts", "[mesh][selection]") {
   const int n = 40, a = 10 * (n + 1) + 10, b = 30 * (n + 1) + 20;
   const TriangleMesh mesh = flat_square(n, 0.24, 11);
   const VecX both = geodesic_distances(mesh, {b, a, b});
@@ -185,7 +186,7 @@ TEST_CASE("several sources: the nearest one counts") {
   CHECK(both[b] == 0);
 }
 
-TEST_CASE("distances stop where they are told to, and at the end of a part") {
+TEST_CASE("distances stop at their limit, and at the end of a part", "[mesh][selection]") {
   const TriangleMesh one = flat_square(20, 0.24, 13), mesh = disjoint_union(one, sphere(2));
   const VecX all = geodesic_distances(mesh, {5}), near = geodesic_distances(mesh, {5}, 0.4);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -203,7 +204,8 @@ TEST_CASE("distances stop where they are told to, and at the end of a part") {
         std::string::npos);
 }
 
-TEST_CASE("distances are one number each way and never longer than along edges") {
+TEST_CASE("distances are one number each way and never longer than along edges",
+          "[mesh][selection]") {
   const TriangleMesh mesh = sphere(3);
   const VecX from = geodesic_distances(mesh, {17});
   for (const auto& e : mesh.topology().edges())

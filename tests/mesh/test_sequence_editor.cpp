@@ -76,7 +76,8 @@ std::vector<Points> edited_by(const Moving& m, std::vector<SequenceKeyframe> key
 
 }  // namespace
 
-TEST_CASE("no keyframes change no bit, keyframes that change nothing change nothing") {
+TEST_CASE("no keyframes change no bit, keyframes that change nothing change nothing",
+          "[mesh][sequences]") {
   const Moving m(12);
   CHECK(edited_by(m, {}) == m.sequence.frames);
   const SequenceKeyframe still{5, {HandlePose{}, HandlePose{}}}, more{9, {{}, HandlePose{}}};
@@ -87,7 +88,7 @@ TEST_CASE("no keyframes change no bit, keyframes that change nothing change noth
   CHECK(two < 1e-13);
 }
 
-TEST_CASE("one rigid motion of all handles moves all frames by it") {
+TEST_CASE("one rigid motion of all handles moves all frames by it", "[mesh][sequences]") {
   Random random(61);
   const Moving m(12);
   for (int k = 0; k < 3; ++k) {
@@ -104,7 +105,8 @@ TEST_CASE("one rigid motion of all handles moves all frames by it") {
   }
 }
 
-TEST_CASE("frames outside of the influence keep their bits, parts of the frames are the whole's") {
+TEST_CASE("frames outside of the influence keep their bits, parts of the frames are the whole's",
+          "[mesh][sequences]") {
   const Moving m(20);
   SequenceEditOptions options;
   options.influence = {4, 14};
@@ -130,7 +132,8 @@ TEST_CASE("frames outside of the influence keep their bits, parts of the frames 
   CHECK(other.frames() == all);
 }
 
-TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends") {
+TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends",
+          "[mesh][sequences]") {
   const Moving m(16);
   const double pi = std::numbers::pi;
   for (const auto smoothness :
@@ -179,7 +182,7 @@ TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends")
   }
 }
 
-TEST_CASE("an edit brings no jerks") {
+TEST_CASE("an edit brings no jerks", "[mesh][sequences]") {
   const Moving m(40);
   const double before = size_of_jump(m.sequence.frames, 1, 38);
   const auto one = edited_by(m, {m.lifted(20, 0.3, 0.2)});
@@ -193,7 +196,7 @@ TEST_CASE("an edit brings no jerks") {
   CHECK(size_of_jump(some, 7, 33) <= 1.5 * before);
 }
 
-TEST_CASE("keyframes come to the same shapes from every start") {
+TEST_CASE("keyframes come to the same shapes from every start", "[mesh][sequences]") {
   const Moving m(24);
   std::vector<SequenceKeyframe> keys;
   for (int k = 4; k < 20; k += 2) keys.push_back(m.lifted(k, 0.3 + 0.01 * k));
@@ -217,7 +220,8 @@ TEST_CASE("keyframes come to the same shapes from every start") {
   CHECK(subspace < 1e-4);
 }
 
-TEST_CASE("handles that a keyframe does not tell go along, features stay rigid in every frame") {
+TEST_CASE("handles without a keyframe follow, features stay rigid in every frame",
+          "[mesh][sequences]") {
   const Moving m(12);
   FrameConstraints constraints = m.constraints();
   constraints.features = {{"middle", nodes_where(bar(14, 3, 3, 0.6).points(), [](const Vec3& x) {
@@ -253,7 +257,7 @@ TEST_CASE("handles that a keyframe does not tell go along, features stay rigid i
             .norm() > 0.4);
 }
 
-TEST_CASE("an editor refuses keyframes that cannot be") {
+TEST_CASE("an editor refuses keyframes that cannot be", "[mesh][sequences]") {
   const Moving m(8);
   SequenceEditOptions options;
   options.influence = {2, 6};

@@ -33,7 +33,7 @@ std::vector<FilteredHandle> body_and_arm(int frames) {
 
 }  // namespace
 
-TEST_CASE("filters multiply sinusoids by their response") {
+TEST_CASE("filters multiply sinusoids by their response", "[mesh][sequences]") {
   const int F = 200;
   for (const SignalFilter& filter : all_filters())
     for (const double omega : {0.0, 0.05, 0.4, 1.1, 2.9, pi}) {
@@ -48,7 +48,7 @@ TEST_CASE("filters multiply sinusoids by their response") {
     }
 }
 
-TEST_CASE("responses are those of the continuous kernels") {
+TEST_CASE("responses are those of the continuous kernels", "[mesh][sequences]") {
   for (const double sigma : {1.0, 2.0, 7.5})
     for (double omega = 0; omega < 1.5; omega += 0.1) {
       const double s = sigma * omega, gauss = std::exp(-s * s / 2);
@@ -65,7 +65,8 @@ TEST_CASE("responses are those of the continuous kernels") {
         "filter: sigma is 0, expected above 0, up to 1e5 frames");
 }
 
-TEST_CASE("filters keep constants, and even motion where the ends are turned over") {
+TEST_CASE("filters keep constants, and uniform motion if the ends are mirrored",
+          "[mesh][sequences]") {
   for (const int F : {1, 2, 3, 50}) {
     const Points constant = Points::Constant(F, 3, 0.1 + 1e3), line = straight(F);
     for (const Padding padding : {Padding::Even, Padding::Odd}) {
@@ -78,7 +79,7 @@ TEST_CASE("filters keep constants, and even motion where the ends are turned ove
   }
 }
 
-TEST_CASE("ends are mirrored as often as the kernel is long") {
+TEST_CASE("ends are mirrored as often as the kernel is long", "[mesh][sequences]") {
   // Mirrored, a signal is cosines of whole half waves: those are multiplied to the very ends.
   const int F = 6;
   for (const SignalFilter& filter : {SignalFilter::low_pass(4), SignalFilter::cartoon(3, 1)})
@@ -98,7 +99,7 @@ TEST_CASE("ends are mirrored as often as the kernel is long") {
   }
 }
 
-TEST_CASE("rotations about one axis are filtered as their angles") {
+TEST_CASE("rotations about one axis are filtered as their angles", "[mesh][sequences]") {
   const int F = 60;
   const Vec3 axis = Vec3(1, -2, 0.5).normalized();
   std::vector<Mat3> rotations;
@@ -114,7 +115,8 @@ TEST_CASE("rotations about one axis are filtered as their angles") {
     CHECK((found[k] - rotation_matrix(to_rotation_vector(axis, expected(k, 0)))).norm() < 1e-12);
 }
 
-TEST_CASE("rotations of many turns about any axes are filtered without jumps") {
+TEST_CASE("rotations of many turns about any axes are filtered without jumps",
+          "[mesh][sequences]") {
   // A filter that hardly does anything hardly does anything, also where a full turn is passed.
   const std::vector<Mat3> rotations = smooth_rotations(200, 3);
   for (const Padding padding : {Padding::Even, Padding::Odd}) {
@@ -133,7 +135,8 @@ TEST_CASE("rotations of many turns about any axes are filtered without jumps") {
   }
 }
 
-TEST_CASE("trajectories relative to others come back, and are still where they go along") {
+TEST_CASE("trajectories relative to others come back, and are still where they go along",
+          "[mesh][sequences]") {
   const int F = 40;
   const Trajectory parent{smooth_path(F, 1), smooth_rotations(F, 2)},
       child{smooth_path(F, 3), smooth_rotations(F, 4)};
@@ -145,7 +148,7 @@ TEST_CASE("trajectories relative to others come back, and are still where they g
   CHECK(distance(relative(moved(motions, still), parent), still) < 1e-13);
 }
 
-TEST_CASE("filtered handles go along with their parents") {
+TEST_CASE("filtered handles go along with their parents", "[mesh][sequences]") {
   const int F = 50;
   std::vector<FilteredHandle> handles = body_and_arm(F);
   const Trajectory root{smooth_path(F, 6), std::vector<Mat3>(F, Mat3::Identity())};
@@ -169,7 +172,7 @@ TEST_CASE("filtered handles go along with their parents") {
   CHECK(distance(found.root.centres, filter(root.centres)) == 0);
 }
 
-TEST_CASE("filtering does not depend on the frame of reference") {
+TEST_CASE("filtering does not depend on the frame of reference", "[mesh][sequences]") {
   Random random(11);
   const int F = 40;
   std::vector<FilteredHandle> handles = body_and_arm(F), seen = handles;
@@ -182,7 +185,7 @@ TEST_CASE("filtering does not depend on the frame of reference") {
   for (int h = 0; h < 2; ++h) CHECK(distance(aligned(a.handles[h], view), b.handles[h]) < 1e-12);
 }
 
-TEST_CASE("footprints are left as they were and blend into what is filtered") {
+TEST_CASE("foot plants are unchanged and blend into what is filtered", "[mesh][sequences]") {
   const int F = 60;
   std::vector<FilteredHandle> handles = body_and_arm(F);
   const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
@@ -214,7 +217,7 @@ TEST_CASE("footprints are left as they were and blend into what is filtered") {
   }
 }
 
-TEST_CASE("hierarchies that cannot be are refused by the handle's name") {
+TEST_CASE("hierarchies that cannot be are refused by the handle's name", "[mesh][sequences]") {
   const int F = 10;
   const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
   const auto told = [&](auto change) {
@@ -233,7 +236,7 @@ TEST_CASE("hierarchies that cannot be are refused by the handle's name") {
         }) == "arm: the foot plant in frames 4-11 is outside of frames 1-10");
 }
 
-TEST_CASE("similar trajectories are aligned, rotations with them") {
+TEST_CASE("similar trajectories are aligned, rotations with them", "[mesh][sequences]") {
   Random random(12);
   const Trajectory t{smooth_path(35, 1), smooth_rotations(35, 2)};
   for (const bool upright : {false, true}) {
@@ -278,7 +281,7 @@ TEST_CASE("similar trajectories are aligned, rotations with them") {
   CHECK(distance(trajectory_of(seen, all), aligned(trajectory_of(frames, all), s)) < 1e-13);
 }
 
-TEST_CASE("trajectories that do not say how to turn are shifted") {
+TEST_CASE("trajectories without rotation are translated", "[mesh][sequences]") {
   const Trajectory still{Points::Constant(5, 3, 2.0), std::vector<Mat3>(5, Mat3::Identity())};
   const Trajectory t{smooth_path(8, 1), smooth_rotations(8, 2)};
   const Similarity s = alignment(still, t);
@@ -287,7 +290,7 @@ TEST_CASE("trajectories that do not say how to turn are shifted") {
   CHECK((s.translation - (t.centres.colwise().mean().transpose() - Vec3(2, 2, 2))).norm() < 1e-14);
 }
 
-TEST_CASE("resampled trajectories keep their ends and even motion") {
+TEST_CASE("resampled trajectories keep their ends and even motion", "[mesh][sequences]") {
   const int F = 12;
   std::vector<Mat3> rotations;
   for (int k = 0; k < F; ++k)

@@ -59,7 +59,7 @@ int folds(const TriangleMesh& mesh, const Points& p) {
 
 }  // namespace
 
-TEST_CASE("a blend begins and ends with its shapes") {
+TEST_CASE("a blend begins and ends with its shapes", "[mesh][sequences]") {
   Random random(71);
   const TriangleMesh mesh = disjoint_union(bar(10, 2, 3, 0.6), sphere(2));
   const Points p = mesh.points();
@@ -76,7 +76,7 @@ TEST_CASE("a blend begins and ends with its shapes") {
   CHECK(!error_message([&] { blend.blend(p.topRows(3), q, 0.5); }).empty());
 }
 
-TEST_CASE("a turned copy is blended by turning") {
+TEST_CASE("a turned copy is blended by turning", "[mesh][sequences]") {
   Random random(72);
   const TriangleMesh mesh = bar(12, 3, 3, 0.6);
   const Points p = moved({random_rotation_matrix(random), Vec3(1, 2, 3)}, mesh.points());
@@ -96,7 +96,8 @@ TEST_CASE("a turned copy is blended by turning") {
   }
 }
 
-TEST_CASE("a bar that winds by more than a half turn keeps its size half way") {
+TEST_CASE("a bar that winds by more than a half turn keeps its size half way",
+          "[mesh][sequences]") {
   const TriangleMesh mesh = bar(40, 3, 3, 0.3);
   ShapeBlend blend(mesh);
   const Points p = mesh.points(), q = twisted(p, 5);
@@ -115,7 +116,7 @@ TEST_CASE("a bar that winds by more than a half turn keeps its size half way") {
   }
 }
 
-TEST_CASE("a morph is the source, then the blend, then the target") {
+TEST_CASE("a morph is the source, then the blend, then the target", "[mesh][sequences]") {
   const TriangleMesh mesh = bar(10, 2, 3, 0.6);
   std::vector<Points> a, b;
   const RigidMotion apart{rotation_matrix(to_rotation_vector(Vec3::UnitZ(), 0.8)), Vec3(4, -3, 0)};
@@ -171,7 +172,7 @@ TEST_CASE("a morph is the source, then the blend, then the target") {
             .find("different faces") != std::string::npos);
 }
 
-TEST_CASE("the nearest point of a mesh is the nearest of all its triangles") {
+TEST_CASE("the nearest point of a mesh is the nearest of all its triangles", "[mesh][sequences]") {
   const TriangleMesh mesh = sphere(2);
   const AabbTree search(mesh);
   Random random(73);
@@ -209,7 +210,7 @@ TEST_CASE("the nearest point of a mesh is the nearest of all its triangles") {
   CHECK_FALSE(AabbTree(flat_square(2, 0, 1)).nearest(Vec3::Zero(), Vec3(0, 0, -1)));
 }
 
-TEST_CASE("a mesh takes the shape of another one and follows it") {
+TEST_CASE("a mesh takes the shape of another one and follows it", "[mesh][sequences]") {
   // A bar onto an ellipsoid-like sphere of another tessellation, turned and moved.
   const TriangleMesh ball = sphere(3);
   Points shape = ball.points();
@@ -273,7 +274,7 @@ TEST_CASE("a mesh takes the shape of another one and follows it") {
   CHECK(!refused(landmarks, {8, 6, 1, 0.1}).empty());
 }
 
-TEST_CASE("a walk on the spot goes as far as the foot that stands") {
+TEST_CASE("a walk on the spot goes as far as the foot that stands", "[mesh][sequences]") {
   const TriangleMesh mesh = bar(8, 2, 1, 0.4);
   const std::vector<int> a = nodes_where(mesh.points(), [](const Vec3&x) { return x.x() < 0.01; }),
                          b = nodes_where(mesh.points(), [](const Vec3&x) { return x.x() > 0.99; });

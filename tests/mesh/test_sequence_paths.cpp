@@ -49,7 +49,7 @@ Points straight_walk(int frames, const Vec3& step) {
 
 }  // namespace
 
-TEST_CASE("footprints are the intervals in which a handle stays put") {
+TEST_CASE("foot plants are the intervals in which a handle stays at rest", "[mesh][sequences]") {
   for (const double noise : {0.0, 0.01}) {
     FootContactOptions options;
     options.max_spread = 0.021;
@@ -84,7 +84,7 @@ TEST_CASE("footprints are the intervals in which a handle stays put") {
   CHECK(!error_message([&] { detect_foot_contacts(slow, {}); }).empty());
 }
 
-TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
+TEST_CASE("the lowest vertices of a handle are its sole in the mean", "[mesh][sequences]") {
   Points low(5, 3), high(5, 3);
   low << 0, 0, 3, 0, 0, 1, 0, 0, 5, 0, 0, 2, 0, 0, 0;
   high = low.array() + 1;
@@ -96,7 +96,8 @@ TEST_CASE("the lowest vertices of a handle are its sole in the mean") {
   CHECK(!error_message([&] { lowest_vertices({low}, {5}, Vec3::UnitZ()); }).empty());
 }
 
-TEST_CASE("all frames of a moved footprint become keyframes that move the same way") {
+TEST_CASE("all frames of a moved foot plant become keyframes that move the same way",
+          "[mesh][sequences]") {
   Random random(22);
   Trajectory t = steps(0.01);
   t.rotations.assign(50, random_rotation_matrix(random));
@@ -119,7 +120,7 @@ TEST_CASE("all frames of a moved footprint become keyframes that move the same w
   CHECK(distance(edited(t, keyframes_of(before, before, 50, "foot")), t) < 1e-14);
 }
 
-TEST_CASE("footprints that cannot be are refused by name and frames") {
+TEST_CASE("invalid foot plants are refused by name and frames", "[mesh][sequences]") {
   const Vec3 a(1, 2, 3), b(1, 2, 3.5);
   const auto told = [](const std::vector<FootContact>& all) {
     return error_message([&] { check(all, 10, "left foot"); });
@@ -138,7 +139,8 @@ TEST_CASE("footprints that cannot be are refused by name and frames") {
   CHECK(!error_message([&] { keyframes_of({{2, 5, a}}, {{2, 6, a}}, 10, "left foot"); }).empty());
 }
 
-TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
+TEST_CASE("the height of a terrain is that of the highest triangle on a vertical line",
+          "[mesh][sequences]") {
   Random random(23);
   const TriangleMesh low = sheet(12), shell = sphere(2);
   Points lifted = shell.points() * 0.8;
@@ -169,8 +171,8 @@ TEST_CASE("a terrain is the highest of all triangles on a vertical line") {
   CHECK(!error_message([&] { Terrain(low, Vec3::Zero()); }).empty());
 }
 
-TEST_CASE(
-    "normals of a terrain come near to those of the surface, whichever way its triangles run") {
+TEST_CASE("normals of a terrain come near to those of the surface, whichever way its triangles run",
+          "[mesh][sequences]") {
   const TriangleMesh shell = sphere(4);
   auto turned_over = shell.triangles();
   for (auto& t : turned_over) std::swap(t[0], t[1]);
@@ -185,7 +187,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("footprints stand on a terrain upright or along its normal") {
+TEST_CASE("foot plants stand on a terrain unrotated or along its normal", "[mesh][sequences]") {
   // A slope z = 0.5 x + 0.1 y + 1.
   Points p(4, 3);
   p << -5, -5, -2, 5, -5, 3, 5, 5, 4, -5, 5, -1;
@@ -204,10 +206,10 @@ TEST_CASE("footprints stand on a terrain upright or along its normal") {
   CHECK(turned.last == 8);
   CHECK(error_message([&] {
           projected({3, 8, Vec3(9, 0, 0)}, slope, {}, "left foot");
-        }) == "left foot: the footprint of frames 4-9 has no terrain above or below it");
+        }) == "left foot: the foot plant in frames 4-9 has no terrain above or below it");
 }
 
-TEST_CASE("images of a footprint are averaged to one") {
+TEST_CASE("images of a foot plant are averaged to one", "[mesh][sequences]") {
   Random random(25);
   const FootContact f{2, 5, random.point(), random_rotation_matrix(random)};
   const RigidMotion motion = random_motion(random);
@@ -226,7 +228,7 @@ TEST_CASE("images of a footprint are averaged to one") {
   CHECK(!error_message([&] { averaged({f}, std::vector(5, motion)); }).empty());
 }
 
-TEST_CASE("one straight path on the line of another moves nothing") {
+TEST_CASE("one straight path on the line of another moves nothing", "[mesh][sequences]") {
   for (const Vec3& step : {Vec3(0.1, 0, 0), Vec3(-0.3, 0.2, 0)})
     for (const int spans : {0, 1, 7}) {
       const Points c = straight_walk(64, step);
@@ -239,7 +241,7 @@ TEST_CASE("one straight path on the line of another moves nothing") {
     }
 }
 
-TEST_CASE("curves by their length: circles, ends that go straight on") {
+TEST_CASE("curves by their length: circles, ends that go straight on", "[mesh][sequences]") {
   std::vector<Vec3> points;
   for (int i = 0; i <= 64; ++i)
     points.push_back(3 * Vec3(std::cos(i * pi / 64), std::sin(i * pi / 64), i));
@@ -270,7 +272,7 @@ TEST_CASE("curves by their length: circles, ends that go straight on") {
   CHECK(!error_message([] { fit_path(Points::Ones(9, 3)); }).empty());
 }
 
-TEST_CASE("curves through points bend evenly, and not at their ends") {
+TEST_CASE("curves through points bend evenly, and not at their ends", "[mesh][sequences]") {
   Random random(27);
   const std::vector<double> knots = {0, 0.3, 1.9, 2, 5};
   Points values(5, 3);
@@ -294,7 +296,7 @@ TEST_CASE("curves through points bend evenly, and not at their ends") {
   }
 }
 
-TEST_CASE("fitted curves give cubics back") {
+TEST_CASE("fitted curves reproduce cubics", "[mesh][sequences]") {
   Random random(28);
   const Vec3 a = random.point(), b = random.point(), c = random.point(), d = random.point();
   std::vector<double> u;
@@ -312,7 +314,7 @@ TEST_CASE("fitted curves give cubics back") {
   }
 }
 
-TEST_CASE("frames keep what they were beside and above their path") {
+TEST_CASE("frames keep their offset beside and above their path", "[mesh][sequences]") {
   Random random(26);
   const RigidMotion tilt = random_motion(random);
   const Vec3 up = tilt.rotation.col(2);
@@ -339,14 +341,16 @@ TEST_CASE("frames keep what they were beside and above their path") {
   CHECK(std::abs(from.lengths.back() - from.path.length()) < 1e-12);
 }
 
-TEST_CASE("a path that is moved over the ground moves its frames as it was moved") {
+TEST_CASE("a path that is moved over the ground moves its frames as it was moved",
+          "[mesh][sequences]") {
   const RigidMotion world{rotation_matrix(to_rotation_vector(Vec3::UnitZ(), 2)), Vec3(5, -3, 0)};
   const FittedPath from = fit_path(walk(120)), to = fit_path(walk(120, world));
   for (const RigidMotion& motion : path_motions(from, to.path))
     CHECK(distance(motion, world) < 1e-10);
 }
 
-TEST_CASE("fitted paths leave sway in the frames and come near with more pieces") {
+TEST_CASE("fitted paths leave sway in the frames and come near with more pieces",
+          "[mesh][sequences]") {
   // Sway of 0.05 beside a straight way: with few pieces none of it is left in the path.
   const int F = 200;
   Points c(F, 3);

@@ -50,7 +50,8 @@ const std::vector<double> uneven = {-1, 0.3, 0.8, 3, 4.5}, values = {2, -1, 0.5,
 
 }  // namespace
 
-TEST_CASE("rigid motions compose, turn back, and are found again in trajectories") {
+TEST_CASE("rigid motions compose, turn back, and are found again in trajectories",
+          "[mesh][sequences]") {
   Random random(1);
   const RigidMotion a = random_motion(random), b = random_motion(random);
   const Vec3 p = random.point();
@@ -83,7 +84,8 @@ TEST_CASE("rigid motions compose, turn back, and are found again in trajectories
   CHECK(!error_message([&] { trajectory_of(frames, {}); }).empty());
 }
 
-TEST_CASE("weights of keyframes give the values there, and parabolas between inner ones") {
+TEST_CASE("weights of keyframes give the values there, and parabolas between inner ones",
+          "[mesh][sequences]") {
   const std::vector<double> keys = uneven;
   const KeyframeWeights at(keys, keys);
   for (int m = 0; m < 5; ++m) {
@@ -108,7 +110,8 @@ TEST_CASE("weights of keyframes give the values there, and parabolas between inn
     CHECK(std::abs(value(linear.row(k), line) - (2 - everywhere[k])) < 1e-13);
 }
 
-TEST_CASE("values between keyframes have no kinks and are constant outside or zero") {
+TEST_CASE("values between keyframes have no kinks and are constant outside or zero",
+          "[mesh][sequences]") {
   const Sampled s = sample(uneven, values, uneven, KeyframeExtrapolation::None);
   for (int m = 0; m < 5; ++m) CHECK(std::abs(s.left[m] - s.right[m]) < 1e-4);
   for (const int end : {0, 4}) CHECK(std::abs(s.left[end]) + std::abs(s.right[end]) < 1e-4);
@@ -125,14 +128,14 @@ TEST_CASE("values between keyframes have no kinks and are constant outside or ze
         std::vector<double>{0, 0});
 }
 
-TEST_CASE("an influence ends flat also where the other end goes straight on") {
+TEST_CASE("an influence ends flat also where the other end goes straight on", "[mesh][sequences]") {
   const Sampled s = sample(uneven, values, {-2, 4.5, 5, 7}, KeyframeExtrapolation::Linear, -2);
   CHECK(s.value[0] == 0);
   CHECK(std::abs(s.left[0]) + std::abs(s.right[0]) < 1e-4);
   for (const size_t i : {1, 2, 3}) CHECK(std::abs(s.right[i] + 3.7 / 1.5) < 1e-4);
 }
 
-TEST_CASE("keyframes that cannot be are refused by name") {
+TEST_CASE("keyframes that cannot be are refused by name", "[mesh][sequences]") {
   const std::vector<double> t = frame_numbers(10);
   const auto told = [&](std::vector<int> keys, InfluenceInterval interval = {}) {
     return error_message(
@@ -150,7 +153,7 @@ TEST_CASE("keyframes that cannot be are refused by name") {
   CHECK(told({3, 5}, {2, 6}).empty());
 }
 
-TEST_CASE("logarithms follow rotations through many turns") {
+TEST_CASE("logarithms follow rotations through many turns", "[mesh][sequences]") {
   Random random(5);
   const Vec3 axis = random.point().normalized();
   std::vector<Mat3> rotations;
@@ -182,7 +185,7 @@ TEST_CASE("logarithms follow rotations through many turns") {
   }
 }
 
-TEST_CASE("a twist of more than a turn is followed over the mesh") {
+TEST_CASE("a twist of more than a turn is followed over the mesh", "[mesh][sequences]") {
   const TriangleMesh mesh = disjoint_union(sheet(30), sheet(9));
   const Vec3 axis = Vec3(1, 2, -1).normalized();
   std::vector<std::vector<Mat3>> at(3);
@@ -200,14 +203,15 @@ TEST_CASE("a twist of more than a turn is followed over the mesh") {
         "1061 rotations for 9 vertices");
 }
 
-TEST_CASE("a sequence of one frame is edited too") {
+TEST_CASE("a sequence of one frame is edited too", "[mesh][sequences]") {
   const Trajectory t{Points::Ones(1, 3), {Mat3::Identity()}};
   Random random(31);
   const RigidMotion motion = random_motion(random);
   CHECK(distance(edited(t, {{0, motion}}), moved({motion}, t)) < 1e-15);
 }
 
-TEST_CASE("interpolated rotations are exact at keyframes and the same in any frame of reference") {
+TEST_CASE("interpolated rotations are exact at keyframes and the same in any frame of reference",
+          "[mesh][sequences]") {
   Random random(6);
   const std::vector<int> keys = {2, 5, 6, 14};
   std::vector<Mat3> at;
@@ -234,7 +238,7 @@ TEST_CASE("interpolated rotations are exact at keyframes and the same in any fra
             .norm() < 1e-14);
 }
 
-TEST_CASE("interpolating a frame allocates nothing") {
+TEST_CASE("interpolating a frame allocates nothing", "[mesh][sequences]") {
   Random random(7);
   std::vector<std::vector<Mat3>> at(3);
   for (std::vector<Mat3>& of : at)
@@ -249,7 +253,7 @@ TEST_CASE("interpolating a frame allocates nothing") {
   CHECK(result == logs[1]);
 }
 
-TEST_CASE("centroids after an edit are the minimum of the formula") {
+TEST_CASE("centroids after an edit are the minimum of the formula", "[mesh][sequences]") {
   Random random(8);
   const int F = 17;
   const Points c = smooth_path(F, 3);
@@ -277,7 +281,7 @@ TEST_CASE("centroids after an edit are the minimum of the formula") {
   CHECK(distance(found, dense) < 1e-12);
 }
 
-TEST_CASE("edits of trajectories keep what they should") {
+TEST_CASE("edits of trajectories keep the unedited components", "[mesh][sequences]") {
   Random random(9);
   const int F = 30;
   Trajectory t{smooth_path(F, 5), smooth_rotations(F, 6)};
@@ -312,7 +316,7 @@ TEST_CASE("edits of trajectories keep what they should") {
   }
 }
 
-TEST_CASE("smooth edits have no kink where those of the paper have one") {
+TEST_CASE("smooth edits have no kink where those of the paper have one", "[mesh][sequences]") {
   // A still handle that is shifted in the middle: the change itself is seen, finely.
   const int F = 2001;
   Points still = Points::Zero(F, 3);
@@ -348,7 +352,7 @@ TEST_CASE("smooth edits have no kink where those of the paper have one") {
   CHECK(bending(smooth) < std::min(bumped(0.01), bumped(-0.01)));
 }
 
-TEST_CASE("edits of trajectories that cannot be are refused") {
+TEST_CASE("edits of trajectories that cannot be are refused", "[mesh][sequences]") {
   const Points c = smooth_path(5, 1);
   const std::vector<Mat3> rotations(5, Mat3::Identity());
   TrajectoryOptions options;

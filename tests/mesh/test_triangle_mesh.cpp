@@ -65,7 +65,7 @@ const std::vector<Vec3> kSquare = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
 
 }  // namespace
 
-TEST_CASE("topology: edges, fans, loops and parts count up") {
+TEST_CASE("topology: edges, fans, loops and parts count up", "[mesh][triangle_mesh]") {
   const MeshModel model = plate_with_holes();
   const TriangleMesh mesh = prepare(model.shells).mesh;
   const MeshTopology& t = mesh.topology();
@@ -107,7 +107,8 @@ TEST_CASE("topology: edges, fans, loops and parts count up") {
       }
 }
 
-TEST_CASE("topology refuses what is no oriented manifold, with the place") {
+TEST_CASE("meshes that are no oriented manifold are refused with the position",
+          "[mesh][triangle_mesh]") {
   using Triangles = std::vector<std::array<int, 3>>;
   const auto why = [](int n, const Triangles& t) {
     return error_message([&] { MeshTopology(n, t); });
@@ -126,7 +127,7 @@ TEST_CASE("topology refuses what is no oriented manifold, with the place") {
         }).find("vertex 1") != std::string::npos);
 }
 
-TEST_CASE("preparation splits elements and repairs what is safe") {
+TEST_CASE("preparation splits elements and repairs what is safe", "[mesh][triangle_mesh]") {
   // Quads along the shorter diagonal, ties along 13.
   const auto triangles = [](const ShellMesh& s) { return prepare(s).mesh.triangles(); };
   using Triangles = std::vector<std::array<int, 3>>;
@@ -175,7 +176,7 @@ TEST_CASE("preparation splits elements and repairs what is safe") {
   CHECK(polygons[1] == std::vector<int>{1, 4, 5, 2});
 }
 
-TEST_CASE("preparation refuses what it cannot repair, and names the place") {
+TEST_CASE("preparation refuses what it cannot repair, with the position", "[mesh][triangle_mesh]") {
   const auto why = [](const ShellMesh& shells) {
     return error_message([&] { prepare(shells, [](int v) { return "N" + std::to_string(v); }); });
   };
@@ -194,7 +195,8 @@ TEST_CASE("preparation refuses what it cannot repair, and names the place") {
   CHECK(why(nan).find("not finite") != std::string::npos);
 }
 
-TEST_CASE("the Laplacian: linear functions cost nothing inside, its energy is that of the plane") {
+TEST_CASE("the Laplacian: linear functions cost nothing inside, its energy is that of the plane",
+          "[mesh][triangle_mesh]") {
   const TriangleMesh mesh = prepare(plate_with_holes().shells).mesh;
   const SparseMatrix L = cotangent_laplacian(mesh);
   const VecX f = mesh.points() * Vec3(0.3, -1.2, 5) + VecX::Constant(mesh.vertex_count(), 2.0);
@@ -209,7 +211,8 @@ TEST_CASE("the Laplacian: linear functions cost nothing inside, its energy is th
   CHECK(symmetric_eigenvalues(dense)[0] > -1e-13);
 }
 
-TEST_CASE("mixed areas sum to the area, obtuse triangles or not, and spheres have curvature 1/R") {
+TEST_CASE("mixed areas sum to the area, obtuse triangles or not, and spheres have curvature 1/R",
+          "[mesh][triangle_mesh]") {
   Random random(4);
   for (int trial = 0; trial < 20; ++trial) {
     Points p(5, 3);

@@ -1,4 +1,4 @@
-# Installs Batten into a fresh folder, builds the consumer against it, runs it.
+# Installs Batten into an empty folder, then builds and runs a consumer of the installed package.
 set(work ${BUILD}/consumer)
 file(REMOVE_RECURSE ${work})
 set(flags "")

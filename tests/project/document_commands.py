@@ -1,11 +1,15 @@
-"""Runs the commands that the documents show: README.md, docs/*.md, examples/*/README.md.
+"""Runs the commands in the documents: README.md, docs/*.md, examples/*/README.md.
 
-usage: document_commands.py SOURCE PROGRAM SCRATCH [--words]     --words: nothing is run, options are checked
+usage: document_commands.py SOURCE PROGRAM SCRATCH [--words]
 
-A command is an indented line of a document that begins with `batten` or `build/release/bin/batten`, perhaps behind `xvfb-run -a`. It is
-run in the source's folder, or, where its files are there, in the document's; what it writes goes to the scratch folder.
-Commands whose input is no file of the source (FILE, scan.stl) are not run: their options must be options that `--help` of the command
-names. Exit codes 0 and 4 (done, but a check failed) are good, others only where the line says so: `# exit code 2`.
+--words checks the options only, and runs nothing.
+
+A command is an indented line of a document that begins with `batten` or `build/release/bin/batten`,
+optionally after `xvfb-run -a`. It runs in the source folder, or in the folder of the document if
+its files are there; its output goes to the scratch folder. Commands with input that is not part of
+the source (FILE, scan.stl) do not run: their options must be listed by `--help` of the command.
+Exit codes 0 and 4 (finished, but a check failed) are accepted, others only if the line contains
+them: `# exit code 2`.
 """
 import re
 import shlex
@@ -21,7 +25,7 @@ ENDINGS = re.compile(r"\.[a-z0-9]{2,7}$")
 
 
 def commands():
-    """(document, words, the exit code that the line expects) of every command, each once."""
+    """(document, arguments, expected exit code) of every command, without duplicates."""
     seen = set()
     documents = [SOURCE / "README.md", *sorted(SOURCE.glob("docs/*.md")), *sorted(SOURCE.glob("examples/*/README.md"))]
     for document in documents:
@@ -42,7 +46,7 @@ def is_out(words, i):
 
 
 def place_of(document, words):
-    """The folder in which all files that the command reads are there; None where there is none."""
+    """The folder that contains all files that the command reads, or None."""
     files = [w for i, w in enumerate(words) if i > 0 and ENDINGS.search(w) and not is_out(words, i) and "=" not in w]
     if words[0] == "convert":
         files = files[:1]
@@ -53,7 +57,7 @@ def place_of(document, words):
 
 
 def redirected(words):
-    """The words with everything that is written below the scratch folder, and read from there where it was written."""
+    """The arguments with output paths in the scratch folder, also for inputs written there before."""
     to = list(words)
     for i, word in enumerate(words):
         written = is_out(words, i) or (words[0] == "convert" and i == 2)
@@ -64,7 +68,7 @@ def redirected(words):
 
 
 def run(document, words, code):
-    """What is wrong with a command, or an empty text; whether it was run."""
+    """The error of a command, or an empty text; whether it was run."""
     folder = None if "--words" in sys.argv else place_of(document, words)
     if folder is None:
         known = subprocess.run([PROGRAM, words[0], "--help"], capture_output=True, text=True, check=False).stdout
@@ -82,7 +86,7 @@ def main():
     rows = list(commands())
     failed = ran = 0
     with ThreadPoolExecutor(2) as pool:
-        # Commands of one document follow each other: one may read what another one wrote.
+        # The commands of one document run in order: one may read the output of another.
         by_document = {}
         for row in rows:
             by_document.setdefault(row[0], []).append(row)

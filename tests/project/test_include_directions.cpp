@@ -1,4 +1,4 @@
-// The table of rooms in docs/architecture.md, checked on the include lines themselves.
+// Checks the include directives against the table of components in docs/architecture.md.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -18,13 +18,14 @@ namespace {
 
 const fs::path root = BATTEN_SOURCE_DIR;
 
-/// What a room may use: rooms, and libraries of others.
+/// What a component may use: components, and external libraries.
 struct Component {
   std::set<std::string> components, foreign;
 };
 
-/// Rows "| `component` | holds | `component`, Library |", in which a room may use whatever the rooms that it
-/// names may use; libraries only where they are named. "all above": every room before it.
+/// Rows "| `component` | holds | `component`, Library |". A component may also use everything that
+/// the listed components may use; libraries only if they are listed. "all above": every component
+/// before it.
 std::map<std::string, Component> read_components() {
   std::ifstream in(root / "docs/architecture.md");
   const std::regex row("^\\| `([a-z_/]+)` \\|.*\\| ([^|]*) \\|$"), word("[^, ][^,]*");
@@ -53,7 +54,7 @@ std::map<std::string, Component> read_components() {
   return components;
 }
 
-/// How include lines of other libraries begin.
+/// Beginnings of the include paths of external libraries.
 const std::map<std::string, std::string> kForeign = {
     {"CHOLMOD", "cholmod"},
     {"CGAL", "CGAL/"},
@@ -70,7 +71,7 @@ const std::map<std::string, std::string> kForeign = {
     {"OpenCASCADE", "(BRep|Geom|Topo|STEP|IGES|Standard_|gp_|TCol|XS|Interface_|Shape)"},
 };
 
-/// The room of a file: the innermost folder that has a row.
+/// The component of a file: the innermost folder that has a row.
 std::string component_of(std::string path, const std::map<std::string, Component>& components) {
   while (path.find('/') != std::string::npos) {
     path.erase(path.rfind('/'));
@@ -80,7 +81,7 @@ std::string component_of(std::string path, const std::map<std::string, Component
 }
 
 struct File {
-  std::string path;                   // from the root
+  std::string path;                   // relative to the root
   std::vector<std::string> includes;  // as written
 };
 
@@ -101,12 +102,12 @@ std::vector<File> source_files() {
   return files;
 }
 
-/// A file's name without its ending: a header and its source are one.
+/// A file's name without its extension: a header and its source count as one.
 std::string stem(const std::string& path) { return path.substr(0, path.rfind('.')); }
 
 }  // namespace
 
-TEST_CASE("include lines follow the table of rooms") {
+TEST_CASE("include directives follow the table of modules", "[project][includes]") {
   const auto components = read_components();
   REQUIRE(components.size() > 20);
   for (const auto& [name, component] : components) REQUIRE(fs::is_directory(root / name));
@@ -132,7 +133,7 @@ TEST_CASE("include lines follow the table of rooms") {
   CHECK(lines > 1000);
 }
 
-TEST_CASE("no file's include lines lead back to it") {
+TEST_CASE("include directives form no cycle", "[project][includes]") {
   std::map<std::string, std::set<std::string>> uses;
   for (const File& file : source_files())
     for (const std::string& include : file.includes)
@@ -140,7 +141,7 @@ TEST_CASE("no file's include lines lead back to it") {
         const std::string used = stem(include.substr(7));
         if (used != stem(file.path)) uses[stem(file.path)].insert(used);
       }
-  std::map<std::string, int> state;  // 1: on the way, 2: done
+  std::map<std::string, int> state;  // 1: in progress, 2: done
   std::vector<std::string> way;
   const std::function<void(const std::string&)> visit = [&](const std::string& file) {
     state[file] = 1;
@@ -162,7 +163,8 @@ TEST_CASE("no file's include lines lead back to it") {
     if (state[file] == 0) visit(file);
 }
 
-TEST_CASE("names of test cases have no semicolon or bracket, or ctest would not run them") {
+TEST_CASE("names of test cases have no semicolon or bracket, or ctest would not run them",
+          "[project][includes]") {
   const std::regex name("TEST_CASE\\(\"([^\"]*)\"");
   int cases = 0;
   for (const auto& entry : fs::recursive_directory_iterator(root / "tests")) {

@@ -1,8 +1,8 @@
-"""What a user installs: Debian packages of the build folder, unpacked into a root of their own and used there.
+"""Debian packages of the build folder, unpacked into a separate root and used there.
 
 usage: test_packages.py BUILD SCRATCH
 
-scripts/package makes and looks at the same packages for a release, and installs them in a clean root.
+scripts/package builds and checks the same packages for a release, and installs them in a clean root.
 """
 import os
 import shutil
@@ -24,7 +24,7 @@ def run(*command, **more):
 
 
 def built():
-    """The packages that this build has parts for."""
+    """The packages for which this build has the parts."""
     missing = set()
     if not (BUILD / "bin/batten-studio").exists():
         missing.add("studio")
@@ -60,7 +60,7 @@ class Packages(unittest.TestCase):
         lesson = ROOT / "usr/share/doc/batten/examples/01-pentagon/scene.toml"
         run(ROOT / "usr/bin/batten", "run", lesson, "--out", SCRATCH / "made", "--quiet")
         made = {file.suffix for file in (SCRATCH / "made").iterdir()}
-        self.assertLessEqual({".step", ".json"}, made)  # STEP by the module beside the program
+        self.assertLessEqual({".step", ".json"}, made)  # STEP: by the CAD module
 
     def test_python_finds_the_package(self):
         if "python3-batten" not in self.debs:

@@ -235,7 +235,7 @@ TEST_CASE("a double click ends a curve and starts no other", "[studio]") {
 }
 
 TEST_CASE(
-    "points of a curve are moved, added and removed; it is split, joined, mirrored and faired",
+    "points of a curve are moved, added and removed, and curves split, joined, mirrored and faired",
     "[studio]") {
   WindowCase hand;
   MainWindow& window = *hand.window;

@@ -37,7 +37,7 @@ struct Rectangle : WindowCase {
 }  // namespace
 
 TEST_CASE("a pressure is painted, its slider lifts the painted area, the brush erases it",
-          "[studio]") {
+          "[studio][actions]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
   hand.act(kPaint);
@@ -75,7 +75,7 @@ TEST_CASE("a pressure is painted, its slider lifts the painted area, the brush e
 }
 
 TEST_CASE("a simulated surface oscillates, and is at rest when the simulation is stopped",
-          "[studio]") {
+          "[studio][actions]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
   window.tree().select_region(hand.document().regions.front());
@@ -117,7 +117,7 @@ TEST_CASE("a simulated surface oscillates, and is at rest when the simulation is
   }
 }
 
-TEST_CASE("the mode shapes of a door are animated, one at a time", "[studio]") {
+TEST_CASE("the mode shapes of a door are animated, one at a time", "[studio][actions]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "05-door/scene.toml");
@@ -138,7 +138,8 @@ TEST_CASE("the mode shapes of a door are animated, one at a time", "[studio]") {
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a click with Shift fixes a normal, and a force acts at the clicked point", "[studio]") {
+TEST_CASE("a click with Shift fixes a normal, and a force acts at the clicked point",
+          "[studio][actions]") {
   Rectangle hand;
   MainWindow& window = *hand.window;
   window.tree().select_region(hand.document().regions.front());
@@ -187,7 +188,7 @@ TEST_CASE("a click with Shift fixes a normal, and a force acts at the clicked po
   hand.picture("held");
 }
 
-TEST_CASE("the tour continues when its steps are done", "[studio]") {
+TEST_CASE("the tour continues when its steps are done", "[studio][actions]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.start_tour();
@@ -233,7 +234,7 @@ TEST_CASE("the tour continues when its steps are done", "[studio]") {
   CHECK(hand.document().changed);
 }
 
-TEST_CASE("the surface follows when the end tangents of a curve are dragged", "[studio]") {
+TEST_CASE("the surface follows when the end tangents of a curve are dragged", "[studio][actions]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.draw_sides();
@@ -254,7 +255,7 @@ TEST_CASE("the surface follows when the end tangents of a curve are dragged", "[
 }
 
 TEST_CASE("a running simulation is interrupted by undo, another file, save and other shadings",
-          "[studio]") {
+          "[studio][actions]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   const auto door = kExamples / "05-door/scene.toml";

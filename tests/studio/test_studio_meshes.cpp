@@ -27,7 +27,7 @@ void lasso(WindowCase& hand, const Vec3& low, const Vec3& high) {
 }  // namespace
 
 TEST_CASE("holes of a deck keep their shape while its end is moved, and the deck is exported",
-          "[studio]") {
+          "[studio][meshes]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "11-panel/panel.bdf");
@@ -92,7 +92,7 @@ TEST_CASE("holes of a deck keep their shape while its end is moved, and the deck
   CHECK(hand.document().problem.empty());
 }
 
-TEST_CASE("nodes are painted with a brush, and erased with Shift", "[studio]") {
+TEST_CASE("nodes are painted with a brush, and erased with Shift", "[studio][meshes]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "10-plate-with-holes/plate.obj");

@@ -11,7 +11,8 @@ using namespace batten;
 using namespace batten::studio;
 using namespace batten_test;
 
-TEST_CASE("a sequence is scrubbed and played, and a handle is moved in one frame", "[studio]") {
+TEST_CASE("a sequence is scrubbed and played, and a handle is moved in one frame",
+          "[studio][sequences]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "29-forming/forming.toml");
@@ -46,7 +47,7 @@ TEST_CASE("a sequence is scrubbed and played, and a handle is moved in one frame
   CHECK(hand.document().timeline->keyframes == std::vector<int>{20});
 }
 
-TEST_CASE("a walk follows a path that is drawn", "[studio]") {
+TEST_CASE("a walk follows a path that is drawn", "[studio][sequences]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "25-path/path.toml");

@@ -15,7 +15,7 @@ using namespace batten;
 using namespace batten::studio;
 using namespace batten_test;
 
-TEST_CASE("stresses of the door follow the slider that shapes it", "[studio]") {
+TEST_CASE("stresses of the door follow the slider that shapes it", "[studio][stress]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   hand.open(kExamples / "18-lean/scene.toml");
@@ -38,7 +38,7 @@ TEST_CASE("stresses of the door follow the slider that shapes it", "[studio]") {
   CHECK(window.messages().isEmpty());
 }
 
-TEST_CASE("a drawn surface is clamped and loaded, and its stress is shown", "[studio]") {
+TEST_CASE("a drawn surface is clamped and loaded, and its stress is shown", "[studio][stress]") {
   WindowCase hand;
   MainWindow& window = *hand.window;
   window.post(line_command("rim", {{0, 0, 0}, {200, 0, 0}, {200, 100, 0}, {0, 100, 0}, {0, 0, 0}}));

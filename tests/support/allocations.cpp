@@ -1,6 +1,6 @@
 #include "batten/tests/support/allocations.h"
 
-#include <cstdlib>  // says which libc this is
+#include <cstdlib>  // defines the macro of the libc
 
 #include "batten/core/op_counter.h"
 

@@ -1,12 +1,12 @@
-// Makes Work::Allocation count: linked in, this replaces malloc where that is possible, which is
-// with glibc and without sanitizers.
+// Counts allocations as Work::Allocation. Linking this file replaces malloc if possible, i.e. with
+// glibc and without sanitizers.
 #pragma once
 
 #include "batten/core/op_counter.h"
 
 namespace batten_test {
 
-/// Whether calls of malloc and its kin are counted in this program.
+/// Whether this program counts calls of malloc and related functions.
 bool counts_allocations();
 
 }  // namespace batten_test

@@ -1,4 +1,4 @@
-// Decks of CalculiX as tests see them: their rows, the mesh in them, what ccx makes of them.
+// Parses CalculiX decks for tests: their rows, their mesh, and results of ccx.
 #pragma once
 
 #include <algorithm>
@@ -54,12 +54,12 @@ inline bool have_ccx() {
   return false;
 }
 
-/// The mesh of a deck, node numbers as in the file.
+/// The mesh of a deck, with the node numbers of the file.
 struct DeckMeshBuilder {
   std::map<int, Vec3> nodes;
   std::vector<std::array<int, 6>> elements;
-  std::map<std::array<int, 3>, int> edges;    ///< ends in ascending order, middle: elements there
-  std::map<std::string, std::set<int>> sets;  ///< of nodes
+  std::map<std::array<int, 3>, int> edges;    ///< ascending ends, middle: elements
+  std::map<std::string, std::set<int>> sets;  ///< node sets
 
   explicit DeckMeshBuilder(const DeckSections& deck) {
     for (const auto& row : deck.at("*NODE,NSET=NALL"))
@@ -78,13 +78,13 @@ struct DeckMeshBuilder {
           for (const auto& field : row) sets[keyword.substr(11)].insert(std::stoi(field));
   }
 
-  /// How many edges have so many elements.
+  /// Number of edges per number of adjacent elements.
   std::map<int, int> edges_by_count() const {
     std::map<int, int> result;
     for (const auto& [edge, count] : edges) ++result[count];
     return result;
   }
-  /// The edges whose three nodes are in a set: how many have so many elements.
+  /// The same for the edges whose three nodes are in a set.
   std::map<int, int> edges_in(const std::string& set) const {
     std::map<int, int> result;
     const std::set<int>& in = sets.at(set);
@@ -92,7 +92,7 @@ struct DeckMeshBuilder {
       if (in.count(edge[0]) && in.count(edge[1]) && in.count(edge[2])) ++result[count];
     return result;
   }
-  /// Smallest distance of two nodes over the longest edge of the box.
+  /// Smallest distance of two nodes over the diagonal of the bounding box.
   double closest_nodes() const {
     std::vector<Vec3> all;
     for (const auto& [id, x] : nodes) all.push_back(x);
@@ -106,8 +106,8 @@ struct DeckMeshBuilder {
   }
 };
 
-/// Sum of the deck's nodal forces and of its pressures, as they are on flat elements with straight
-/// edges: a third of each on the middles of edges. `at_supports`: of those on nodes with a support.
+/// Sum of the deck's nodal forces and of its pressures on flat elements with straight edges: a
+/// third of each at each mid-side node. `at_supports`: the part on supported nodes.
 struct DeckForces {
   Vec3 all = Vec3::Zero(), at_supports = Vec3::Zero();
 
@@ -140,12 +140,12 @@ struct DeckForces {
   }
 };
 
-/// Runs ccx on a copy of the deck: the sum of forces at supported nodes. They are the inner forces
-/// there: those of the supports and the loads on these nodes themselves.
+/// Runs ccx on a copy of the deck: the sum of forces at supported nodes. These are the internal
+/// forces there: reactions plus the loads on these nodes.
 inline Vec3 supporting_force(const std::filesystem::path& deck) {
   const DeckSections rows = sections(deck);
   const DeckMeshBuilder mesh(rows);
-  std::set<int> supported;  // ccx would count nodes of two sets twice
+  std::set<int> supported;  // ccx would count nodes in two sets twice
   for (const auto& row : rows.at("*BOUNDARY"))
     for (const int node : mesh.sets.at(row.at(0))) supported.insert(node);
   std::ifstream in(deck);

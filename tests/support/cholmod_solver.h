@@ -1,4 +1,4 @@
-// CHOLMOD called directly, to be compared with.
+// Direct calls of CHOLMOD, for comparison.
 #pragma once
 
 #include <cholmod.h>
@@ -10,12 +10,12 @@
 
 namespace batten_test {
 
-/// CHOLMOD as its manual shows it: supernodal LLᵀ, a solve with kept workspace.
+/// CHOLMOD as in its manual: supernodal LLᵀ, a solve with kept workspace.
 class CholmodSolver {
  public:
-  /// `A`: lower triangle, compressed, alive as long as this. `order` may be empty: AMD. Supernodes
-  /// are joined by CHOLMOD's own rule, or by the one that Batten asks of it for small matrices: the
-  /// factor then has the same pattern as Batten's.
+  /// `A`: lower triangle, compressed; must outlive this object. `order` may be empty: AMD.
+  /// Supernodes are merged by CHOLMOD's own rule, or by the one that Batten requests for small
+  /// matrices: the factor then has the same pattern as Batten's.
   CholmodSolver(const batten::SparseMatrix& A, std::vector<int> order, bool joined_for_small)
       : order_(std::move(order)) {
     cholmod_start(&common_);
@@ -53,7 +53,7 @@ class CholmodSolver {
         cholmod_analyze_p(&matrix_, order_.empty() ? nullptr : order_.data(), nullptr, 0, &common_);
   }
   void factorize() { cholmod_factorize(&matrix_, factor_, &common_); }
-  /// Numbers of a factor of the same pattern instead of its own, after a factorize().
+  /// Replaces the numeric values by those of a factor with the same pattern, after factorize().
   void set_factor_values(const double* values) {
     std::copy_n(values, factor_->xsize, static_cast<double*>(factor_->x));
   }
@@ -72,7 +72,7 @@ class CholmodSolver {
                                           static_cast<long>(x_->nrow), static_cast<long>(x_->ncol));
   }
 
-  /// Below so many unknowns Batten's factor joins supernodes by its own rule.
+  /// Below this number of unknowns, Batten's factor merges supernodes by its own rule.
   static constexpr long small = 20000;
 
  private:

@@ -1,4 +1,4 @@
-// The boundary condition of many a plate.
+// The boundary condition of clamped plates.
 #pragma once
 
 #include <vector>

@@ -1,14 +1,11 @@
 #include "batten/tests/support/dense_algebra.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
 namespace batten {
 
 MatX solve_dense(const MatX& A, const MatX& b) { return A.fullPivLu().solve(b); }
-
-MatX solve_symmetric(const MatX& A, const MatX& b) { return A.ldlt().solve(b); }
 
 MatX null_space(const MatX& C) {
   const Eigen::ColPivHouseholderQR<MatX> qr(C.transpose());

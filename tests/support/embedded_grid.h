@@ -1,4 +1,4 @@
-// Square grids that ignore a line: what is needed to embed one.
+// Square grids that are not aligned with a curve, for embedded curves.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ using namespace batten;
 
 using std::numbers::pi;
 
-/// The C1 cubic through a formula t → (position, order 0, or derivative, order 1) with n segments.
+/// The C1 cubic spline with n segments through a function t → (position for order 0, derivative for
+/// order 1).
 inline HermiteCurve hermite(double start, double end, int n, bool closed,
                             const std::function<Vec3(double t, int order)>& f) {
   std::vector<double> u;
@@ -41,7 +42,7 @@ inline HermiteCurve circle(const Vec2& centre, double radius, int n, bool clockw
   });
 }
 
-/// columns × rows squares of side h, each cut along its (0,0)-(1,1) diagonal.
+/// columns × rows squares of side h, each cut along its diagonal from (0,0) to (1,1).
 inline ParametricMesh squares(const Vec2& origin, double h, int columns, int rows) {
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;
@@ -56,7 +57,7 @@ inline ParametricMesh squares(const Vec2& origin, double h, int columns, int row
   return {vertices, triangles};
 }
 
-/// The triangles of a mesh that hold some of the region, and their cut.
+/// The triangles of a mesh that contain a part of the region, and their trim.
 struct EmbeddedGrid {
   std::shared_ptr<const ParametricMesh> mesh;
   std::shared_ptr<const Trim> trim;

@@ -1,4 +1,4 @@
-// What a refused input is told.
+// The message of a rejected input.
 #pragma once
 
 #include <string>

@@ -113,8 +113,8 @@ void add_quadrangle(ExpectedShape& shape, const Vec3& a, const Vec3& b, const Ve
       4);
 }
 
-/// Four sides of f over the unit square. Sides with a count of 2 are straight; sides of one point
-/// are left out.
+/// Four sides of f over the unit square. Sides with a count of 2 are straight; sides with a count
+/// of 1 are omitted.
 ExpectedShape four_sides(const std::string& name, const std::string& group, const Map& f,
                          int along_u_count, int along_v_count, double tolerance) {
   ExpectedShape shape{name, group, {}, {}, tolerance, {}, {}};
@@ -620,7 +620,7 @@ double ExpectedPatch::distance(const Vec3& p) const {
     normal << x_u.dot(x_u), x_u.dot(x_v), x_u.dot(x_v), x_v.dot(x_v);
     normal.diagonal().array() += 1e-9 * normal.trace() + 1e-300;  // degenerate at poles
     Vec2 move = normal.inverse() * Vec2(x_u.dot(away), x_v.dot(away));
-    // An edge of the square that is active takes the other parameter's step alone.
+    // On an active edge of the square, only the other parameter changes.
     if ((u <= 0 && move.x() < 0) || (u >= 1 && move.x() > 0))
       move = {0, x_v.dot(away) / normal(1, 1)};
     if ((v <= 0 && move.y() < 0) || (v >= 1 && move.y() > 0))

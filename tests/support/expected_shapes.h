@@ -1,4 +1,4 @@
-// Boundary curves as people type them, and the surfaces that they expect from them.
+// Boundary curves as users type them, and the surfaces that they expect.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace batten_test {
 using batten::Vec3;
 
 /// Smooth piece of an expected surface: x(u, v) over the unit square. Periodic surfaces consist of
-/// several pieces, so that the nearest point never lies beyond an edge of its piece.
+/// several pieces, so that the closest point is never beyond an edge of its piece.
 struct ExpectedPatch {
   explicit ExpectedPatch(std::function<Vec3(double u, double v)> at, int cells = 24,
                          bool required = true)
@@ -22,13 +22,14 @@ struct ExpectedPatch {
 
   std::function<Vec3(double u, double v)> at;
   int cells;      ///< cells per side of the grid from which the closest-point search starts
-  bool required;  ///< false: a face that the result may have or lack, such as the rib of a wing
+  bool required;  ///< false: an optional face of the result, such as the rib of a wing
 
   /// Distance from the nearest point: grid search, then Gauss-Newton with steps clamped to the square.
   double distance(const Vec3& p) const;
 
  private:
-  // Centres of the grid's cells, row by row, where no patch is degenerate; computed at the first call.
+  // Centres of the grid's cells, row by row, if no patch is degenerate there; computed at the first
+  // call.
   mutable std::vector<Vec3> nodes_;
 };
 
@@ -45,7 +46,7 @@ struct ExpectedShape {
   std::vector<TypedCurve> curves;
   std::vector<ExpectedPatch> patches;
   double tolerance = 1e-3;             ///< largest distance, as a fraction of size()
-  std::optional<double> area, volume;  ///< where known exactly; model units
+  std::optional<double> area, volume;  ///< if known exactly; model units
   /// Lofts that would produce the surface, each as sets of curves that are lofted one after the other.
   std::vector<std::vector<std::vector<std::string>>> lofts = {};
 
@@ -64,7 +65,7 @@ struct ExpectedShape {
 /// result depends on the seed only.
 std::vector<ExpectedShape> expected_shapes(unsigned seed = 0);
 
-/// Polygons whose corners are too blunt for find_corners(): they could as well be points of a smooth
+/// Polygons whose corners are too blunt for find_corners(): they could also be points of a smooth
 /// curve.
 std::vector<ExpectedShape> ambiguous_outlines();
 

@@ -1,4 +1,4 @@
-// Models with feature regions and an edit: what a deformer can be asked to keep.
+// Models with feature regions and an edit, for tests of deformers.
 #pragma once
 
 #include <string>
@@ -17,11 +17,11 @@ struct FeaturedModel {
   std::vector<Handle> handles;
   std::vector<HandleTransform> moves;
   std::vector<FeatureRegion> regions;
-  std::vector<int> ring = {};  // sheet around the only region; none: not looked at
+  std::vector<int> ring = {};  // sheet around the only region; none: not measured
 };
 
-/// What the far end of a strip from `start` to `end` does when the strip is bent to an arc about
-/// `axis`, which is at right angles to it.
+/// Motion of the far end of a strip from `start` to `end` when the strip is bent to an arc about
+/// `axis`, which is perpendicular to it.
 inline HandleTransform bent_to_arc(const Vec3& start, const Vec3& end, const Vec3& axis,
                                    double degrees) {
   const double angle = degrees * std::numbers::pi / 180;
@@ -33,15 +33,15 @@ inline HandleTransform bent_to_arc(const Vec3& start, const Vec3& end, const Vec
   return move;
 }
 
-/// BossPanel with its side lifted, not turned.
+/// BossPanel with its side lifted without rotation.
 inline FeaturedModel lifted_panel(int n) {
   const BossPanel panel(n);
   return {"panel with a boss, lifted", panel.mesh, panel.fixed, panel.handles, panel.lift(1.2),
           {{"boss", {}, panel.boss}},  panel.ring};
 }
 
-/// A flat wall [0, 12] × [0, 3], `per_unit` squares a unit, with the letters T E H raised by 0.2 on
-/// walls of the width 0.1. Its far end is bent up by 75 degrees about the upright.
+/// A flat wall [0, 12] × [0, 3], `per_unit` squares per unit, with the letters T E H raised by 0.2
+/// on walls of width 0.1. Its far end is bent by 75 degrees about the vertical axis.
 inline FeaturedModel wall_with_letters(int per_unit) {
   struct Stroke {
     double left, bottom, right, top;
@@ -94,14 +94,14 @@ inline FeaturedModel wall_with_letters(int per_unit) {
   return model;
 }
 
-/// An open tube of the length 12 that tapers from the radius 1 to 0.35, `around` squares around it
-/// and all of them even, with ten rings of six suckers: low bumps with a dent. Curled by 120
-/// degrees: its tip is turned and put where a circular arc ends.
+/// An open tube of length 12 that tapers from radius 1 to 0.35, with `around` nearly regular
+/// squares around it, and ten rings of six suckers: low bumps with a dent. Curled by 120 degrees:
+/// its tip is rotated and moved to the end of a circular arc.
 inline FeaturedModel arm_with_suckers(int around) {
   constexpr double kLength = 12, kBase = 1, kTip = 0.35, kSucker = 0.3, kHeight = 0.15;
   constexpr int kRings = 10, kEach = 6;
   constexpr double kSlope = (kBase - kTip) / kLength;
-  // (s, phi) is conformal: a step ds is as long as the same step around, both times the radius.
+  // (s, phi) is conformal: a step ds has the length of the same step around, both times the radius.
   const double end = std::log(kBase / kTip) / kSlope;
   const auto along = static_cast<int>(std::lround(end * around / (2 * std::numbers::pi)));
   const auto centre = [&](int ring, int k) {
@@ -144,8 +144,8 @@ inline FeaturedModel arm_with_suckers(int around) {
   return model;
 }
 
-/// A bar of the length 8 and the width 1, its end twisted by 135 degrees, with four round patches
-/// in its faces.
+/// A bar of length 8 and width 1 with four round patches in its faces, its end twisted by 135
+/// degrees.
 inline FeaturedModel twisted_bar(int across) {
   const Bar bar(8, across);
   FeaturedModel model{

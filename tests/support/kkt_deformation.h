@@ -1,4 +1,5 @@
-// The saddle point twin of the deformer, apart from it so that they share only the statement.
+// KKT reference implementation of the deformer, in a separate file: it shares only the problem's
+// matrices.
 #pragma once
 
 #include "batten/mesh/deform/form_feature_deformer.h"

@@ -8,7 +8,7 @@
 namespace batten {
 
 Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& F) {
-  // x, y and z are one system each unless a row couples them; then they are stacked.
+  // x, y and z are one system each unless a constraint couples them; then they are stacked.
   const int n = set.dof_count();
   const int copies = set.coupled() ? 3 : 1;
   const auto rows = isize(set.constraints());
@@ -50,7 +50,7 @@ Points solve_kkt(const ConstraintSet& set, const SparseMatrix& K, const Points& 
   if (lu.info() != Eigen::Success)
     throw NoSolutionError("the saddle point system is singular: " + lu.lastErrorMessage());
   MatX x = lu.solve(rhs);
-  // Positions and multipliers differ by powers of ten: one step of refinement.
+  // Positions and multipliers differ by orders of magnitude: one step of refinement.
   x += lu.solve(MatX(rhs - A * x));
   if (!set.coupled()) return x.topRows(n);
   return Eigen::Map<const Points>(x.data(), n, 3);

@@ -11,13 +11,13 @@ namespace {
 using std::numbers::pi;
 using Ring = SheetLayout::Ring;
 
-/// A point of a form's outline: `core` pushed by the ring's offset along `direction`.
+/// A point of a form's outline: `core` displaced by the ring's offset along `direction`.
 struct OutlinePoint {
   Vec2 core, direction;
 };
 
-/// Outline of a rectangle (half sides `core`) rounded by `radius`, cut into nx, ny, nx, ny pieces
-/// of even length between the middles of its four corners, from the lower left one
+/// Outline of a rectangle (half sides `core`) rounded by `radius`, divided into nx, ny, nx, ny
+/// segments of equal length between the middles of its four corners, from the lower left one
 /// counter-clockwise.
 std::vector<OutlinePoint> rounded_outline(const Vec2& core, double radius, int nx, int ny) {
   const std::array<Vec2, 4> corners{-core, Vec2(core.x(), -core.y()), core,
@@ -78,7 +78,7 @@ class SheetMaker {
     bool holds(int i, int j) const { return i >= i0 && i < i1 && j >= j0 && j < j1; }
   };
   /// A vertex before the sheet is bent: in the tangent plane of a form (blend 0), on the sheet
-  /// (blend 1), or between.
+  /// (blend 1), or between them.
   struct FlatPosition {
     Vec2 flat;
     int form = -1;
@@ -203,7 +203,7 @@ class SheetMaker {
     }
   }
 
-  // A grid of nx × ny squares in the middle, bands from there to the rim.
+  // A grid of nx × ny squares in the middle, bands from there to the boundary.
   std::vector<int> add_floor(const SheetLayout::Form& form, int number, const Vec2& middle,
                              const std::vector<int>& rim, int nx, int ny, NamedSet& part) {
     constexpr double fraction = 0.55;
@@ -240,7 +240,7 @@ class SheetMaker {
     return added;
   }
 
-  // Every free vertex in the middle of its neighbours, a few times over.
+  // Laplacian smoothing of free vertices, several passes.
   void smooth(const std::vector<int>& free, int first_face) {
     constexpr int sweeps = 40;
     std::vector<std::pair<int, int>> edges;
@@ -278,7 +278,7 @@ class SheetMaker {
     return {middle(u_, first_column_, form.column), middle(v_, first_row_, form.row)};
   }
 
-  /// The sheet's tangent plane under a form, its origin in the form's middle.
+  /// The sheet's tangent plane under a form, with the origin in the form's middle.
   Eigen::Isometry3d frame_of(const SheetLayout::Form& form) const {
     const Vec2 middle = middle_of(form);
     const Vec2 du(1e-4 * u_.back(), 0), dv(0, 1e-4 * v_.back());
@@ -315,12 +315,12 @@ class SheetMaker {
   const SheetLayout& layout_;
   MeshModel model_;
   std::vector<double> u_, v_;                  // of grid lines
-  std::vector<int> first_column_, first_row_;  // grid line at which a cell begins
-  std::vector<int> grid_;                      // vertex of each crossing, or -1
+  std::vector<int> first_column_, first_row_;  // grid line where a cell begins
+  std::vector<int> grid_;                      // vertex at each grid point, or -1
   std::vector<FlatPosition> places_;
 };
 
-/// A polyline of rings, its pieces cut in elements of at most `h`.
+/// A polyline of rings with segments divided into elements of at most `h`.
 std::vector<Ring> finer(const std::vector<Ring>& coarse, double h) {
   std::vector<Ring> fine{coarse.front()};
   for (size_t i = 1; i < coarse.size(); ++i) {
@@ -385,7 +385,7 @@ MeshModel door_panel() {
   layout.columns = {{640, 40}, {220, 16}, {140, 9}};
   layout.rows = {{210, 14}, {160, 11}, {230, 15}};
   layout.creases = {1, 2};
-  // A crowned sheet; the lines rise along it, a step between them.
+  // A crowned sheet; the curves rise along it, with a step between them.
   layout.shape = [](double u, double v) {
     const double crown = 45 * (1 - square(u / 500 - 1)) + 70 * (1 - square(v / 300 - 1));
     const double below = 0.16 * std::max(0.0, 210 - v), above = 0.22 * std::max(0.0, v - 370);
@@ -451,7 +451,7 @@ MeshModel holed_panel(int vertices) {
                                 flanged_hole(20, 10, 5, 100.0 / n)});
     return make_sheet(layout);
   };
-  // Count grows with the square of n, nearly: 24 n² where the count is large.
+  // The count is approximately 24 n² for large n.
   int n = std::max(6, static_cast<int>(std::sqrt(vertices / 28.0)));
   MeshModel model = with(n);
   for (MeshModel finer = model; model.shells.node_count() < vertices; model = std::move(finer)) {
@@ -459,7 +459,7 @@ MeshModel holed_panel(int vertices) {
     const int below = vertices - model.shells.node_count();
     if (finer.shells.node_count() - vertices > below) break;
   }
-  const double strip = std::max(8.0, 210.0 / n);  // two rings or more
+  const double strip = std::max(8.0, 210.0 / n);  // at least two rings
   model.fixed = model.where([&](const Vec2& p) { return p.x() < strip || p.x() > 400 - strip; });
   model.handle = model.where([](const Vec2& p) { return (p - Vec2(200, 200)).norm() < 24; });
   return model;

@@ -15,7 +15,7 @@
 namespace batten_test {
 using namespace batten;
 
-/// A network and the model that was made of it.
+/// A network and the model that was built from it.
 struct NetworkModel {
   CurveNetwork network;
   FoundRegions found;

@@ -1,4 +1,4 @@
-// What a reader that knows nothing of us says of a Nastran deck and its edited copy.
+// Independent check of a Nastran deck and its edited copy.
 #pragma once
 
 #include <cstdio>
@@ -9,7 +9,7 @@
 
 namespace batten_test {
 
-/// What nastran_check.py prints, see there; null, with a warning, where Python's numpy is missing.
+/// The JSON output of nastran_check.py; null, with a warning, if Python's numpy is missing.
 inline nlohmann::json deck_changes(const std::filesystem::path& before,
                                    const std::filesystem::path& after) {
   if (std::system("/usr/bin/python3 -c 'import numpy' > /dev/null 2>&1") != 0) {
@@ -27,7 +27,7 @@ inline nlohmann::json deck_changes(const std::filesystem::path& before,
   return nlohmann::json::parse(text);
 }
 
-/// Only coordinates of nodes differ, and spiders are rigid to `rounding`, as that reader sees it.
+/// Only coordinates of nodes differ, and spiders are rigid to `rounding`, according to that script.
 inline void check_deck_changes(const std::filesystem::path& before,
                                const std::filesystem::path& after, double rounding) {
   const auto changes = deck_changes(before, after);

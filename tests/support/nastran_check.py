@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Compares a Nastran deck with its edited copy, and knows nothing of the program that edited it.
+"""Compares a Nastran deck with its edited copy, independently of the program that edited it.
 
-usage: nastran.py BEFORE AFTER
+usage: nastran_check.py BEFORE AFTER
 
-Reads bulk data in small, wide and free fields, CORD2R, CORD2C and CORD2S systems, GRID and RBE2.
-INCLUDE is not followed. Prints JSON:
+Reads bulk data in small, large and free field format, CORD2R, CORD2C and CORD2S systems, GRID and
+RBE2. INCLUDE is not followed. Prints JSON:
   nodes     number of GRID cards
-  moved     number of those whose place in global coordinates changed
-  largest   by how much at most
-  other     the first line that differs in something that is no coordinate of a GRID; "" when none
+  moved     number of those whose global position changed
+  largest   largest displacement
+  other     the first line that differs in anything but coordinates of a GRID; "" if none
   spiders   number of RBE2
-  bent      by how much at most a node of an RBE2 is beside its place after the best rigid motion
+  bent      largest distance of a node of an RBE2 from its position after the best-fit rigid motion
 """
 import json
 import math
@@ -21,14 +21,14 @@ import numpy as np
 
 
 def number(field):
-    """A real as Nastran has it: 1.5, 1.5-3, 1.5D-3; a blank is 0."""
+    """A real in Nastran's notation: 1.5, 1.5-3, 1.5D-3; a blank is 0."""
     field = field.upper().replace("D", "E")
     short = re.fullmatch(r"([+-]?[\d.]+)([+-]\d+)", field)
     return float(short[1] + "E" + short[2] if short else field or 0)
 
 
 def fields(line):
-    """Name and data fields of one line: four of them in wide fields, else eight."""
+    """Name and data fields of one line: four in large field format, else eight."""
     line = line.split("$")[0].rstrip().expandtabs(8)
     if "," in line:
         name, *data = line.split(",")
@@ -47,7 +47,7 @@ class Deck:
             lines = file.readlines()
         starts = [i for i, line in enumerate(lines) if re.match(r"(?i)\s*BEGIN\s+BULK", line)]
         first = starts[0] + 1 if starts else 0
-        cards = []  # (name, fields, lines); text that is no card has no name
+        cards = []  # (name, fields, lines); text that is not a card has no name
         for i, line in enumerate(lines):
             name, data = fields(line)
             if i < first or not line.split("$")[0].strip():
@@ -64,7 +64,8 @@ class Deck:
             if name == "GRID":
                 data = (data + [""] * 8)[:8]
                 self.nodes[int(data[0])] = (data[1], [number(x) for x in data[2:5]])
-                # What an editor must leave: all but the coordinates, and how lines end.
+                # Content that an editor must not change: everything but the coordinates, with line
+                # endings.
                 ending = own[0][len(own[0].rstrip("\r\n")):]
                 self.text.append(" ".join(["GRID", *data[:2], *data[5:]]) + ending)
             else:
@@ -77,7 +78,7 @@ class Deck:
         self.places = {label: self.place(*node) for label, node in self.nodes.items()}
 
     def place(self, system, x):
-        """Coordinates x of a system in the global one."""
+        """Global coordinates of a point x of a system."""
         if system in ("", "0"):
             return np.array(x, float)
         kind, parent, points = self.systems[system]
@@ -96,7 +97,7 @@ class Deck:
 
 
 def bent(before, after):
-    """Largest distance between the points after and the points before, moved rigidly (Kabsch)."""
+    """Largest distance between the points after and the rigidly moved points before (Kabsch)."""
     a, b = before - before.mean(0), after - after.mean(0)
     u, _, v = np.linalg.svd(b.T @ a)
     turn = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ v))]) @ v

@@ -1,4 +1,4 @@
-// Lines with given curves, for tests: as a network hands them on.
+// Prescribed curves for tests, as a network passes them on.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace batten_test {
 
-/// The curve fitted evenly over arc length / size, its vertices no farther apart than `edge`.
+/// The curve resampled uniformly in arc length / size, with vertices at most `edge` apart.
 inline CharacterLine prescribed_line(const std::string& name,
                                      const std::shared_ptr<const InputCurve>& curve, double size,
                                      double edge) {

@@ -1,4 +1,4 @@
-// What the laws of sequences are tested on.
+// Random motions for property tests of sequences.
 #pragma once
 
 #include <numbers>
@@ -28,7 +28,7 @@ inline Points smooth_path(int frames, unsigned seed) {
   return p;
 }
 
-/// Smooth rotations over time from the identity, of several turns.
+/// Smooth rotations over time from the identity, over several full turns.
 inline std::vector<Mat3> smooth_rotations(int frames, unsigned seed) {
   Random random(seed);
   const Vec3 a = random.point(), b = random.point();

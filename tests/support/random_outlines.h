@@ -1,5 +1,5 @@
-// Outlines with holes and inner lines at random: smooth, cornered, thin, nearly touching, crossing,
-// nested wrongly.
+// Random outlines with holes and inner curves: smooth, with corners, thin, nearly touching,
+// self-intersecting, wrongly nested.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace batten_test {
 
 using Role = CharacterLine::Role;
 
-/// The same numbers give the same lines on every machine.
+/// The same numbers give the same curves on every machine.
 inline std::vector<CharacterLine> random_lines(Random& random) {
   constexpr double pi = std::numbers::pi;
   const double a = 1, b = random.between(0, 1) < 0.15 ? 0.04 : random.between(0.4, 1.2);
@@ -55,7 +55,7 @@ inline std::vector<CharacterLine> random_lines(Random& random) {
 
   std::vector<CharacterLine> lines;
   const bool cornered = random.between(0, 1) < 0.4;
-  // Amplitudes up to 1.2 make loops that cross themselves.
+  // Amplitudes up to 1.2 lead to self-intersecting loops.
   const double roughness = random.between(0, 1) < 0.15 ? 1.2 : random.between(0, 0.5);
   lines.push_back(loop("outline", Role::Outline, {0, 0}, a, b, waves(roughness),
                        cornered ? 3 + static_cast<int>(random.between(0, 6)) : 48, cornered));
@@ -73,7 +73,7 @@ inline std::vector<CharacterLine> random_lines(Random& random) {
     double direction = pi * random();
     const double turning_angle = 0.25 * random(),
                  step = random.between(0.02, 0.1) * std::min(1.0, 3 * b);
-    // Most lie on the same smooth sheet; some do not, and cannot cross the others.
+    // Most are on the same smooth sheet; some are not, and cannot intersect the others.
     const double above = random.between(0, 1) < 0.3 ? 0.05 * random() : 0;
     for (int i = 0; i < 9; ++i) {
       p.emplace_back(at.x(), at.y(), height(at.x(), at.y()) + above);
@@ -87,14 +87,14 @@ inline std::vector<CharacterLine> random_lines(Random& random) {
 }
 
 struct RandomResult {
-  std::string error_message;  ///< what the program said, or "": there is a surface
-  std::string kind;           ///< of the refusal, in few words
+  std::string error_message;  ///< message of the program; "": there is a surface
+  std::string kind;           ///< short reason of the rejection
   double reported = 0, found = 0, tolerance = 0;
   bool finite = true;
   int triangles = 0;
 };
 
-/// The reason without names and numbers, so that equal ones can be counted.
+/// The reason without names and numbers, for counting equal ones.
 inline std::string error_kind(const Error& e) {
   const std::string text = e.what();
   if (dynamic_cast<const ConflictError*>(&e)) return "constraints contradict each other";
@@ -106,7 +106,7 @@ inline std::string error_kind(const Error& e) {
   return text;
 }
 
-/// Skins the lines, and measures the distance from each line at 997 places of its own choice.
+/// Skins the curves, and measures the distance from each curve at 997 independent points.
 inline RandomResult skin_at_random(const std::vector<CharacterLine>& lines) {
   RandomResult result;
   SkinOptions options;

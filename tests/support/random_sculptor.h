@@ -1,4 +1,5 @@
-// Operations at random on one session: rows hold, undo and replay give the same bits, memory stays.
+// Random operations on one session: constraints hold, undo and replay give the same bits, memory
+// stays bounded.
 #pragma once
 
 #include <cstdio>
@@ -23,7 +24,7 @@ inline SessionOptions small_history() {
   return options;
 }
 
-// Bytes that the program holds; 0 where nobody counts them.
+// Allocated bytes of the program; 0 if they are not counted.
 inline size_t bytes_in_use() {
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
   const struct mallinfo2 info = mallinfo2();
@@ -33,21 +34,21 @@ inline size_t bytes_in_use() {
 #endif
 }
 
-/// What operations at random are done to.
+/// The model and the operations to perform on it.
 struct SculptorStage {
   std::function<ModelLayout()> layout;
   Vec3 up = Vec3::UnitZ();
-  double step = 1;                          ///< model units: a small change of a place
-  Vec3 finger;                              ///< where a point load acts
-  Area stiff;                               ///< where a weight acts
+  double step = 1;                          ///< model units: a small displacement
+  Vec3 finger;                              ///< point of action of a point load
+  Area stiff;                               ///< area of a stiffness field
   Area pressed = {};                        ///< of the pressure
   double swell = 20, push = 20, force = 5;  ///< ranges of the loads
-  std::vector<std::string> whole, fading;   ///< lines that move as a whole, and with a fade
-  std::string edited;                       ///< a line that gets other shapes; "": none
-  /// An inner line on a shape of the model; null: none.
+  std::vector<std::string> whole, fading;   ///< curves that move as a whole, and with a fade
+  std::string edited;                       ///< a curve whose shape is edited; "": none
+  /// An inner curve on a shape of the model; null: none.
   std::function<std::vector<Vec3>(const SculptingSession&, Random&)> inner;
   double smallest = 15;  ///< edge of refinements
-  /// What has to be true at every answer.
+  /// Invariants after every update.
   std::function<void(const SculptingSession&)> invariants = {};
 };
 
@@ -114,7 +115,7 @@ class Sculptor {
   const auto& one_of(const List& list) {
     return list[static_cast<size_t>(random_.between(0, 0.9999) * static_cast<double>(list.size()))];
   }
-  // On the surface as it is, inside of the trim.
+  // On the current surface, inside the trim.
   Vec3 random_location() {
     const Surface shape = shape_of(session_);
     for (;;) {
@@ -133,7 +134,7 @@ class Sculptor {
   std::string unique_name(const std::string& beginning) {
     return beginning + std::to_string(count_++);
   }
-  // Undo may have put back a motion.
+  // Undo may have restored a motion.
   void solve_preview() {
     try {
       session_.solve_preview(3, 1e-6);
@@ -186,7 +187,7 @@ class Sculptor {
     } else if (what == "add move") {
       if (of("raise").size() >= 3) return;
       const bool whole =
-          !stage_.whole.empty() && random_.between(0, 1) * 3 < 1;  // otherwise one that fades
+          !stage_.whole.empty() && random_.between(0, 1) * 3 < 1;  // otherwise a fading one
       const std::string& line = one_of(whole ? stage_.whole : stage_.fading);
       LineOffset move{unique_name("raise"), line, {}, whole ? 0 : 0.3};
       if (random_() > 0) move.direction = stage_.up;
@@ -267,7 +268,7 @@ class Sculptor {
   bool finite_ = true;
 };
 
-/// Residual, bits of undo, memory and replay.
+/// Residual, bits after undo, memory, and replay.
 inline void sculpt_at_random(const SculptorStage& stage, int operations, unsigned seed) {
   Sculptor sculptor(stage, seed);
   size_t bytes_early = 0, bytes_late = 0;

@@ -1,4 +1,4 @@
-// Energies by whole matrices: the twin of what a session keeps count of.
+// Energies from whole matrices: reference implementation for the energies that a session tracks.
 #pragma once
 
 #include "batten/elements/reference_triangle.h"

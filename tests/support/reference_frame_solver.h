@@ -1,4 +1,4 @@
-// Frames of sequences by dense matrices, and the shapes they are compared on.
+// Reference implementation of frames of sequences with dense matrices, and test shapes.
 #pragma once
 
 #include <map>
@@ -13,8 +13,8 @@
 
 namespace batten_test {
 
-/// The closed surface of a box, x in [0, length], y and z in [-width/2, width/2]; n pieces along, m
-/// across.
+/// The closed surface of a box, x in [0, length], y and z in [-width/2, width/2]; n divisions
+/// along, m across.
 inline TriangleMesh bar(int n, int m, double length, double width) {
   std::map<std::array<int, 3>, int> number;
   std::vector<Vec3> p;
@@ -44,7 +44,7 @@ inline TriangleMesh bar(int n, int m, double length, double width) {
   return {points, triangles};
 }
 
-/// A plate and a wall that stands on its middle line: a T-joint. 2 n squares along, n across.
+/// A plate and a wall on its centre line: a T-joint. 2 n squares along, n across.
 inline PreparedMesh plate_with_wall(int n) {
   ShellMesh shells;
   std::map<std::array<int, 3>, int> number;
@@ -75,7 +75,7 @@ std::vector<int> nodes_where(const Points& points, const Wanted& wanted) {
   return nodes;
 }
 
-/// Edges between nodes, each once.
+/// Unique edges between nodes.
 inline std::vector<std::pair<int, int>> node_edges(const TriangleMesh& mesh) {
   std::vector<std::pair<int, int>> edges;
   for (const auto& t : mesh.triangles())
@@ -99,7 +99,7 @@ inline double arap_energy(const TriangleMesh& mesh, const Points& p, const Point
   return energy;
 }
 
-/// R_i of all rings.
+/// R_i of all one-rings.
 inline std::vector<Mat3> local_rotations(const TriangleMesh& mesh, const Points& p,
                                          const Points& v) {
   std::vector<Mat3> sums(p.rows(), Mat3::Zero());
@@ -111,8 +111,8 @@ inline std::vector<Mat3> local_rotations(const TriangleMesh& mesh, const Points&
   return sums;
 }
 
-/// min over v of arap_energy + λ Σ |v_h - u_h|² subject to C v = d, by one dense KKT matrix: rows of
-/// all three coordinates of all nodes, nothing eliminated.
+/// min over v of arap_energy + λ Σ |v_h - u_h|² subject to C v = d, by one dense KKT matrix:
+/// equations of all three coordinates of all nodes, without elimination.
 class ReferenceFrameSolver {
  public:
   ReferenceFrameSolver(const TriangleMesh& mesh, const Points& p,
@@ -138,7 +138,7 @@ class ReferenceFrameSolver {
   void fix(int node, const Vec3& at) {
     for (int c = 0; c < 3; ++c) row({{3 * node + c, 1.0}}, at[c]);
   }
-  /// The nodes keep their shape, turned.
+  /// The nodes keep their shape up to a rotation.
   void rigid(const std::vector<int>& nodes, const Mat3& rotation) {
     for (size_t k = 1; k < nodes.size(); ++k) {
       const Vec3 arm = rotation * (p_.row(nodes[k]) - p_.row(nodes[0])).transpose();
@@ -185,7 +185,7 @@ class ReferenceFrameSolver {
   std::vector<double> d_;
 };
 
-/// How far some nodes are from keeping their shape.
+/// Largest deviation of some nodes from a rigid copy of their shape.
 inline double bent(const Points& before, const Points& after, const std::vector<int>& nodes) {
   double most = 0;
   for (const int a : nodes)

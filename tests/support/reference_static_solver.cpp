@@ -17,7 +17,7 @@
 namespace batten::reference_solver {
 namespace {
 
-// Loads that do not follow the surface, plus the sum of all pressures: both per unit of the load
+// Loads independent of the surface, plus the sum of all pressures: both per unit of the load
 // factor, in dofs of the unit domain.
 struct LoadTerms {
   Points fixed;
@@ -43,7 +43,7 @@ LoadTerms gather(const RegionLayout& layout, const SurfaceAssembler& assembler,
       const PointLoad& point = *point_load;
       require_finite(point.force.allFinite() && point.at.allFinite());
       const auto closest = unloaded.closest_point(point.at);
-      constexpr double far = 0.5;  // of the region's size: no rounding, a mistake
+      constexpr double far = 0.5;  // of the region's size: not rounding but an error
       if (closest.distance > far * s)
         throw InputError(
             "load '" + load.name + "': the surface is " + format_number(closest.distance) +
@@ -54,7 +54,7 @@ LoadTerms gather(const RegionLayout& layout, const SurfaceAssembler& assembler,
   return terms;
 }
 
-// All springs of the loads: where they hold the surface, and what they add to K and F.
+// All springs of the loads: their points on the surface, and their contributions to K and F.
 class Springs {
  public:
   Springs(const RegionLayout& layout, const std::vector<Load>& loads) : layout_(layout) {
@@ -74,7 +74,7 @@ class Springs {
   }
   bool empty() const { return groups_.empty(); }
 
-  /// The nearest places of a shape; true when none moved by more than 1e-6 in (u, v).
+  /// The closest points of a shape; true if none moved by more than 1e-6 in (u, v).
   bool follow(const Surface& shape) {
     const SurfaceProjector projector(shape);
     bool still = true;
@@ -87,7 +87,8 @@ class Springs {
         ClosestPoint foot_point{closest.where,
                                 shape.mesh().shape(closest.where.triangle).point(closest.where.L),
                                 closest.distance, false};
-        // On the rim the way to a point beyond it is not at right angles to the surface.
+        // At the boundary, the distance vector to a point beyond it is not perpendicular to the
+        // surface.
         const SurfaceJet jet = shape.jet(closest.where);
         const Vec3 across = p - jet.x;
         foot_point.used = (!shape.trim() || shape.trim()->loops().contains(foot_point.uv)) &&
@@ -167,8 +168,8 @@ class Springs {
   std::vector<Group> groups_;
 };
 
-// Anderson acceleration of x ← g(x): the next guess is the combination of the last few for which
-// the linearised residual g(x) - x is smallest. Depth bounded, so that it forgets old curvature.
+// Anderson acceleration of x ← g(x): the next iterate is the combination of the last few that
+// minimises the linearised residual g(x) - x. Bounded depth, to forget old curvature.
 class Anderson {
  public:
   Points next(const Points& x, const Points& g) {
@@ -206,8 +207,8 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
   if (!material.is_valid())
     throw InputError("alpha must be positive semi-definite and beta not negative");
 
-  // Solved with the first corner as the origin: energies, tolerances and conflicts would otherwise
-  // lose the digits of a region that lies far away.
+  // Solved with the first corner as the origin: otherwise energies, tolerances and conflicts of a
+  // region far from the origin lose digits.
   const Vec3 origin = layout.origin();
   VecX ones = VecX::Zero(assembler.dofs().count());
   for (int v = 0; v < layout.mesh()->vertex_count(); ++v) ones[assembler.dofs().vertex(v)] = 1;
@@ -271,9 +272,9 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
         since_fallen = change < 0.5 * fallen ? 0 : since_fallen + 1;
         if (since_fallen == 0) fallen = change;
         ++result.iterations;
-        // Rounding leaves a floor, higher on cut and graded meshes: there it stops falling.
+        // Rounding sets a floor, higher on trimmed and graded meshes: convergence ends there.
         converged = change <= options.tolerance || (since_fallen >= 4 && fallen <= 1e-9);
-        // A shape many sizes away has run off: its pressure feeds on its own area.
+        // A shape several sizes away diverges: its pressure grows with its own area.
         if (!g.allFinite() ||
             g.cwiseAbs().maxCoeff() > 1e6 * (size + result.dofs.cwiseAbs().maxCoeff())) {
           converged = false;
@@ -288,7 +289,7 @@ SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& given,
         ++result.load_steps;
       } else {
         step = 0.5 * (target - reached);
-        constexpr double nothing = 1e-12;  // of the load: not even the beginning converges
+        constexpr double nothing = 1e-12;  // of the load: not even the first step converges
         if (step < std::max(options.smallest_step * reached, nothing)) {
           const double full = terms.pressure * (options.units == LoadUnits::Relative ? size : 1);
           throw NoSolutionError("the pressure " + format_number(full) +

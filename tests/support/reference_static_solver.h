@@ -1,5 +1,5 @@
-// The twin of a session that settles: loads on one region and the shape under them, by another
-// solver (load steps, Anderson acceleration, quadrature).
+// Reference implementation of an equilibrium in a session: loads on one region and its deformed
+// shape, by another solver (load steps, Anderson acceleration, quadrature).
 #pragma once
 
 #include <string>
@@ -21,16 +21,16 @@ struct UniformLoad {
 struct PressureLoad {
   double pressure;
 };
-/// A force at the point of the unloaded surface nearest to `at`, which must not be farther away
-/// than half of the region's size.
+/// A force at the point of the unloaded surface closest to `at`, at most half the region's size
+/// away.
 struct PointLoad {
   Vec3 at;
   Vec3 force;
 };
-/// Springs from the surface to points in space, as measured ones: the energy gets
-/// Σ stiffness/n |x(c_i) - p_i|², c_i the place that is nearest to point i, looked for anew until
-/// it stands still. `stiffness` is that of all n together. Points beyond the surface's rim are left
-/// out.
+/// Springs from the surface to points in space, such as measured ones. Adds the energy Σ
+/// stiffness/n |x(c_i) - p_i|²; the closest point c_i to point i is updated until it no longer
+/// moves. `stiffness` is the total of all n. Points beyond the boundary of the surface are
+/// excluded.
 struct SpringLoad {
   std::vector<Vec3> points;
   double stiffness;
@@ -43,27 +43,27 @@ struct Load {
 struct SculptOptions {
   SurfaceStiffness material;  ///< alpha, beta, in the units below
   LoadUnits units = LoadUnits::Relative;
-  /// Converged when no dof inside moves by more than this times the region's size in one iteration
-  /// (slopes times the size of their triangles), or by less than 1e-9 that does not fall any more.
+  /// Converged if no inner dof changes by more than this times the region's size in one iteration
+  /// (slopes times the size of their triangles), or if the change is below 1e-9 and no longer
+  /// decreases.
   double tolerance = 1e-12;
-  int max_iterations = 60;           ///< for one load step
-  double smallest_step = 1.0 / 256;  ///< of the load that was reached; below it NoSolutionError
+  int max_iterations = 60;           ///< per load step
+  double smallest_step = 1.0 / 256;  ///< as a fraction of the load; below it NoSolutionError
 };
 
 struct SculptResult {
   Points dofs;
   SurfaceEnergy energy;  ///< of the domain scaled to size 1; over size² in relative units
   int load_steps = 0, iterations = 0;
-  double last_change = 0;  ///< of the last iteration, over the region's size
-  /// Force with which each named constraint holds the surface (its share of the reaction on the
-  /// position dofs), in the units of the loads.
+  double last_change = 0;  ///< of the last iteration, relative to the region's size
+  /// Reaction of each named constraint (its part on the position dofs), in the units of the loads.
   struct Reaction {
     std::string name;
     Vec3 force;
   };
   std::vector<Reaction> reactions;
-  double max_constraint_residual = 0;  ///< over all rows, over the region's size
-  /// Of each spring load: how far its points are from the finished surface, model units.
+  double max_constraint_residual = 0;  ///< over all equations, relative to the size
+  /// Distance of the points of each spring load from the final surface, model units.
   struct Springs {
     std::string name;
     int points = 0, left_out = 0;
@@ -73,12 +73,12 @@ struct SculptResult {
   std::vector<Springs> springs;
 };
 
-/// The shape of least energy under constraints and loads. One factor (one more for each round of
-/// springs, twenty at most); uniform and point loads take one solve, pressure takes load steps of
-/// fixed-point iterations with Anderson acceleration, each one pair of triangular solves. Solved
-/// with the first line's start as the origin, so that a region far away keeps its digits. Throws
-/// InputError on bad numbers; ConflictError; NoSolutionError when the pressure is past its limit,
-/// with the largest pressure that converged.
+/// The shape of minimum energy under constraints and loads. One factor (plus one per iteration of
+/// springs, at most twenty). Uniform and point loads take one solve; pressure takes load steps of
+/// fixed-point iterations with Anderson acceleration, with one pair of triangular solves each. The
+/// start of the first curve is the origin, to keep the digits of a region far away. Throws
+/// InputError for invalid numbers; ConflictError; NoSolutionError with the largest converged
+/// pressure if the pressure exceeds its limit.
 SculptResult sculpt(const RegionLayout& layout, const ConstraintSet& constraints,
                     const std::vector<Load>& loads, const SculptOptions& options,
                     const Progress& progress = {});

@@ -1,4 +1,4 @@
-// Shapes for feature regions and for the deformers that work in rounds.
+// Shapes for tests of feature regions and iterative deformers.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@ inline std::vector<int> disc_of(const TriangleMesh& mesh, double x, double y, do
 }
 
 /// A flat sheet over [0, 4]² with a square boss in the middle: top over |x - 2|, |y - 2| ≤ 0.4,
-/// walls out to 0.5. n divisible by 40 puts vertices on its edges.
-/// Fixed: x ≤ 0.4; handle: x ≥ 3.6.
+/// walls out to 0.5. Vertices are on its edges if n is divisible by 40. Fixed: x ≤ 0.4; handle: x ≥
+/// 3.6.
 struct BossPanel {
   TriangleMesh mesh;
   std::vector<int> fixed, boss, ring;  // ring: sheet around the boss
@@ -107,7 +107,7 @@ struct Bar {
       p.row(static_cast<long>(v)) = points[v].transpose() / across;
     return {p, triangles};
   }
-  /// The end turned about the bar's axis.
+  /// The end rotated about the bar's axis.
   static std::vector<HandleTransform> twist(double degrees) {
     HandleTransform move;
     move.rotation_vector = {degrees * std::numbers::pi / 180, 0, 0};
@@ -115,8 +115,8 @@ struct Bar {
   }
 };
 
-/// How far the normal of the plane through vertices leans from their plane before, in degrees:
-/// angle between the rotated and the first normal of the best plane.
+/// Tilt of a set of vertices in degrees: angle between the rotated original normal and the normal
+/// of the best-fit plane.
 inline double tilt_degrees(const Points& points, const std::vector<int>& vertices) {
   Vec3 mean = Vec3::Zero();
   for (const int v : vertices) mean += points.row(v).transpose();
@@ -150,7 +150,7 @@ inline EdgeChange edge_change(const TriangleMesh& mesh, const Points& after,
   return change;
 }
 
-/// The same of the angles of triangles, in degrees.
+/// The same for the angles of triangles, in degrees.
 inline EdgeChange angle_change(const TriangleMesh& mesh, const Points& after,
                                const std::vector<char>& inside) {
   const auto angle = [](const Points& p, int a, int b, int c) {

@@ -1,4 +1,4 @@
-// Lines that several tests skin.
+// Curves that several tests skin.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace batten_test {
 
 using namespace batten;
 
-/// Straight lines around a polygon in space.
+/// Straight curves around a polygon in space.
 inline std::vector<CharacterLine> polygon_lines(const std::vector<Vec3>& corners) {
   std::vector<CharacterLine> lines;
   for (size_t i = 0; i < corners.size(); ++i)
@@ -23,8 +23,8 @@ inline std::vector<CharacterLine> polygon_lines(const std::vector<Vec3>& corners
   return lines;
 }
 
-/// N cubic sides around a circle of radius 1, corners up and down by `wave`, sides bulging outwards by
-/// `bulge`; all lengths times `unit`.
+/// N cubic sides around a circle of radius 1, corners alternately up and down by `wave`, sides
+/// bulging outwards by `bulge`; all lengths times `unit`.
 inline std::vector<CharacterLine> curved_polygon(int n, double wave, double bulge,
                                                  double unit = 1) {
   std::vector<Vec3> corner;
@@ -43,8 +43,8 @@ inline std::vector<CharacterLine> curved_polygon(int n, double wave, double bulg
   return lines;
 }
 
-/// A four-sided patch of cubics with one cubic across from the middle of side 1 to the middle of
-/// side 3.
+/// A four-sided patch of cubics with an inner cubic from the middle of side 1 to the middle of side
+/// 3.
 inline std::vector<CharacterLine> patch_with_inner_line() {
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const auto bottom = bezier_curve(p(0, 0, 0), p(0.5, -0.1, 0.3), p(1.1, -0.1, 0.3), p(1.6, 0, 0));

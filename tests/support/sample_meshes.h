@@ -1,4 +1,4 @@
-// Triangle meshes with known answers, and a reader for real ones.
+// Triangle meshes with known properties, and a reader for real ones.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@
 
 namespace batten_test {
 
-/// Largest difference of a coordinate, over the size of the expected points.
+/// Largest difference of a coordinate, relative to the size of the expected points.
 inline double relative(const Points& found, const Points& expected) {
   return (found - expected).cwiseAbs().maxCoeff() /
          (expected.colwise().maxCoeff() - expected.colwise().minCoeff()).norm();
 }
 
-/// n×n×2 triangles of the unit square, diagonals either way, inner vertices moved by up to `jitter`
+/// n×n×2 triangles of the unit square with random diagonals, inner vertices moved by up to `jitter`
 /// of the spacing. Vertex (i, j) has the number j (n+1) + i.
 inline TriangleMesh flat_square(int n, double jitter, unsigned seed) {
   Random random(seed);
@@ -46,8 +46,8 @@ inline TriangleMesh flat_square(int n, double jitter, unsigned seed) {
   return {p, triangles};
 }
 
-/// n×n squares of a curved sheet over [0, 4]², diagonals turning about, inner vertices moved about.
-/// Vertex (i, j) has the number j (n+1) + i.
+/// n×n squares of a curved sheet over [0, 4]² with alternating diagonals and displaced inner
+/// vertices. Vertex (i, j) has the number j (n+1) + i.
 inline TriangleMesh sheet(int n, double height = 0.4, double jitter = 0.15) {
   Random random(7);
   Points points((n + 1) * (n + 1), 3);
@@ -73,8 +73,9 @@ inline TriangleMesh sheet(int n, double height = 0.4, double jitter = 0.15) {
   return TriangleMesh(points, triangles);
 }
 
-/// A profile (r, z) from outside to inside turned about the z axis in n steps, normals up. A last
-/// point with r = 0 closes it, otherwise there is a hole. Ring k has the vertices kn … kn + n-1.
+/// Surface of revolution: a profile (r, z), from outside to inside, about the z axis in n steps,
+/// with normals up. A last point with r = 0 closes it, otherwise there is a hole. Ring k has the
+/// vertices kn … kn + n-1.
 inline TriangleMesh revolved_profile(const std::vector<Vec2>& profile, int n) {
   const bool closed = profile.back().x() == 0;
   const int rings = static_cast<int>(profile.size()) - (closed ? 1 : 0);
@@ -98,7 +99,7 @@ inline TriangleMesh revolved_profile(const std::vector<Vec2>& profile, int n) {
   return {p, triangles};
 }
 
-/// Points of a profile through the given ones, with pieces of about `h`.
+/// Points of a profile through the given ones, with segments of about `h`.
 inline std::vector<Vec2> subdivided(const std::vector<Vec2>& corners, double h) {
   std::vector<Vec2> result = {corners[0]};
   for (size_t i = 1; i < corners.size(); ++i) {
@@ -111,7 +112,7 @@ inline std::vector<Vec2> subdivided(const std::vector<Vec2>& corners, double h) 
   return result;
 }
 
-/// The unit sphere: an icosahedron whose triangles are quartered `levels` times.
+/// The unit sphere: an icosahedron with triangles quartered `levels` times.
 inline TriangleMesh sphere(int levels) {
   const double g = std::numbers::phi;
   std::vector<Vec3> p = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
@@ -140,7 +141,7 @@ inline TriangleMesh sphere(int levels) {
   return {points, triangles};
 }
 
-/// Both meshes in one, not connected.
+/// Both meshes in one, disconnected.
 inline TriangleMesh disjoint_union(const TriangleMesh& a, const TriangleMesh& b) {
   Points p(a.vertex_count() + b.vertex_count(), 3);
   p << a.points(), b.points();
@@ -152,7 +153,7 @@ inline TriangleMesh disjoint_union(const TriangleMesh& a, const TriangleMesh& b)
   return {p, triangles};
 }
 
-/// Faces of an OBJ or OFF file without names, groups and normals.
+/// Faces of an OBJ or OFF file, ignoring names, groups and normals.
 inline ShellMesh read_shells(const std::string& path) {
   std::ifstream in(path);
   std::vector<Vec3> p;

@@ -35,7 +35,7 @@ inline std::vector<CharacterLine> box_lines(const Vec3& low, const Vec3& size) {
   return lines;
 }
 
-/// Three great circles of a sphere, each one closed line: "xy", "yz", "zx".
+/// Three great circles of a sphere, each one closed curve: "xy", "yz", "zx".
 inline std::vector<CharacterLine> sphere_lines(double radius = 1) {
   std::vector<CharacterLine> lines;
   for (int axis = 0; axis < 3; ++axis) {

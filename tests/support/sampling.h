@@ -1,4 +1,4 @@
-// Random numbers, meshes and interpolated surfaces that many tests start from.
+// Random numbers, meshes and interpolated surfaces for many tests.
 #pragma once
 
 #include <memory>
@@ -28,7 +28,7 @@ struct Random {
   }
 };
 
-/// Largest difference of an entry, over the largest entry.
+/// Largest difference of an entry, relative to the largest entry.
 inline double relative_error(const MatX& found, const MatX& expected) {
   return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }

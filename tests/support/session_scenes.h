@@ -1,4 +1,4 @@
-// Regions and helpers that the tests of sculpting sessions share.
+// Regions and helpers shared by the tests of sculpting sessions.
 #pragma once
 
 #include <cmath>
@@ -35,7 +35,7 @@ inline RegionLayout square_layout(double edge, double side = 1) {
           options};
 }
 
-/// Four cubic sides and a rib between two of them, all fitted.
+/// Four cubic sides and a rib between two of them, all mesh-aligned.
 inline RegionLayout patch_layout(double edge) {
   return {"patch", patch_with_inner_line(), skin(edge)};
 }
@@ -51,12 +51,12 @@ inline std::shared_ptr<const InputCurve> circle(double z, double radius = 1,
   return curve_through_points("circle", points);
 }
 
-/// Disc of radius 1 in the plane z = 0: its rim is embedded.
+/// Disc of radius 1 in the plane z = 0 with an embedded boundary.
 inline RegionLayout disc_layout(double edge) {
   return {"disc", {{"rim", circle(0)}}, skin(edge, 1e-5)};
 }
 
-/// Tube of radius 1 between z = 0 and 2: a ring.
+/// Tube of radius 1 between z = 0 and 2: an annular domain.
 inline RegionLayout tube_layout(double edge) {
   return {"tube", {{"low", circle(0)}, {"high", circle(2)}}, skin(edge, 1e-5)};
 }
@@ -73,7 +73,7 @@ inline std::vector<Vec3> door_points(const std::string& file) {
   return points;
 }
 
-/// The door of examples/05-door, mm: outline, window line, rib, hinge hollow, handle hole.
+/// The door of examples/05-door, mm: outline, window curve, rib, hinge hollow, handle hole.
 inline RegionLayout door_layout(double edge, double tolerance = 0.5) {
   using Role = CharacterLine::Role;
   const auto line = [](const std::string& name, const std::string& file, Role role) {
@@ -117,7 +117,7 @@ inline Surface shape_of(const SculptingSession& session) {
   return {layout.mesh(), layout.element(), session.dofs(), layout.trim()};
 }
 
-/// Without the rows that others imply: where lines meet, each of them holds the point.
+/// Without redundant constraint equations: where curves meet, each of them fixes the point.
 inline ConstraintSet independent_constraints(const ConstraintSet& set) {
   const std::vector<int> dropped = AffineReduction(set).redundant();
   ConstraintSet kept(set.dof_count());
@@ -144,7 +144,7 @@ struct Modes {
   MatX phi, mass;
   std::vector<int> free;
   Modes(const ConstraintSet& constraints, const SparseMatrix& K, const SparseMatrix& M);
-  /// Coordinates of x in the modes, modes × 3.
+  /// Modal coordinates of x, modes × 3.
   MatX of(const Points& x) const;
 };
 

@@ -1,4 +1,4 @@
-// Which segments of a sketch file the arcs of its network are.
+// Maps the edges of a network to the segments of a sketch file.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace batten_test {
 
 using namespace batten;
 
-// The segments of a sketch file that a loop runs along: the middle of one lies on the other.
+// The segments of a sketch file along a loop: the midpoint of one is on the other.
 struct SketchSegments {
   std::map<int, std::vector<Vec3>> points;
 
@@ -71,7 +71,7 @@ struct SketchSegments {
   }
 };
 
-// The segments of each arc of a loop.
+// The segments of each edge of a loop.
 inline std::vector<std::set<int>> segments_along(const EdgeLoop& loop,
                                                  const std::vector<std::set<int>>& of_edge) {
   std::vector<std::set<int>> all;
@@ -79,13 +79,12 @@ inline std::vector<std::set<int>> segments_along(const EdgeLoop& loop,
   return all;
 }
 
-// The surfaces that are expected in a sketch, by the segments around each
-// (tests/reference/networks).
+// The expected surfaces of a sketch, by the segments around each (tests/reference/networks).
 class ExpectedSurfaces {
  public:
   struct Score {
-    std::set<int> correct;        // which of the expected ones were found
-    int wrong = 0, expected = 0;  // found but not expected, or once more; expected in all
+    std::set<int> correct;        // expected ones that were found
+    int wrong = 0, expected = 0;  // wrong: found but not expected, or duplicate; expected: total
     double precision() const {
       return static_cast<double>(correct.size()) / (static_cast<double>(correct.size()) + wrong);
     }
@@ -107,7 +106,7 @@ class ExpectedSurfaces {
   }
   bool knows_creases() const { return !creases_.empty(); }
   int count() const { return static_cast<int>(alternatives_.size()); }
-  // Which surface a loop is, by the segments of each of its arcs; -1: none.
+  // The surface of a loop, by the segments of each of its edges; -1: none.
   int of(const std::vector<std::set<int>>& loop) const {
     for (size_t r = 0; r < alternatives_.size(); ++r)
       for (const std::set<int>& segments : alternatives_[r])
@@ -126,7 +125,7 @@ class ExpectedSurfaces {
     return s;
   }
 
-  // Which lines between two regions are creases, by the names of their arcs.
+  // The curves between two faces that are creases, by the names of their edges.
   struct Creases {
     std::vector<std::string> correct, wrong, missed;
     double precision() const { return fraction(correct.size(), wrong.size()); }
@@ -162,7 +161,7 @@ class ExpectedSurfaces {
     return std::any_of(doubtful_.begin(), doubtful_.end(),
                        [&](const auto& segments) { return runs_along(loop, segments); });
   }
-  // Strokes may be doubled: each arc lies on one of the segments, and each of these has an arc.
+  // Strokes may be doubled: each edge is on one of the segments, and each of these has an edge.
   static bool runs_along(const std::vector<std::set<int>>& loop, const std::set<int>& segments) {
     std::set<int> left = segments;
     for (const std::set<int>& edge : loop) {

@@ -1,4 +1,4 @@
-// `batten skin curves.csv` within the process: the same calls, and the finished shape as facets.
+// `batten skin curves.csv` in the test process: the same calls, and the resulting shape as facets.
 #pragma once
 
 #include "batten/apps/commands/shapes/run_scene.h"
@@ -12,20 +12,20 @@ namespace batten_test {
 /// Result of the command for one file of curves.
 struct SkinnedCurves {
   int exit_code = 0;
-  std::string message;  ///< of the error, or the checks that failed, or ""
+  std::string message;  ///< of the error, or the failed checks, or ""
   batten::Report report;
   std::optional<batten::BuiltModel> made;  ///< none after an error
-  std::optional<FacetedSurface> facets;    ///< of all faces, as the VTP file has them
+  std::optional<FacetedSurface> facets;    ///< of all faces, as in the VTP file
   double area = 0, volume = 0;             ///< exact, of all faces; of all closed shells
 
-  /// Whether the command itself says that the result may not be what was meant: by its exit code, a
-  /// warning, or a remark on how it read the points.
+  /// Whether the command reports that the result may not be as intended: by its exit code, a
+  /// warning, or a remark on how it interpreted the points.
   bool warns() const {
     return exit_code != 0 || !report.warnings.empty() || !report.reading_notes.empty();
   }
 };
 
-/// Facets of all skinned regions; n² per triangle of the mesh.
+/// Facets of all skinned faces; n² per triangle of the mesh.
 inline FacetedSurface facets_of(const std::vector<batten::SkinnedRegion>& regions, int n) {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> all;
@@ -38,9 +38,9 @@ inline FacetedSurface facets_of(const std::vector<batten::SkinnedRegion>& region
   return {std::move(points), all};
 }
 
-/// Runs the command without writing files other than the STEP file, in a folder that is left empty.
-/// `step`: writes and checks the STEP file as the command does; without it the exit code lacks the
-/// checks of that file.
+/// Runs the command without writing files other than the STEP file, in an empty folder. `step`:
+/// writes and checks the STEP file as the command does; without it, the exit code does not include
+/// the checks of that file.
 inline SkinnedCurves skin_curves(const std::filesystem::path& csv,
                                  const std::filesystem::path& folder, bool step) {
   using namespace batten;
@@ -79,8 +79,8 @@ inline SkinnedCurves skin_curves(const std::filesystem::path& csv,
 
 /// ShapeDeviation of a result from the expected surface.
 struct ShapeDeviation {
-  double max = 0;     ///< largest distance both ways, as a fraction of the size
-  double area = 1;    ///< over the expected one, where known
+  double max = 0;     ///< largest distance in both directions, as a fraction of the size
+  double area = 1;    ///< relative to the expected one, if known
   double volume = 1;  ///< likewise
   bool correct = false;
 };
@@ -89,7 +89,7 @@ inline ShapeDeviation deviation_of(const SkinnedCurves& result, const ExpectedSh
   ShapeDeviation d;
   if (!result.facets) return d;
   for (const Vec3& p : shape.samples(12)) d.max = std::max(d.max, result.facets->distance(p));
-  // Enough of the result to find faces and bulges that are not expected.
+  // A sufficient number of points to detect unexpected faces and bulges.
   const auto& points = result.facets->points();
   const size_t stride = std::max<size_t>(1, points.size() / 500);
   for (size_t i = 0; i < points.size(); i += stride)
@@ -97,7 +97,7 @@ inline ShapeDeviation deviation_of(const SkinnedCurves& result, const ExpectedSh
   d.max /= shape.size();
   if (shape.area) d.area = result.area / *shape.area;
   if (shape.volume) d.volume = result.volume / *shape.volume;
-  // Facets between points of the surface lie below it.
+  // Facets between points of the surface are inside of it.
   constexpr double facet = 2e-4;
   const double measure = 3 * shape.tolerance + 1e-6;
   d.correct = d.max <= shape.tolerance + (shape.tolerance > 1e-5 ? facet : 0) &&

@@ -18,7 +18,7 @@ HoledSheet holed_sheet(int vertices) {
   const double h = std::sqrt(width * depth * kept / vertices);
   const int nu = static_cast<int>(std::round(width / h)),
             nv = static_cast<int>(std::round(depth / h));
-  // Square grid, its diagonals turning about, without the vertices inside of holes.
+  // Square grid with alternating diagonals, without the vertices inside holes.
   Random random(5);
   std::vector<int> number((nu + 1) * (nv + 1), -1);
   std::vector<Vec3> points;
@@ -115,7 +115,7 @@ SparseMatrix disconnected(const SparseMatrix& A, const SparseMatrix& B) {
 
 namespace {
 
-// (-1, 2, -1) with n unknowns, the first and last held.
+// (-1, 2, -1) with n unknowns, the first and last fixed.
 SparseMatrix chain(int n) {
   std::vector<Triplet> entries;
   for (int i = 0; i < n; ++i) {

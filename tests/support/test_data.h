@@ -1,4 +1,4 @@
-// Where tests find their files.
+// Paths of test files.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,14 @@
 
 namespace batten_test {
 
-/// Gold numbers: tests/reference/<name>.
+/// Reference values: tests/reference/<name>.
 inline nlohmann::json reference(const std::string& name) {
   return nlohmann::json::parse(
       std::ifstream(std::string(BATTEN_SOURCE_DIR "/tests/reference/") + name));
 }
 
-/// Optional real input beside the project (BATTEN_TEST_DATA, or ../shared/data): empty path when it
-/// is not there, and the test should say that it skips.
+/// Optional real input that is not part of the repository (BATTEN_TEST_DATA, or ../shared/data): an
+/// empty path if it is missing; the test should then report that it is skipped.
 inline std::filesystem::path optional_data(const std::string& name) {
   const char* set = std::getenv("BATTEN_TEST_DATA");
   const std::filesystem::path base = set ? set : BATTEN_SOURCE_DIR "/../shared/data";
@@ -25,7 +25,7 @@ inline std::filesystem::path optional_data(const std::string& name) {
   return std::filesystem::exists(path) ? path : std::filesystem::path{};
 }
 
-/// A fresh empty folder for one test.
+/// An empty folder for one test.
 inline std::filesystem::path scratch(const std::string& name) {
   const auto path =
       std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid())) / name;

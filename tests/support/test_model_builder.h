@@ -1,4 +1,4 @@
-// Models of a few regions on lines of their own, for tests.
+// Models of a few faces on their own curves, for tests.
 #pragma once
 
 #include <map>
@@ -14,12 +14,12 @@
 namespace batten_test {
 using namespace batten;
 
-/// Regions by the names of their lines, the first of which the outline follows (or, with a '-'
-/// before it, runs against).
+/// Faces by the names of their curves. The outline follows the first one (or, with a '-' before it,
+/// runs in the opposite direction).
 struct TestModelBuilder {
   std::map<std::string, CharacterLine> lines;
   std::vector<std::shared_ptr<const RegionLayout>> layouts;
-  std::vector<Points> first;  ///< shapes that their lines alone make
+  std::vector<Points> first;  ///< shapes from the curves alone
   SkinOptions options;
   double size = 1;
 
@@ -71,7 +71,7 @@ inline std::shared_ptr<const InputCurve> quarter(const Vec3& a, const Vec3& b) {
   });
 }
 
-/// Two octants of the unit sphere beside the line "zx".
+/// Two octants of the unit sphere that share the curve "zx".
 inline TestModelBuilder octants(double h) {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   TestModelBuilder p;

@@ -5,10 +5,10 @@
 
 namespace batten_test {
 
-/// Leaves the number of threads as it was found: as many as cores.
+/// Restores the default number of threads: one per core.
 struct ThreadGuard {
   ThreadGuard() = default;
-  /// Sets the number meanwhile.
+  /// Sets the number for its lifetime.
   explicit ThreadGuard(int count) { batten::set_thread_count(count); }
   ThreadGuard(const ThreadGuard&) = delete;
   ~ThreadGuard() { batten::set_thread_count(0); }

@@ -1,4 +1,5 @@
-// Regions that embedded lines bound, made without the skinning: a formula over a cut grid.
+// Regions bounded by embedded curves, built without the skinning module: a function over a trimmed
+// grid.
 #pragma once
 
 #include <memory>
@@ -20,7 +21,7 @@ inline SurfaceJet sheet(const Vec2& p, double height = 0.15) {
           {}};
 }
 
-/// A line in (u, v) and the line on the sheet above it.
+/// A curve in (u, v) and its image on the sheet.
 inline EmbeddedLine line_on_sheet(const std::string& name, const HermiteCurve& pcurve,
                                   double height) {
   EmbeddedLine line;
@@ -39,8 +40,8 @@ inline EmbeddedLine line_on_sheet(const std::string& name, const HermiteCurve& p
   return line;
 }
 
-/// The sheet inside of closed curves: the first is the outline, the others are holes (any
-/// direction). `inner` lines follow them in SkinnedRegion::embedded.
+/// The sheet inside closed curves: the first is the outline, the others are holes (in any
+/// direction). `inner` curves follow them in SkinnedRegion::embedded.
 inline SkinnedRegion sheet_region(const std::vector<HermiteCurve>& closed,
                                   const std::vector<HermiteCurve>& inner, double spacing,
                                   double height = 0.15) {
@@ -74,7 +75,7 @@ struct WavyDisc {
   bool rib = true;
 };
 
-/// A disc of radius 1 with a hole off its centre and an arc from the rim to the hole.
+/// A disc of radius 1 with an eccentric hole, and an arc from the boundary to the hole.
 inline SkinnedRegion wavy_disc(const WavyDisc& how) {
   const Vec2 centre(0.3, 0.2);
   std::vector<HermiteCurve> inner;

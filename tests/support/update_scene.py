@@ -43,7 +43,7 @@ KEYS, VALUES, MESH_KEYS = read_names(TABLES.read_text(encoding="utf-8"))
 
 
 def kind_of(text):
-    """S: a surface or curves, D: deformation of a mesh, Q: a sequence."""
+    """S: surface or curves, D: deformation of a mesh, Q: sequence."""
     if re.search(r'^\s*\[sequence\]|^\s*\[\[(step|operation)\b', text, re.MULTILINE):
         return "Q"
     if re.search(r'^\s*mesh\s*=\s*["\']|^\s*\[\[edit\b', text, re.MULTILINE):
@@ -56,7 +56,7 @@ def renamed(text, kind):
     out = []
     table = ""  # path of the last header, by its present names
     key = None  # (path, present name) of the key whose value follows
-    brackets = []  # open ones of that value: ("{" or "[", path of the keys inside, the key that it belongs to)
+    brackets = []  # open ones of that value: ("{" or "[", path of the inner keys, key of the value)
     at_key = True
     at = 0
     while at < len(text):
@@ -126,7 +126,7 @@ def without_network(text):
 
 
 def with_mesh(text):
-    """The text with the keys of the mesh in [mesh] behind [skin], or instead of it where nothing else is in [skin]."""
+    """The text with the keys of the mesh in [mesh] after [skin], or instead of an otherwise empty [skin]."""
     found = section(text, "skin")
     if not found:
         return text

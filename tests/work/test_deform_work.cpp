@@ -9,7 +9,8 @@
 using namespace batten;
 using namespace batten_test;
 
-TEST_CASE("a deformer factors when it is made, an edit is one solve and no allocation") {
+TEST_CASE("a deformer factors when it is made, an edit is one solve and no allocation",
+          "[work][deform]") {
   const MeshModel model = plate_with_holes();
   const TriangleMesh mesh = prepare(model.shells).mesh;
   DeformProblem problem;

@@ -22,7 +22,8 @@ void check_solves_only(const ScopedOpCount& work, int solves) {
 
 }  // namespace
 
-TEST_CASE("the first answer of a session: one assembly, one analysis, one factorization") {
+TEST_CASE("the first update of a session: one assembly, one analysis, one factorization",
+          "[work][sculpting]") {
   const RegionLayout layout = patch_layout(0.2);
   const ScopedOpCount work;
   SculptingSession session(layout, {});
@@ -35,7 +36,7 @@ TEST_CASE("the first answer of a session: one assembly, one analysis, one factor
   CHECK(work.of(OpCounter::Triangulation) == 0);
 }
 
-TEST_CASE("a drag of a point is one solve an answer, and no allocation") {
+TEST_CASE("a drag of a point is one solve per update, and no allocation", "[work][sculpting]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Constraint{"pin", Constraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
   const int pin = session.parameters().index("pin.z");
@@ -56,7 +57,7 @@ TEST_CASE("a drag of a point is one solve an answer, and no allocation") {
   if (counts_allocations()) CHECK(allocations == 0);
 }
 
-TEST_CASE("sliders of linear loads need no solve but their first") {
+TEST_CASE("sliders of linear loads need no solve but their first", "[work][sculpting]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}});
   session.add(Load{"lean", Load::Uniform{{1, 0, 0}, {}}});
@@ -74,7 +75,7 @@ TEST_CASE("sliders of linear loads need no solve but their first") {
   check_solves_only(work, 0);
 }
 
-TEST_CASE("a slider of the material is a factorization, without analysis") {
+TEST_CASE("a slider of the material is a factorization, without analysis", "[work][sculpting]") {
   SculptingSession session(patch_layout(0.2), {});
   const int beta = session.parameters().index("beta");
   session.set(beta, 2);
@@ -87,7 +88,8 @@ TEST_CASE("a slider of the material is a factorization, without analysis") {
   CHECK(work.of(OpCounter::Analysis) == 0);
 }
 
-TEST_CASE("a constraint that comes is one solve, one that goes none, the factor stays") {
+TEST_CASE("a constraint that comes is one solve, one that goes none, the factor stays",
+          "[work][sculpting]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Constraint{"first", Constraint::Point{{0.5, 0.7, 0.2}, {0.5, 0.7, 0.3}}});
   session.solve_to_equilibrium();
@@ -103,7 +105,7 @@ TEST_CASE("a constraint that comes is one solve, one that goes none, the factor 
   CHECK(going.of(OpCounter::Analysis) == 0);
 }
 
-TEST_CASE("undo factors nothing") {
+TEST_CASE("undo factors nothing", "[work][sculpting]") {
   SculptingSession session(patch_layout(0.2), {});
   const int beta = session.parameters().index("beta");
   session.set(beta, 2);

@@ -23,7 +23,8 @@ std::vector<CharacterLine> pentagon() { return bench::lines_of(bench::pentagon()
 
 }  // namespace
 
-TEST_CASE("skinning a pentagon: one mesh, one assembly, one factorization, no filling") {
+TEST_CASE("skinning a pentagon: one mesh, one assembly, one factorization, no filling",
+          "[work][skinning]") {
   const ScopedOpCount work;
   const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
   const Points dofs = layout.minimize_energy({});
@@ -36,7 +37,8 @@ TEST_CASE("skinning a pentagon: one mesh, one assembly, one factorization, no fi
   CHECK(work.of(OpCounter::Solve) == 1);
 }
 
-TEST_CASE("an embedded line asks for one trial shape a round, and no second mesh") {
+TEST_CASE("an embedded curve needs one trial shape per iteration, and no second mesh",
+          "[work][skinning]") {
   if (!have_delaunay_mesher()) return;
   std::vector<CharacterLine> lines = pentagon();
   lines.push_back({"bow",
@@ -52,7 +54,7 @@ TEST_CASE("an embedded line asks for one trial shape a round, and no second mesh
   CHECK(work.of(OpCounter::Factorization) <= 5);
 }
 
-TEST_CASE("measuring a region factors nothing and meshes nothing") {
+TEST_CASE("measuring a face factors nothing and meshes nothing", "[work][skinning]") {
   const ModelLayout layout(RegionLayout("pentagon", pentagon(), edges(0.2)));
   const Points dofs = layout.minimize_energy({});
   const ScopedOpCount work;
@@ -64,7 +66,8 @@ TEST_CASE("measuring a region factors nothing and meshes nothing") {
   CHECK(work.of(OpCounter::AssembledElement) == 0);
 }
 
-TEST_CASE("a model: one mesh and one shape a region, one factor a group of smooth joins") {
+TEST_CASE("a model: one mesh and one shape per face, one factor per group of smooth joins",
+          "[work][skinning]") {
   if (!have_delaunay_mesher()) return;
   const std::vector<CharacterLine> lines = bench::wavy_grid(2, 2);
   const CurveNetwork network(lines);

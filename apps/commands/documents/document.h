@@ -39,7 +39,7 @@ class Document {
   Document& operator=(Document&&) noexcept;
 
   /// Executes a command. Throws InputError, ConflictError, NoSolutionError, CancelledError. If
-  /// `settle` finds no solution, the document returns to the last values that had one.
+  /// `solve` finds no solution, the document returns to the last values that had one.
   void apply(const DocumentCommand& command, const Progress& progress = {});
 
   /// The text of the scene.
@@ -98,7 +98,7 @@ class Document {
   std::shared_ptr<DocumentContent> content_;
   std::string run_messages_;
   std::vector<std::string> undo_, redo_;   // previous and undone texts
-  std::set<std::string> changed_sliders_;  // parameters changed since the last `settle`
+  std::set<std::string> changed_sliders_;  // parameters changed since the last `solve`
   std::string dragged_;                    // the parameter or point edited by the last undo step
   std::string new_load_;                   // load added by the last undo step, still with value 0
   bool at_rest_ = true;

@@ -30,7 +30,7 @@ constexpr Form kForms[] = {{CommandKind::Open, "open", "f"},
                            {CommandKind::Remove, "remove", "kn"},
                            {CommandKind::Move, "move", "v"},
                            {CommandKind::SetSlider, "slide", "px"},
-                           {CommandKind::SolvePreview, "answer", ""},
+                           {CommandKind::SolvePreview, "update", ""},
                            {CommandKind::SolveToEquilibrium, "solve", ""},
                            {CommandKind::Step, "step", "x"},
                            {CommandKind::Undo, "undo", ""},
@@ -197,6 +197,7 @@ DocumentCommand parse_command(const std::string& text, const std::string& where)
     return command;
   }
   if (*kind == "settle") line.fail("the old command 'settle'", "'solve'");
+  if (*kind == "answer") line.fail("the old command 'answer'", "'update'");
   line.fail("the command " + quoted_excerpt(*kind), expected_one_of(*kind, verbs));
 }
 

@@ -22,8 +22,8 @@ namespace batten {
 ///     move [[x, y, z], [x, y, z]]  moves a point from one position to another, in all curves that
 ///                                  contain it, so that they stay connected; consecutive moves of
 ///                                  a point form one undo step, until a `solve`
-///     slide PARAMETER VALUE        moves a slider; the shape follows on `answer` or `solve`
-///     answer                       updates the shape quickly, as during a drag
+///     slide PARAMETER VALUE        moves a slider; `update` or `solve` then computes the shape
+///     update                       updates the shape quickly, as during a drag
 ///     solve                        solves to equilibrium; ends a motion, or a drag (one undo
 ///                                  step); dragging a load that was just added with value = 0
 ///                                  belongs to the undo step of adding it

@@ -20,7 +20,7 @@ namespace batten {
 /// Executes commands on a document in order, on its own thread, and reports the results.
 ///
 /// Slider moves during a drag arrive faster than solutions. Of the waiting moves of one parameter
-/// only the latest is executed, followed by a quick update (`answer`); several moving parameters
+/// only the latest is executed, followed by a quick update (`update`); several moving parameters
 /// share one update. The same applies to a dragged point.
 ///
 /// After each command there is a new view with its stresses, and a new frame if the shape changed;

@@ -62,7 +62,7 @@ struct EditedMesh::State {
       : scene(s),
         source(std::move(mesh)),
         select(scene, source->file, source->prepared.mesh),
-        attached(source->file, source->prepared.mesh, scene.following) {}
+        attached(source->file.other_elements(), source->prepared.mesh, scene.following) {}
 
   const TriangleMesh& mesh() const { return source->prepared.mesh; }
   const Points& shape() const { return edits.empty() ? mesh().points() : edits.back()->shape(); }

@@ -7,6 +7,7 @@
 #include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/stress_files.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/read_scene.h"
@@ -219,17 +220,17 @@ std::shared_ptr<const StressView> EditedShape::stress(Analysis what) {
   if (!session_ || !pattern_ || !scene_.stress) return nullptr;
   auto view = std::make_shared<StressView>();
   try {
-    if (!stress_) stress_.emplace(scene_);
-    const StressEvaluator::MaxValues largest = stress_->at(session_->layout(), session_->dofs());
+    if (!stress_) stress_.emplace(shell_problem(scene_));
+    const ShellEvaluator::MaxValues largest = stress_->at(session_->layout(), session_->dofs());
     if (what == Analysis::Modes) {
       constexpr int usual = 6;
       const int count = scene_.stress->modes > 0 ? scene_.stress->modes : usual;
-      StressEvaluator::ModeShapes mode_shapes = stress_->mode_shapes(pattern_->locations, count);
+      ShellEvaluator::ModeShapes mode_shapes = stress_->mode_shapes(pattern_->locations, count);
       view->frequencies = std::move(mode_shapes.frequencies);
       view->mode_shapes = std::move(mode_shapes.displacements);
       return view;
     }
-    StressEvaluator::Field field = stress_->field(pattern_->locations);
+    ShellEvaluator::Field field = stress_->field(pattern_->locations);
     view->load_case = field.load_case;
     view->von_mises = largest.von_mises;
     view->displacement = largest.displacement;

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/shell_evaluator.h"
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
-#include "batten/apps/commands/shapes/stress_analysis.h"
 #include "batten/io/scene/scene_text.h"
 
 namespace batten {
@@ -77,7 +77,7 @@ class EditedShape : public DocumentContent {
   double dt_ = 0;                                       // time step of the motion
   std::shared_ptr<const DisplayTopology> pattern_;      // topology that was drawn
   std::shared_ptr<const std::vector<float>> unloaded_;  // its points on the unloaded surface
-  std::optional<StressEvaluator> stress_;
+  std::optional<ShellEvaluator> stress_;
   std::list<std::shared_ptr<const DocumentModel>> recent_models_;
 };
 

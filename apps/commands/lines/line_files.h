@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curves/hermite_curve.h"
 #include "batten/io/scene/scene.h"
+#include "batten/skinning/lines/line_samples.h"
 
 namespace batten {
 
@@ -56,32 +56,9 @@ std::vector<CharacterLine> read_lines(const Scene& scene);
 /// Converts a line to a character line. Throws InputError like as_curve().
 CharacterLine character_line(const SourceLine& line, double corner_angle);
 
-/// Sample points of a line, in order. The optional fields are set for lines given by a curve.
-struct SampledLine {
-  std::vector<Vec3> points;
-  std::optional<std::vector<int>> corners;  ///< indices of the points at the curve's corners
-  std::optional<bool> closed;               ///< true: the curve is closed
-  std::vector<Vec3> extra_points;           ///< further points, for measuring deviations
-
-  /// True if the points do not all coincide.
-  bool has_length() const;
-};
-
-/// Samples a line; given points are used unchanged. A curve is sampled evenly by arc length in each
-/// segment between corners (tangent angle above `corner_angle`, degrees), with about 200 points or
-/// eight per spline span. Throws InputError if the curve is not finite.
-SampledLine sample_line(const SourceLine& line, double corner_angle);
-
-/// Parameters of the curve points nearest to `points`. Each search starts at its `guess`
-/// (ascending). The result need not be ascending: it follows points that go back and forth. Cost:
-/// O(points).
-std::vector<double> nearest(const HermiteCurve& curve, const std::vector<Vec3>& points,
-                            const std::vector<double>& guess);
-
-/// Like nearest(), but non-decreasing in the order of `points`.
-std::vector<double> closest_parameters_in_order(const HermiteCurve& curve,
-                                                const std::vector<Vec3>& points,
-                                                const std::vector<double>& guess);
+/// Samples a line for fairing. Given points are used unchanged; a curve is sampled as by
+/// sample_line() of skinning/lines/line_samples.h, which throws InputError.
+CurveSamples sample_line(const SourceLine& line, double corner_angle);
 
 // Interpretation of point lists: corners, closedness.
 

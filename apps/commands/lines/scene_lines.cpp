@@ -1,15 +1,12 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 
 #include <algorithm>
-#include <set>
 
 #include "batten/apps/commands/lines/fair_lines.h"
 #include "batten/apps/commands/lines/line_files.h"
-#include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/geometry.h"
-#include "batten/fairing/curves/primitive_curves.h"
 #include "batten/skinning/network/curve_network.h"
+#include "batten/skinning/surfaces/mirror_images.h"
 
 namespace batten {
 namespace {
@@ -90,15 +87,6 @@ class SceneLines {
     return CurveNetwork(result_.lines, options, progress_).joined_fraction() < prepared;
   }
 
-  static bool is_noisy(const FairedLine& line, bool is_freehand) {
-    if (!line.faired || !line.before || !line.after) return false;
-    constexpr int most_left = 3, fewest = 4;
-    const int gone = line.before->extrema - line.after->extrema;
-    if (is_freehand) return gone > 0;
-    return line.noise > 0 && gone >= fewest &&
-           most_left * line.after->extrema <= line.before->extrema;
-  }
-
   // The lines given by points, and their indices.
   std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn() const {
     std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn;
@@ -126,7 +114,7 @@ class SceneLines {
     }
     std::vector<std::string> names;
     for (size_t k = 0; k < faired.size(); ++k) {
-      if (!is_noisy(faired[k].report, freehand)) continue;
+      if (!faired[k].report.was_noisy(freehand)) continue;
       result_.lines[numbers[k]] = faired_line(lines[k], faired[k]);
       result_.reports.push_back(faired[k].report);
       texts_[numbers[k]] = describe_outliers(faired[k].report);
@@ -154,109 +142,25 @@ FairedLines faired_lines(const Scene& scene, const Progress& progress) {
   return SceneLines(scene, progress).run();
 }
 
-namespace {
-
-const std::string kMirrored = "mirrored ";
-
-std::vector<Vec3> sampled(const InputCurve& curve) {
-  constexpr int samples = 64;
-  std::vector<Vec3> points;
-  for (int i = 0; i <= samples; ++i)
-    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / samples));
-  return points;
-}
-
-// Names of the mirror images: "rail.2" becomes "mirrored rail.2".
-class MirrorImages {
- public:
-  explicit MirrorImages(const std::vector<CharacterLine>& lines) {
-    for (const CharacterLine& line : lines) names_.insert(line.name);
-  }
-  // The name of the mirror image; unchanged for lines in the plane.
-  std::string of(const std::string& name) const {
-    const size_t dot = name.rfind('.');
-    const bool has = names_.count(kMirrored + name) ||
-                     (dot != std::string::npos && names_.count(kMirrored + name.substr(0, dot)));
-    return has ? kMirrored + name : name;
-  }
-
- private:
-  std::set<std::string> names_;
-};
-
-}  // namespace
-
 void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {
   if (!scene.network.symmetry) return;
-  const int axis = *scene.network.symmetry;
-  std::vector<std::vector<Vec3>> points;
-  Box3 box;
-  for (const CharacterLine& line : lines) {
-    points.push_back(sampled(*line.curve));
-    box.extend(bounding_box(points.back()));
-  }
-  constexpr double near = 1e-3;  // relative to the size
-  const double tolerance =
-      scene.network.tolerance > 0 ? scene.network.tolerance : near * box.diagonal().norm();
-  const AffineTransform mirror = reflection_in(Vec3::Zero(), Vec3::Unit(axis));
-  const size_t count = lines.size();
-  for (size_t i = 0; i < count; ++i) {
-    const auto [low, high] =
-        std::minmax_element(points[i].begin(), points[i].end(),
-                            [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
-    if ((*low)[axis] < -tolerance && (*high)[axis] > tolerance)
-      throw InputError(scene.at(scene.network.location) + "found the curve '" + lines[i].name +
-                       "', which crosses the plane of symmetry from " + format_point(*low) +
-                       " to " + format_point(*high) +
-                       ", expected curves that lie on one side of the plane or in it");
-    if ((*low)[axis] >= -tolerance && (*high)[axis] <= tolerance) continue;
-    CharacterLine twin = lines[i];
-    twin.name = kMirrored + twin.name;
-    twin.curve = transformed(lines[i].curve, mirror);
-    lines.push_back(std::move(twin));
+  try {
+    add_mirror_images({Vec3::Zero(), Vec3::Unit(*scene.network.symmetry), scene.network.tolerance},
+                      lines);
+  } catch (const InputError& e) {
+    throw InputError(scene.at(scene.network.location) + e.what());
   }
 }
 
 std::vector<JoinSpec> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines) {
-  const std::vector<JoinSpec>& said = scene.network.joins;
-  if (!scene.network.symmetry) return said;
-  const MirrorImages images(lines);
-  std::vector<JoinSpec> words;
-  for (const JoinSpec& word : said)
-    if (const std::string twin = images.of(word.line); twin != word.line)
-      words.push_back({twin, word.kind, word.where});
-  words.insert(words.end(), said.begin(), said.end());  // specifications of the user come last and
-                                                        // take precedence
-  return words;
+  return scene.network.symmetry ? with_mirror_images(scene.network.joins, lines)
+                                : scene.network.joins;
 }
 
 std::vector<RegionSpec> mirrored_regions(const Scene& scene,
                                          const std::vector<CharacterLine>& lines) {
-  std::vector<RegionSpec> words = scene.network.regions;
-  if (!scene.network.symmetry) return words;
-  const MirrorImages images(lines);
-  const auto names_of = [](const RegionSpec& word) {
-    std::multiset<std::string> names;
-    for (const auto& loop : word.loops) names.insert(loop.begin(), loop.end());
-    return names;
-  };
-  for (const RegionSpec& word : scene.network.regions) {
-    RegionSpec twin = word;
-    bool whole = false;  // contains lines of both halves
-    for (std::string& name : twin.inner) name = images.of(name);
-    for (auto& loop : twin.loops)
-      for (std::string& name : loop) {
-        whole |= name.starts_with(kMirrored);
-        name = images.of(name);
-      }
-    const bool said =
-        std::any_of(scene.network.regions.begin(), scene.network.regions.end(),
-                    [&](const RegionSpec& other) { return names_of(other) == names_of(twin); });
-    if (whole || said) continue;
-    if (!twin.name.empty()) twin.name = kMirrored + twin.name;
-    words.push_back(std::move(twin));
-  }
-  return words;
+  return scene.network.symmetry ? with_mirror_images(scene.network.regions, lines)
+                                : scene.network.regions;
 }
 
 }  // namespace batten

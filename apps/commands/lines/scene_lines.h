@@ -30,15 +30,13 @@ FairedLines faired_lines(const Scene& scene, const Progress& progress);
 
 // Networks of which only one half is given.
 
-/// Adds the mirror images of all lines of a half model: in the plane through the origin
-/// perpendicular to the scene's symmetry axis (SceneNetwork::symmetry), named "mirrored NAME".
-/// Lines within 1e-3 of the lines' size of that plane are not mirrored. Does nothing without a
-/// symmetry axis. Throws InputError, with the location in the scene, for a line that crosses the
+/// Adds the mirror images of all lines of a half model (add_mirror_images()) in the plane through
+/// the origin perpendicular to the scene's symmetry axis, SceneNetwork::symmetry. Does nothing
+/// without one. Throws InputError, with the location in the scene, for a line that crosses the
 /// plane.
 void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines);
 
-/// The scene's join and region specifications, extended by their mirror images: for every join
-/// whose line is mirrored, and every region that is not its own mirror image.
+/// The scene's join and region specifications, of a half model with their mirror images.
 std::vector<JoinSpec> mirrored_joins(const Scene& scene, const std::vector<CharacterLine>& lines);
 std::vector<RegionSpec> mirrored_regions(const Scene& scene,
                                          const std::vector<CharacterLine>& lines);

@@ -1,44 +1,18 @@
 #include "batten/apps/commands/meshes/deform_task.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <set>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
+#include "batten/mesh/editing/feature_relation.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
-
-// Relations between features of a deform scene, as linear constraints and shared rotations.
-
-/// The reference point of a feature: the mean of its loop for a proposed hole, otherwise of its
-/// vertices.
-VertexCombination centre_of(const FormFeature& feature, VertexSelector& select,
-                            const TriangleMesh& mesh);
-
-/// Adds the constraints, guides and shared rotations of all [[relation]]s. Throws InputError, with
-/// the location, for unknown or too few features, and for features that do not satisfy the relation
-/// initially (different axes, uneven spacing, no mirror images).
-void gather_relations(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                      SharedConstraints& shared);
-
 namespace {
-
-ConstraintSet end_constraints(const HermiteCurve& curve, CurveSpec::Ends ends) {
-  ConstraintSet set(curve.mesh().dof_count());
-  if (curve.closed() || ends == CurveSpec::Ends::Free) return set;
-  CurveConstraints rows(curve.mesh(), set);
-  for (const double u : {curve.start(), curve.end()}) {
-    rows.point("ends", u, curve.evaluate(u));
-    if (ends == CurveSpec::Ends::Clamped) rows.derivative("ends", u, curve.evaluate(u, 1));
-  }
-  return set;
-}
 
 double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, bool closed) {
   double sum = 0;
@@ -108,6 +82,25 @@ void gather_lines(const DeformScene& scene, VertexSelector& select, const Triang
   }
 }
 
+/// Fairs the curve of a [[curve]] and applies its loads.
+MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSelector& select,
+                      const TriangleMesh& mesh) {
+  MeshCurve result{rule.line.name, select.path(rule.line), {}};
+  std::vector<Vec3> points;
+  for (const int v : result.vertices) points.push_back(mesh.point(v));
+  const SculptedCurveOptions options{rule.line.closed, rule.faired, rule.fair, rule.ends,
+                                     rule.alpha,       rule.beta,   rule.loads};
+  try {
+    result.shape = sculpt_curve(rule.line.name, points, options);
+  } catch (const NoSolutionError& e) {
+    throw NoSolutionError(scene.at(rule.line.location) + "the curve '" + rule.line.name +
+                          "': " + e.what());
+  } catch (const InputError& e) {
+    throw InputError(scene.at(rule.line.location) + e.what());
+  }
+  return result;
+}
+
 /// Collects deformable curves, each with the constraints that make the mesh follow it.
 void gather_curves(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                    SharedConstraints& shared) {
@@ -115,12 +108,8 @@ void gather_curves(const DeformScene& scene, VertexSelector& select, const Trian
     MeshCurve curve = shape_curve(scene, rule, select, mesh);
     shared.lines.push_back(curve.vertices);
     if (rule.line.closed) shared.lines.back().push_back(curve.vertices.front());
-    for (size_t i = 0; i < curve.vertices.size(); ++i)
-      shared.rows.push_back({curve.name + ", vertex " + std::to_string(i + 1),
-                             {{{curve.vertices[i], 1.0}}},
-                             curve.targets[i],
-                             -1,
-                             std::nullopt});
+    const auto rows = position_constraints(curve.name, curve.vertices, curve.shape.targets);
+    shared.rows.insert(shared.rows.end(), rows.begin(), rows.end());
     shared.curves.push_back(std::move(curve));
   }
 }
@@ -147,6 +136,59 @@ void note_merged(SharedConstraints& shared, int vertices) {
   for (const auto& [a, b] : pairs)
     shared.notes.push_back("the features '" + shared.features[a].name + "' and '" +
                            shared.features[b].name + "' share nodes and move as one rigid feature");
+}
+
+/// The reference point of a feature: the mean of its loop for a proposed hole, otherwise of its
+/// vertices.
+VertexCombination centre_of(const FormFeature& feature, VertexSelector& select,
+                            const TriangleMesh& mesh) {
+  const DetectedFeature* p = select.proposal(feature.name);
+  return VertexCombination::mean_of(p ? mesh.topology().nodes_of(p->loop) : feature.vertices);
+}
+
+/// The relation of a scene, with its features as indices into `names`.
+FeatureRelation relation_of(const DeformScene& scene, const RelationSpec& rule,
+                            const std::vector<std::string>& names, VertexSelector& select) {
+  FeatureRelation relation{rule.name, rule.kind, {}, {}, rule.plane};
+  std::vector<int>& features = relation.features;
+  for (const LocatedString& word : rule.of) {
+    bool any = false;
+    for (int f = 0; f < isize(names); ++f)
+      if (matches_wildcard(word.text, names[f])) {
+        any = true;
+        if (std::find(features.begin(), features.end(), f) == features.end()) features.push_back(f);
+      }
+    if (!any)
+      throw InputError(scene.at(word.location) + "found '" + word.text + "', expected a feature: " +
+                       comma_separated(names) + did_you_mean(word.text, names));
+  }
+  if (rule.kind == RelationSpec::Kind::Coaxial && !features.empty())
+    if (const DetectedFeature* hole = select.proposal(names[features[0]]))
+      relation.hole = hole->measure;
+  return relation;
+}
+
+/// Adds the constraints, guides and shared rotations of all relations.
+void gather_relations(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                      SharedConstraints& shared) {
+  std::vector<std::string> names;
+  for (const auto& f : shared.features) names.push_back(f.name);
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (const RelationSpec& rule : scene.relations) {
+    const FeatureRelation relation = relation_of(scene, rule, names, select);
+    try {
+      const RelationConstraints added =
+          relation_constraints(relation, shared.features, shared.centres, mesh.points());
+      append(shared.shared_rotations, added.shared_rotations);
+      append(shared.rows, added.rows);
+      append(shared.point_constraints, added.point_constraints);
+      append(shared.through, added.constraint_origins);
+    } catch (const InputError& e) {
+      throw InputError(scene.at(rule.location) + e.what());
+    }
+  }
 }
 
 HandleTransform handle_move(const EditSpec::MovedHandle& h, const std::vector<int>& vertices,
@@ -203,55 +245,10 @@ std::vector<Vec3> guide_points(const DeformScene& scene, const EditSpec& rule,
 
 }  // namespace
 
-MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSelector& select,
-                      const TriangleMesh& mesh) {
-  MeshCurve result;
-  result.name = rule.line.name;
-  result.vertices = select.path(rule.line);
-  std::vector<Vec3> points;
-  for (const int v : result.vertices) points.push_back(mesh.point(v));
-  FairOptions options = rule.fair;
-  options.reject_outliers = false;  // vertices of a mesh are no outliers
-  options.closed = rule.line.closed;
-  options.fix_ends = !rule.line.closed;
-  try {
-    const HermiteCurve given = interpolating_spline(rule.line.name, points, options);
-    if (!rule.faired) {
-      options.smoothing = FairOptions::Smoothing::Wavelength;
-      options.wavelength = 1e-6 * given.length();  // interpolates the vertices
-    }
-    const FairCurve fair = fair_points(rule.line.name, points, options);
-    result.fairing = fair.deviation;
-    result.wavelength = fair.wavelength;
-    result.before = fairness(given);
-    result.curve = fair.curve;
-    if (!rule.loads.empty()) {
-      CurveMaterial material;
-      material.alpha = {rule.alpha};
-      material.beta = {rule.beta};
-      DeformableCurve deformable(fair.curve, end_constraints(fair.curve, rule.ends), material,
-                                 rule.loads);
-      result.curve = deformable.solve();
-    }
-    for (const double u : fair.parameters) {
-      result.targets.push_back(result.curve.evaluate(u));
-      result.largest_shift =
-          std::max(result.largest_shift, (result.targets.back() - fair.curve.evaluate(u)).norm());
-    }
-  } catch (const NoSolutionError& e) {
-    throw NoSolutionError(scene.at(rule.line.location) + "the curve '" + rule.line.name +
-                          "': " + e.what());
-  } catch (const InputError& e) {
-    throw InputError(scene.at(rule.line.location) + e.what());
-  }
-  result.after = fairness(result.curve);
-  return result;
-}
-
 double distance_from(const MeshCurve& curve, const Points& p) {
   double worst = 0;
   for (const int v : curve.vertices)
-    worst = std::max(worst, curve.curve.closest_point(p.row(v).transpose()).distance);
+    worst = std::max(worst, curve.shape.curve.closest_point(p.row(v).transpose()).distance);
   return worst;
 }
 
@@ -271,16 +268,6 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
   return shared;
 }
 
-DeformTask with_fixed_centres(DeformTask task, const SharedConstraints& shared,
-                              const Points& unscaled) {
-  for (size_t f = 0; f < shared.features.size(); ++f) {
-    task.problem.rows.push_back({"centre of " + shared.features[f].name, shared.centres[f],
-                                 shared.centres[f].at(unscaled), -1, std::nullopt});
-    if (!task.edit.targets.empty()) task.edit.targets.push_back(task.problem.rows.back().target);
-  }
-  return task;
-}
-
 DeformEdit edit_of(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
                    const DeformProblem& problem, const TriangleMesh& mesh) {
   DeformEdit edit;
@@ -296,9 +283,7 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
                             const TriangleMesh& mesh) {
   DeformTask task;
   task.problem.fixed = select.of(rule.fixed);
-  const std::vector<FormFeature>& connections = shared.attached->connections();
   task.problem.features = shared.features;
-  task.problem.features.insert(task.problem.features.end(), connections.begin(), connections.end());
   task.problem.shared_rotations = shared.shared_rotations;
   task.problem.point_constraints = shared.point_constraints;
   task.problem.chains = shared.chains;
@@ -306,159 +291,10 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
   task.problem.weighting = scene.weighting;
   for (const auto& h : rule.handles)
     task.problem.handles.push_back({h.name, select.of(h.vertices)});
-  if (!rule.region.empty()) {
-    task.problem.region = select.of(rule.region);
-    shared.attached->extend_region(*task.problem.region, task.problem.handles);
-  }
+  if (!rule.region.empty()) task.problem.region = select.of(rule.region);
+  shared.attached->add_to(task.problem);
   task.edit = edit_of(scene, rule, shared, task.problem, mesh);
   return task;
-}
-
-namespace {
-
-using Kind = RelationSpec::Kind;
-
-/// Tolerance of relations in the initial shape, relative to the distance of the centres.
-constexpr double kNear = 1e-3;
-
-void add_to(VertexCombination& sum, const VertexCombination& point, double factor) {
-  for (const auto& e : point.entries) sum.entries.push_back({e.vertex, factor * e.coefficient});
-}
-
-class Relation {
- public:
-  Relation(const DeformScene& scene, const RelationSpec& rule, VertexSelector& select,
-           const TriangleMesh& mesh, SharedConstraints& shared)
-      : scene_(scene), rule_(rule), select_(select), mesh_(mesh), shared_(shared) {
-    find_features();
-  }
-
-  void add() {
-    if (rule_.kind == Kind::Parallel || rule_.kind == Kind::Coaxial)
-      shared_.shared_rotations.push_back(features_);
-    if (rule_.kind == Kind::Coaxial) expect_one_axis();
-    if (rule_.kind == Kind::Coaxial || rule_.kind == Kind::Distance) keep_differences();
-    if (rule_.kind == Kind::Spacing) keep_steps();
-    if (rule_.kind == Kind::Symmetric) keep_mirror_images();
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
-    throw InputError(scene_.at(rule_.location) + "the relation '" + rule_.name + "': found " +
-                     found + ", expected " + expected);
-  }
-
-  const std::string& name(size_t i) const { return shared_.features[features_[i]].name; }
-  Vec3 at(size_t i) const { return centres_[i].at(mesh_.points()); }
-
-  void find_features() {
-    std::vector<std::string> names;
-    for (const auto& f : shared_.features) names.push_back(f.name);
-    for (const LocatedString& word : rule_.of) {
-      bool any = false;
-      for (int f = 0; f < isize(names); ++f)
-        if (matches_wildcard(word.text, names[f])) {
-          any = true;
-          if (std::find(features_.begin(), features_.end(), f) == features_.end())
-            features_.push_back(f);
-        }
-      if (!any)
-        throw InputError(scene_.at(word.location) + "found '" + word.text +
-                         "', expected a feature: " + comma_separated(names) +
-                         did_you_mean(word.text, names));
-    }
-    const size_t least = rule_.kind == Kind::Spacing ? 3 : 2;
-    if (features_.size() < least || (rule_.kind == Kind::Symmetric && features_.size() > 2))
-      fail(std::to_string(features_.size()) + " features",
-           rule_.kind == Kind::Symmetric ? "two" : std::to_string(least) + " or more");
-    for (const int f : features_) centres_.push_back(shared_.centres[f]);
-  }
-
-  /// Checks that holes have a common axis; only holes have a known axis.
-  void expect_one_axis() const {
-    for (size_t i = 1; i < features_.size(); ++i) {
-      const DetectedFeature* hole = select_.proposal(name(0));
-      if (!hole) return;
-      const Vec3 apart = at(i) - at(0);
-      const double off = hole->measure.axis.cross(apart).norm();
-      if (off > kNear * std::max(apart.norm(), hole->measure.radius))
-        fail("the centre of '" + name(i) + "' at a distance of " + format_number(off) +
-                 " from the axis of '" + name(0) + "'",
-             "centres on a common axis; type = \"distance\" keeps the centres at their distance");
-    }
-  }
-
-  void add_row(size_t i, VertexCombination combination) {
-    LinearConstraint row;
-    row.name = rule_.name + ", " + name(i);
-    row.target = combination.at(mesh_.points());
-    row.combination = std::move(combination);
-    row.rotates_with = shared_.features[features_[0]].vertices[0];
-    shared_.rows.push_back(std::move(row));
-  }
-
-  void keep_differences() {
-    for (size_t i = 1; i < features_.size(); ++i) {
-      VertexCombination apart = centres_[i];
-      add_to(apart, centres_[0], -1);
-      add_row(i, std::move(apart));
-    }
-  }
-
-  void keep_steps() {
-    for (size_t i = 1; i + 1 < features_.size(); ++i) {
-      const Vec3 before = at(i) - at(i - 1), after = at(i + 1) - at(i);
-      if ((after - before).norm() > kNear * before.norm())
-        fail("spacings of " + format_number(before.norm()) + " and " + format_number(after.norm()) +
-                 " before and after '" + name(i) + "'",
-             "equal spacings on a straight line, with the features in their order");
-      VertexCombination change = centres_[i + 1];
-      add_to(change, centres_[i], -2);
-      add_to(change, centres_[i - 1], 1);
-      add_row(i, std::move(change));
-    }
-  }
-
-  void keep_mirror_images() {
-    const Vec3 normal = rule_.plane->first.normalized(), apart = at(1) - at(0);
-    const double off = std::max(normal.cross(apart).norm(),
-                                std::abs(normal.dot((at(0) + at(1)) / 2 - rule_.plane->second)));
-    if (off > kNear * apart.norm())
-      fail("centres that deviate by " + format_number(off) + " from mirror images",
-           "centres that are mirror images in the plane");
-    VertexCombination middle, vector = centres_[1];
-    add_to(middle, centres_[0], 0.5);
-    add_to(middle, centres_[1], 0.5);
-    add_to(vector, centres_[0], -1);
-    shared_.point_constraints.push_back(
-        {rule_.name + ", middle", std::move(middle), PointConstraint::Kind::OnPlane, normal});
-    shared_.through.push_back(rule_.plane->second);
-    shared_.point_constraints.push_back(
-        {rule_.name + ", across", std::move(vector), PointConstraint::Kind::OnLine, normal});
-    shared_.through.push_back(Vec3(Vec3::Zero()));
-  }
-
-  const DeformScene& scene_;
-  const RelationSpec& rule_;
-  VertexSelector& select_;
-  const TriangleMesh& mesh_;
-  SharedConstraints& shared_;
-  std::vector<int> features_;
-  std::vector<VertexCombination> centres_;
-};
-
-}  // namespace
-
-VertexCombination centre_of(const FormFeature& feature, VertexSelector& select,
-                            const TriangleMesh& mesh) {
-  const DetectedFeature* p = select.proposal(feature.name);
-  return VertexCombination::mean_of(p ? mesh.topology().nodes_of(p->loop) : feature.vertices);
-}
-
-void gather_relations(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                      SharedConstraints& shared) {
-  for (const RelationSpec& rule : scene.relations)
-    Relation(scene, rule, select, mesh, shared).add();
 }
 
 }  // namespace batten

@@ -5,26 +5,20 @@
 #include <string>
 #include <vector>
 
-#include "batten/apps/commands/meshes/attached_nodes.h"
 #include "batten/apps/commands/meshes/vertex_selector.h"
-#include "batten/fairing/curves/curve_fit.h"
-#include "batten/fairing/curves/fairness.h"
+#include "batten/mesh/attached/attached_nodes.h"
 #include "batten/mesh/deform/deform_problem.h"
+#include "batten/sculpting/curves/sculpted_curve.h"
 
 namespace batten {
 
 // Data that all edits of a deform scene share.
 
-/// A chain of vertices with the curve that drives it. Lengths are in model units.
+/// A chain of vertices with the curve that drives it.
 struct MeshCurve {
   std::string name;
   std::vector<int> vertices;
-  HermiteCurve curve;         ///< the curve, after fairing and its loads
-  std::vector<Vec3> targets;  ///< target position of each vertex on the curve
-  Deviation fairing;          ///< deviation of the vertices from the unloaded faired curve
-  double wavelength = 0;      ///< fairing wavelength
-  Fairness before, after;     ///< fairness of the original chain, and of the curve
-  double largest_shift = 0;   ///< largest vertex displacement caused by the loads
+  SculptedCurve shape;
 };
 
 /// Constraints that all edits of a scene share: features, guides, chains and linear constraints.
@@ -42,11 +36,6 @@ struct SharedConstraints {
   std::vector<std::vector<int>> lines;  // vertices of chains and curves, for pictures; closed
                                         // chains repeat the first vertex
 };
-
-/// Fairs the curve of a [[curve]] and applies its loads. Throws InputError with the location in the
-/// scene.
-MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSelector& select,
-                      const TriangleMesh& mesh);
 
 /// Largest distance of the vertices, at positions p (n×3), from the curve.
 double distance_from(const MeshCurve& curve, const Points& p);
@@ -66,11 +55,6 @@ struct DeformTask {
 /// the location, for an unknown feature or guide.
 DeformEdit edit_of(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
                    const DeformProblem& problem, const TriangleMesh& mesh);
-
-/// The same task with the centres of all features fixed at `unscaled`, the positions without any
-/// feature scaling. Scaling one feature then moves no other.
-DeformTask with_fixed_centres(DeformTask task, const SharedConstraints& shared,
-                              const Points& unscaled);
 
 /// Creates the task of one edit. `mesh`: result of the previous edit. Throws InputError, with the
 /// location, for an unknown name.

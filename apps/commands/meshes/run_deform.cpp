@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -54,9 +55,10 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
                                fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
   }
   for (const MeshCurve& c : shared.curves)
-    report.curves.push_back({c.name, isize(c.vertices), c.curve.segment_count(), c.fairing,
-                             c.wavelength, c.largest_shift,
-                             distance_from(c, after) / original.size(), c.before, c.after});
+    report.curves.push_back({c.name, isize(c.vertices), c.shape.curve.segment_count(),
+                             c.shape.fairing, c.shape.wavelength, c.shape.largest_shift,
+                             distance_from(c, after) / original.size(), c.shape.before,
+                             c.shape.after});
   std::vector<int> feature_of(before.rows(), -1);
   for (size_t f = 0; f < shared.features.size(); ++f)
     for (const int v : shared.features[f].vertices) feature_of[v] = static_cast<int>(f);
@@ -88,6 +90,23 @@ void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh
   int where = 0;
   report.largest_displacement = largest_move(before, after, &where);
   report.largest_displacement_node = file.node_label(where);
+}
+
+/// Reports how the attached elements moved.
+void measure_attached_into(DeformReport& report, const MeshFile& file,
+                           const AttachedNodes& attached, const Points& before,
+                           const Points& after) {
+  const auto& elements = file.other_elements();
+  std::map<std::string, int> count;
+  for (const NonShellElement& e : elements) ++count[e.name];
+  const AttachedMotion motion = attached.motion(before, after);
+  report.attached.elements.assign(count.begin(), count.end());
+  report.attached.connections = motion.connections;
+  report.attached.max_rigid_error = motion.max_rigid_error;
+  report.attached.worst_connection = motion.worst_connection;
+  report.attached.moved_with_shells = motion.moved_nodes;
+  for (const int e : motion.inverted_solids)
+    report.attached.inverted_solids.push_back(elements[e].label);
 }
 
 void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
@@ -137,7 +156,7 @@ class DeformRun {
         file_(source_.file),
         prepared_(source_.prepared),
         select_(make_selector()),
-        attached_(file_, original(), scene.following),
+        attached_(file_.other_elements(), original(), scene.following),
         shared_(gather_constraints()) {}
 
   /// Performs the edits in order.
@@ -154,7 +173,7 @@ class DeformRun {
   void measure() {
     progress_.update("measuring", 0);
     measure_into(report_, file_, original(), states_.back(), shared_);
-    attached_.measure_into(report_, original().points(), states_.back());
+    measure_attached_into(report_, file_, attached_, original().points(), states_.back());
     watch_.lap("measure");
   }
 

@@ -1,16 +1,14 @@
 #include "batten/apps/commands/meshes/vertex_selector.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <numeric>
-#include <queue>
 #include <sstream>
 
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/input_file.h"
 #include "batten/mesh/features/feature_cut.h"
+#include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
@@ -264,54 +262,12 @@ std::vector<int> VertexSelector::path(const LineSpec& rule) {
   for (const long label : rule.nodes) stops.push_back(vertex_of_label(label, rule.location));
   for (const Vec3& p : rule.through) stops.push_back(nearest_vertex(mesh_, p));
   if (!rule.nodes.empty()) return stops;
-  if (rule.closed) stops.push_back(stops.front());
-  const MeshTopology& topology = mesh_.topology();
-  // The length of an edge with dihedral angle a is divided by 1 + (a / 10 degrees)².
-  const auto& edges = topology.edges();
-  const auto cost = [&](int v, int u) {
-    const auto e = std::lower_bound(
-        edges.begin(), edges.end(), std::pair(std::min(v, u), std::max(v, u)),
-        [](const auto& edge, const auto& ends) { return std::pair(edge.low, edge.high) < ends; });
-    const double length = (mesh_.point(u) - mesh_.point(v)).norm();
-    if (e->left < 0 || e->right < 0) return length;
-    const Vec3 a = mesh_.area_vector(e->left), b = mesh_.area_vector(e->right);
-    const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
-    return length / (1 + degrees * degrees / 100);
-  };
-  std::vector<int> way = {stops.front()};
-  for (size_t s = 0; s + 1 < stops.size(); ++s) {
-    // Dijkstra's algorithm from the goal, so that the path is obtained in forward order.
-    const int from = stops[s], goal = stops[s + 1];
-    std::vector<double> distance(mesh_.vertex_count(), INFINITY);
-    std::vector<int> next(mesh_.vertex_count(), -1);
-    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>
-        queue;
-    distance[goal] = 0;
-    queue.emplace(0, goal);
-    while (!queue.empty()) {
-      const auto [d, v] = queue.top();
-      queue.pop();
-      if (d > distance[v]) continue;
-      if (v == from) break;
-      const auto offer = [&](int u, double longer) {
-        if (!(longer < distance[u])) return;
-        distance[u] = longer;
-        next[u] = v;
-        queue.emplace(longer, u);
-      };
-      for (const int u : topology.neighbours(v)) offer(u, d + cost(v, u));
-      for (const int u : topology.coincident_vertices(v)) offer(u, d);
-    }
-    if (!std::isfinite(distance[from]))
-      throw InputError(scene_.at(rule.location) + "found the chain '" + rule.name +
-                       "' between parts of the mesh that are not connected, expected one part");
-    for (int v = from; v != goal; v = next[v]) way.push_back(next[v]);
+  try {
+    return crease_path(mesh_, stops, rule.closed);
+  } catch (const InputError&) {
+    throw InputError(scene_.at(rule.location) + "found the chain '" + rule.name +
+                     "' between parts of the mesh that are not connected, expected one part");
   }
-  // Manifold patches that meet at a node have separate vertices there.
-  for (int& v : way) v = topology.node_of(v);
-  way.erase(std::unique(way.begin(), way.end()), way.end());
-  if (rule.closed && way.size() > 1) way.pop_back();
-  return way;
 }
 
 }  // namespace batten

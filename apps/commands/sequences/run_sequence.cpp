@@ -198,7 +198,7 @@ class SequenceRun {
     FrameStore store(out_.folder(), out_.file(scene_.frames_out), scene_.frames_out, last_.shells,
                      written_times(), first - 1, last - 1, fingerprint_.text());
     shown_ = shown_frames(scene_, report_.frames_before, first - 1, last - 1);
-    FrameMeasures measures(input_->mesh, parts_, last_.feet);
+    FrameMeasures measures(input_->mesh, measured_feet(parts_, last_.feet));
     const auto look = [&](int k, const Points& p) {
       measures.add(k, p);
       if (!scene_.steps.empty() && keeps_frames(scene_.steps.back()))
@@ -221,8 +221,8 @@ class SequenceRun {
       k = end + 1;
     }
     report_.files = store.finish();
-    measures.fill(report_, *deviation_, report_.size);
-    FrameMeasures before(input_->mesh, parts_, {});
+    report_measures(measures, parts_, *deviation_, last_.feet, report_.size, report_);
+    FrameMeasures before(input_->mesh);
     for (int k = 0; k < report_.frames_before; ++k) before.add(k, input_->sequence.frames[k]);
     report_.second_difference_before = before.max_second_difference();
     report_.inverted_triangles_before = before.inverted_triangles();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/mesh/rotation_fitting.h"
 
@@ -36,58 +37,31 @@ void PartDeviation::measure(const SequenceParts& parts, const Points& before, co
   measure_parts(parts.handles, before, after, handles);
 }
 
-void FrameMeasures::add(int frame, const Points& p) {
-  last_.push_back(p);
-  if (last_.size() > 3) last_.pop_front();
-  if (last_.size() == 3 && p.rows() > 0)
-    max_second_difference_ = std::max(
-        max_second_difference_, (last_[2] - 2 * last_[1] + last_[0]).rowwise().norm().maxCoeff());
-  inverted_triangles_ += count_folded_triangles(p);
-  for (size_t f = 0; f < feet_.size(); ++f)
-    if (frame + 1 >= feet_[f].first && frame + 1 <= feet_[f].last)
-      centres_[f].push_back(VertexCombination::mean_of(handle_vertices(feet_[f].handle)).at(p));
+std::vector<FrameMeasures::Foot> measured_feet(const SequenceParts& parts,
+                                               const std::vector<SequenceReport::Foot>& feet) {
+  std::vector<FrameMeasures::Foot> measured;
+  for (const SequenceReport::Foot& foot : feet) {
+    const auto h = std::ranges::find(parts.handles, foot.handle, &Handle::name);
+    if (h == parts.handles.end()) throw std::logic_error("a foot that is no handle");
+    measured.push_back({h->vertices, foot.first - 1, foot.last - 1});
+  }
+  return measured;
 }
 
-void FrameMeasures::fill(SequenceReport& report, const PartDeviation& deviation, double size) {
-  report.second_difference = max_second_difference_;
-  report.inverted_triangles = inverted_triangles_;
-  for (size_t h = 0; h < parts_.handles.size(); ++h)
+void report_measures(const FrameMeasures& measures, const SequenceParts& parts,
+                     const PartDeviation& deviation, std::vector<SequenceReport::Foot> feet,
+                     double size, SequenceReport& report) {
+  report.second_difference = measures.max_second_difference();
+  report.inverted_triangles = measures.inverted_triangles();
+  for (size_t h = 0; h < parts.handles.size(); ++h)
     report.handles.push_back(
-        {parts_.handles[h].name, isize(parts_.handles[h].vertices), deviation.handles[h]});
-  for (size_t f = 0; f < parts_.features.size(); ++f)
+        {parts.handles[h].name, isize(parts.handles[h].vertices), deviation.handles[h]});
+  for (size_t f = 0; f < parts.features.size(); ++f)
     report.features.push_back(
-        {parts_.features[f].name, isize(parts_.features[f].vertices), deviation.features[f]});
-  for (size_t f = 0; f < feet_.size(); ++f) {
-    Vec3 mean = Vec3::Zero();
-    for (const Vec3& c : centres_[f]) mean += c / static_cast<double>(centres_[f].size());
-    for (const Vec3& c : centres_[f])
-      feet_[f].foot_skate = std::max(feet_[f].foot_skate, (c - mean).norm() / size);
-  }
-  report.feet = feet_;
-}
-
-const std::vector<int>& FrameMeasures::handle_vertices(const std::string& name) const {
-  for (const auto& h : parts_.handles)
-    if (h.name == name) return h.vertices;
-  throw std::logic_error("a foot that is no handle");
-}
-
-long FrameMeasures::count_folded_triangles(const Points& p) const {
-  const MeshTopology& topology = mesh_.topology();
-  const auto normal = [&](int t) -> Vec3 {
-    const auto& corners = topology.triangles()[t];
-    const Vec3 a = p.row(topology.node_of(corners[0])), b = p.row(topology.node_of(corners[1])),
-               c = p.row(topology.node_of(corners[2]));
-    return (b - a).cross(c - a);
-  };
-  long count = 0;
-  for (int t = 0; t < topology.triangle_count(); ++t) {
-    Vec3 around = Vec3::Zero();
-    for (int corner = 0; corner < 3; ++corner)
-      if (const int other = topology.across(t, corner); other >= 0) around += normal(other);
-    count += normal(t).dot(around) < 0;
-  }
-  return count;
+        {parts.features[f].name, isize(parts.features[f].vertices), deviation.features[f]});
+  for (int f = 0; f < isize(feet); ++f)
+    feet[f].foot_skate = std::max(feet[f].foot_skate, measures.foot_skate(f) / size);
+  report.feet = std::move(feet);
 }
 
 }  // namespace batten

@@ -1,7 +1,6 @@
 // Input, output and measurements of the steps of a sequence scene.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "batten/core/progress.h"
 #include "batten/io/report/sequence_report.h"
 #include "batten/io/scene/sequence_scene.h"
+#include "batten/mesh/sequence/frame_measures.h"
 #include "batten/mesh/sequence/sequence_editor.h"
 
 namespace batten {
@@ -57,35 +57,14 @@ class PartDeviation {
   std::vector<double> features, handles;  ///< largest errors, relative to each part's size
 };
 
-/// Measurements accumulated over consecutive frames, without storing them.
-class FrameMeasures {
- public:
-  FrameMeasures(const TriangleMesh& mesh, const SequenceParts& parts,
-                std::vector<SequenceReport::Foot> feet)
-      : mesh_(mesh), parts_(parts), feet_(std::move(feet)), centres_(feet_.size()) {}
+/// The nodes and frames of planted feet, for FrameMeasures.
+std::vector<FrameMeasures::Foot> measured_feet(const SequenceParts& parts,
+                                               const std::vector<SequenceReport::Foot>& feet);
 
-  /// Adds the next frame.
-  void add(int frame, const Points& p);
-  /// Stores all measurements in the report.
-  void fill(SequenceReport& report, const PartDeviation& deviation, double size);
-
-  /// Largest second difference of a node position over time, model units.
-  double max_second_difference() const { return max_second_difference_; }
-  /// Number of inverted triangles in all frames.
-  long inverted_triangles() const { return inverted_triangles_; }
-
- private:
-  const std::vector<int>& handle_vertices(const std::string& name) const;
-  // Number of triangles whose normal opposes the mean normal of their neighbours.
-  long count_folded_triangles(const Points& p) const;
-
-  const TriangleMesh& mesh_;
-  const SequenceParts& parts_;
-  std::vector<SequenceReport::Foot> feet_;
-  std::vector<std::vector<Vec3>> centres_;
-  std::deque<Points> last_;
-  double max_second_difference_ = 0;
-  long inverted_triangles_ = 0;
-};
+/// Stores all measurements in the report. `feet`: those that `measures` measured. `size`: of the
+/// first frame.
+void report_measures(const FrameMeasures& measures, const SequenceParts& parts,
+                     const PartDeviation& deviation, std::vector<SequenceReport::Foot> feet,
+                     double size, SequenceReport& report);
 
 }  // namespace batten

@@ -1,47 +1,18 @@
 #include "batten/apps/commands/sequences/sequence_steps.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
 #include "batten/apps/commands/sequences/prescribed_motion.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 #include "batten/mesh/sequence/trajectories/trajectory_filters.h"
 
 namespace batten {
-
 namespace {
-
-/// Six times the enclosed volume of a closed mesh, negative if its faces point inwards; 0 for an
-/// open mesh.
-double six_times_volume(const TriangleMesh& mesh) {
-  if (!mesh.topology().boundary_loops().empty()) return 0;
-  const Eigen::RowVector3d middle = mesh.points().colwise().mean();
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles()) {
-    const Vec3 p = mesh.points().row(a) - middle, q = mesh.points().row(b) - middle,
-               r = mesh.points().row(c) - middle;
-    sum += p.dot(q.cross(r));
-  }
-  return sum;
-}
-
-/// The mesh with all faces reversed.
-ShellMesh inverted(const ShellMesh& shells) {
-  ShellMesh result;
-  result.points = shells.points;
-  for (int f = 0; f < shells.face_count(); ++f) {
-    std::vector<int> face(shells.corners(f).begin(), shells.corners(f).end());
-    std::ranges::reverse(face);
-    result.add_face(face);
-  }
-  return result;
-}
 
 /// Performs one step; holds the data that all kinds of steps need.
 class StepRunner {
@@ -67,8 +38,14 @@ class StepRunner {
       }
     auto warnings = warn_of_fixed_handle_nodes(parts_, sorted_unique(std::move(moved)), fixed_);
     const auto [first, last] = std::ranges::minmax(what.keys, {}, &KeyframeSpec::frame);
+    FrameConstraints constraints = constraints_of(step_, parts_, fixed_);
+    constraints.handles.clear();
+    for (const int h : handles) constraints.handles.push_back(parts_.handles[h]);
+    SequenceEditOptions options = step_.options;
+    open_influence_at_ends(options.influence, sequence().frame_count(), first.frame - 1,
+                           last.frame - 1);
     const auto editor =
-        editor_for(step_, from_, parts_, handles, fixed_, first.frame - 1, last.frame - 1);
+        std::make_shared<SequenceEditor>(sequence(), from_.mesh, std::move(constraints), options);
     std::vector<SequenceKeyframe> keys;
     for (const KeyframeSpec& rule : what.keys) {
       SequenceKeyframe key{rule.frame - 1, {}};
@@ -117,33 +94,25 @@ class StepRunner {
     std::vector<std::string> warnings;
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
-    auto to = tracks.prints;
     std::optional<Terrain> terrain;
     if (!what.terrain.empty()) terrain.emplace(read_terrain(what), scene_.upwards());
-    for (size_t f = 0; f < to.size(); ++f)
-      for (FootContact& print : to[f]) {
-        print = moved({Mat3::Identity(), what.translation}, print);
-        if (!terrain) continue;
-        const double height = print.at.dot(scene_.upwards()) - what.ground;
-        print = projected(print, *terrain, {what.clearance.value_or(height), what.rotations},
-                          scene_.at(step_.location) + scene_.handles[tracks.handles[f]].name);
-      }
+    const auto to = placed_contacts(tracks, {what.translation, terrain ? &*terrain : nullptr,
+                                             what.clearance, what.ground, what.rotations});
+    require_contacts(scene_, step_, tracks);
     PrescribedMotion prescribed =
-        plant_feet(scene_, step_, tracks, tracks.before, to, sequence().times);
+        plant_feet(tracks, tracks.trajectories, to, sequence().times, plant_options());
     add_upright_handles(scene_, from_, parts_, what.unrotated,
-                        mean_shift(from_, parts_, prescribed), prescribed);
+                        mean_shift(sequence().frames, parts_.handles, prescribed), prescribed);
     StepResult result =
         apply_prescribed_motion(step_, from_, parts_, prescribed, fixed_, progress_);
-    result.feet = foot_reports(scene_, step_, tracks, size_of(sequence()));
+    result.feet = foot_reports(step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
 
   StepResult operator()(const SequenceOperation::Path& what) const {
     std::vector<std::string> warnings;
-    Points centres(sequence().frame_count(), 3);
-    for (int k = 0; k < sequence().frame_count(); ++k)
-      centres.row(k) = sequence().frames[k].colwise().mean();
+    const Points centres = root_trajectory(sequence().frames).centres;
     const double distance = (centres.rowwise() - centres.row(0)).rowwise().norm().maxCoeff();
     if (distance < 0.1 * size_of(sequence()))
       warnings.push_back("the mesh stays within " + format_number(distance) + " " + scene_.unit +
@@ -162,23 +131,15 @@ class StepRunner {
     }
     const FootTracks tracks =
         find_feet(scene_, sequence(), parts_, what.feet, what.search, warnings);
-    std::vector<Trajectory> there;
-    std::vector<std::vector<FootContact>> to;
-    for (size_t f = 0; f < tracks.handles.size(); ++f) {
-      there.push_back(moved(motions, tracks.before[f]));
-      to.push_back(averaged(tracks.prints[f], motions));
-    }
-    PrescribedMotion prescribed = plant_feet(scene_, step_, tracks, there, to, sequence().times);
-    // The editor measures rotations from its own first frame, which has rotated with the path.
-    for (auto& target_trajectory : prescribed.target_trajectory)
-      for (Mat3& rotation : target_trajectory.rotations)
-        rotation = rotation * motions.front().rotation.transpose();
+    require_contacts(scene_, step_, tracks);
+    PrescribedMotion prescribed =
+        plant_feet_along(tracks, motions, sequence().times, plant_options());
     add_upright_handles(scene_, *along, parts_, what.unrotated,
                         Points::Zero(sequence().frame_count(), 3), prescribed);
     StepResult result =
         apply_prescribed_motion(step_, *along, parts_, prescribed, fixed_, progress_);
     keep_alive(result, along);
-    result.feet = foot_reports(scene_, step_, tracks, size_of(sequence()));
+    result.feet = foot_reports(step_, tracks, size_of(sequence()));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     return result;
   }
@@ -207,22 +168,18 @@ class StepRunner {
       const auto parent = std::find(numbers.begin(), numbers.end(), parts_.parents[h]);
       if (parent != numbers.end()) handle.parent = static_cast<int>(parent - numbers.begin());
       for (size_t f = 0; f < tracks.handles.size(); ++f)
-        if (tracks.handles[f] == h) handle.foot_contacts = tracks.prints[f];
+        if (tracks.handles[f] == h) handle.foot_contacts = tracks.contacts[f];
       handles.push_back(std::move(handle));
     }
-    Trajectory root;
-    root.centres.resize(sequence().frame_count(), 3);
-    root.rotations.assign(sequence().frame_count(), Mat3::Identity());
-    for (int k = 0; k < sequence().frame_count(); ++k)
-      root.centres.row(k) = sequence().frames[k].colwise().mean();
     FilterOptions even_ends;
     even_ends.padding = Padding::Odd;  // a walk does not slow down at the end of the frames
+    const Trajectory root = root_trajectory(sequence().frames);
     const PrescribedMotion prescribed{
         numbers, filtered(root, handles, filter, even_ends).handles,
         keyframe_mask(sequence().frame_count(), step_.keyframe_interval, {})};
     StepResult result =
         apply_prescribed_motion(step_, from_, parts_, prescribed, fixed_, progress_);
-    result.feet = foot_reports(scene_, step_, tracks, size_of(sequence()));
+    result.feet = foot_reports(step_, tracks, size_of(sequence()));
     for (auto& foot : result.feet)  // the existing foot skate is tolerated
       foot.max_foot_skate = std::max(foot.max_foot_skate, 1.001 * foot.foot_skate_before);
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
@@ -238,7 +195,6 @@ class StepRunner {
     const MeshFile file = MeshFile::from_shells(source.shells);
     VertexSelector select(selections, file, prepared.mesh);
     PrescribedMotion prescribed;
-    using Align = SequenceOperation::Mix::Align;
     std::vector<Trajectory> own, other;
     for (const auto& pair : what.pairs) {
       const int h = parts_.handle(scene_, pair.handle);
@@ -250,26 +206,11 @@ class StepRunner {
                          " nodes, as many as in this sequence");
       prescribed.handles.push_back(h);
       own.push_back(trajectory_of(sequence().frames, parts_.handles[h].vertices));
-      other.push_back(resampled(
-          trajectory_of(source.frames, same ? parts_.handles[h].vertices : select.of(pair.from)),
-          sequence().frame_count()));
+      other.push_back(
+          trajectory_of(source.frames, same ? parts_.handles[h].vertices : select.of(pair.from)));
     }
-    for (size_t p = 0; p < own.size(); ++p) {
-      Trajectory target_trajectory = other[p];
-      if (what.align == Align::Shift)
-        target_trajectory.centres.rowwise() +=
-            (own[p].centres - target_trajectory.centres).colwise().mean();
-      else if (what.align == Align::Each)
-        target_trajectory = aligned(target_trajectory, fitted({other[p]}, {own[p]}));
-      else
-        target_trajectory = aligned(target_trajectory, fitted(other, own));
-      if (what.rotations)
-        align_rotations(target_trajectory, own[p]);
-      else
-        target_trajectory.rotations = own[p].rotations;
-      prescribed.target_trajectory.push_back(std::move(target_trajectory));
-    }
-    prescribed.prescribed = keyframe_mask(sequence().frame_count(), step_.keyframe_interval, {});
+    prescribed.targets = transferred(other, own, {what.align, scene_.upwards(), what.rotations});
+    prescribed.is_keyframe = keyframe_mask(sequence().frame_count(), step_.keyframe_interval, {});
     return apply_prescribed_motion(step_, from_, parts_, prescribed, fixed_, progress_);
   }
 
@@ -301,62 +242,24 @@ class StepRunner {
         format_number(frames) + " frames of " + std::to_string(sequence().node_count()) + " nodes");
   }
 
-  /// The similarity that maps the trajectories `from` to the trajectories `to`.
-  Similarity fitted(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to) const {
-    const auto stacked = [](const std::vector<Trajectory>& all) {
-      Trajectory one;
-      one.centres.resize(all.front().frame_count() * isize(all), 3);
-      for (size_t p = 0; p < all.size(); ++p) {
-        one.centres.middleRows(static_cast<long>(p) * all[p].frame_count(), all[p].frame_count()) =
-            all[p].centres;
-        one.rotations.insert(one.rotations.end(), all[p].rotations.begin(), all[p].rotations.end());
-      }
-      return one;
-    };
-    AlignmentOptions options;
-    options.about = scene_.upwards();
-    return alignment(stacked(from), stacked(to), options);
-  }
-
-  // Rotations are relative to the first frame, in which the two handles may be oriented
-  // differently; their mean orientation over all frames is aligned instead.
-  static void align_rotations(Trajectory& target_trajectory, const Trajectory& own) {
-    Mat3 sum = Mat3::Zero();
-    for (size_t k = 0; k < own.rotations.size(); ++k)
-      sum += target_trajectory.rotations[k].transpose() * own.rotations[k];
-    const Mat3 between = nearest_rotation(sum);
-    for (Mat3& rotation : target_trajectory.rotations) rotation = rotation * between;
+  FootPlantOptions plant_options() const {
+    return {step_.options.trajectories, step_.keyframe_interval};
   }
 
   /// Fits a sequence with other faces to the faces of ours.
   MeshSequence fit_to_source(const SequenceOperation::Morph& what, const MorphOptions& options,
                              const MeshSequence& target, std::vector<std::string>& warnings) const {
-    const Points& ours = sequence().frames[options.source.first];
-    const Points& theirs = target.frames.at(options.target.first);
-    ShellMesh shells = target.shells;
-    shells.points = theirs;
-    TriangleMesh target_mesh = prepare(shells).mesh;
-    Points vertices(from_.mesh.vertex_count(), 3);
-    for (int v = 0; v < vertices.rows(); ++v)
-      vertices.row(v) = ours.row(from_.mesh.topology().node_of(v));
-    const TriangleMesh our_mesh = from_.mesh.with_points(std::move(vertices));
-    if (six_times_volume(our_mesh) * six_times_volume(target_mesh) < 0)
-      target_mesh = prepare(inverted(shells)).mesh;
-    std::vector<LandmarkPair> landmarks;
-    for (const auto& l : what.landmarks) {
-      int node = 0;
-      (ours.rowwise() - l.from.transpose()).rowwise().squaredNorm().minCoeff(&node);
-      landmarks.push_back({node, l.to});
-    }
-    const TargetFit fit = fit_to_target(our_mesh, target_mesh, landmarks, what.fit, progress_);
-    const double size = target_mesh.size();
+    RegisteredTarget registered =
+        registered_target(sequence(), from_.mesh, options.source.first, target,
+                          options.target.first, what.landmarks, what.fit, progress_);
+    const TargetFit& fit = registered.fit;
+    const double size = registered.target_size;
     warnings.push_back("fitted to the target, distances relative to its size: mean " +
                        format_number(fit.mean_distance / size) + ", max " +
                        format_number(fit.largest_distance / size) + ", landmarks " +
                        format_number(fit.landmark_distance / size) + "; inverted triangles " +
                        std::to_string(fit.inverted));
-    return transfer_target_motion(sequence().shells, fit.positions, target, target_mesh,
-                                  options.target.first);
+    return std::move(registered.sequence);
   }
 
   TriangleMesh read_terrain(const SequenceOperation::FootContacts& what) const {

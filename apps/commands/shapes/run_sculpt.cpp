@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/shell_evaluator.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
-#include "batten/apps/commands/shapes/stress_analysis.h"
+#include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/pictures/image.h"
@@ -281,7 +282,7 @@ class SculptRun {
   // Maxima over all load cases.
   std::optional<Report::Sculpting::Stress> current_stress() {
     if (!task_.stress) return std::nullopt;
-    const StressEvaluator::MaxValues most = stress_.at(session_->layout(), session_->dofs());
+    const ShellEvaluator::MaxValues most = stress_.at(session_->layout(), session_->dofs());
     return Report::Sculpting::Stress{most.displacement, most.von_mises};
   }
 
@@ -353,7 +354,7 @@ class SculptRun {
   SculptModel model_;
   std::vector<SweepTask> sweeps_;
   std::optional<SculptingSession> session_;
-  StressEvaluator stress_{scene_};
+  ShellEvaluator stress_{shell_problem(scene_)};
   SessionReference start_;
   SolveReport solve_report_;
 };

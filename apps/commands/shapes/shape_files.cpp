@@ -19,6 +19,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/vtk/vtk_files.h"
+#include "batten/skinning/surfaces/model_curves.h"
 
 namespace batten {
 
@@ -249,7 +250,8 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   StepFileOptions words;
   words.name = scene.name;
   words.ap242 = scene.step_ap242;
-  if (scene.step_lines) words.lines = line_curves(made);
+  if (scene.step_lines)
+    words.lines = model_curves(made.model, made.network ? &*made.network : nullptr);
   StepReport step = (s.form == "face" ? face_step : exact_step)(report, scene, words, regions,
                                                                 out.file(scene.step));
   constexpr int few_triangles = 10'000;

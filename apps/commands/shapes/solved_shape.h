@@ -2,56 +2,26 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "batten/apps/commands/shapes/built_model.h"
 #include "batten/sculpting/session/sculpting_session.h"
-#include "batten/sculpting/session/session_options.h"
-#include "batten/skinning/surfaces/skin_network.h"
-#include "batten/skinning/target/fit_model.h"
+#include "batten/skinning/shapes/fair_shape.h"
 
 namespace batten {
 
 // Fair shape of a scene's lines, which is also the rest shape of its session.
-
-/// What fairing did to a shape.
-struct FairingSummary {
-  /// Set if the shape is a minimum-variation surface.
-  std::optional<MinimumVariationSurface> surface;
-  bool requested = true;        ///< false: chosen automatically for regions with five or more sides
-  int regions = 0;              ///< number of faired regions
-  bool lofted = false;          ///< true: the scene requested a loft
-  std::optional<ModelFit> fit;  ///< set if the scene has a [[target]]
-  std::vector<UnchangedRegion> unchanged_regions;  ///< regions that were not faired
-  std::string failure_reason;  ///< if not empty: why fairing failed; the shape is then the one of
-                               ///< minimum bending
-};
-
-/// The shape of a scene's lines, without loads and constraints.
-struct FairShape {
-  std::shared_ptr<const ModelLayout> layout;  ///< the input layout, or a refinement
-  Points dofs;                                ///< no rows if failure_reason is set
-  /// Result of fairing. The function rest() of a live session updates it.
-  std::shared_ptr<FairingSummary> fairing;
-  /// Rest shape of the session's surface; empty: flat rest state.
-  RestShapeFunction rest;
-};
 
 /// True if the scene's lines get another shape than the one of minimum bending: because of [skin]
 /// fair or a [[target]], or because its curves are a series of sections or bound regions with five
 /// or more sides.
 bool requests_fair_shape(const Scene& scene, const BuiltModel& made);
 
-/// Computes the shape for fair = "variation" or "loft", or fits it to [[target]]. If none is
-/// requested, it computes the minimum-variation shape of regions with five or more sides, and keeps
-/// it if the solution converges, has no defect, and stays within 0.15 of the region's size.
+/// Reads the scene's targets, if any, and computes the shape that the scene requests, or that its
+/// faces get automatically (skinning/shapes/fair_shape.h).
 ///
-/// `bent`: dofs of the minimum-bending shape on `layout`, used as the start. The result is the rest
-/// shape of a session; under other line constraints, moves and constraints, fair_shape() or
-/// loft_shape() recomputes it. Throws InputError with the location in the scene, and
-/// CancelledError.
+/// `bent`: dofs of the minimum-bending shape on `layout`, used as the start. Throws the exceptions
+/// of target_of() and compute_fair_shape(), with the location in the scene.
 FairShape compute_fair_shape(const Scene& scene, const BuiltModel& made,
                              std::shared_ptr<const ModelLayout> layout, const Points& bent,
                              const Progress& progress = {});

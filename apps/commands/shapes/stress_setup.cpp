@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 
 #include "batten/core/errors.h"
 #include "batten/sculpting/loads/area_weights.h"
@@ -32,6 +33,9 @@ int find_region(const ModelLayout& layout, const Scene& scene, const LocatedStri
                    expected_one_of(region.text, names));
 }
 
+namespace {
+
+// Throws InputError, with the location in the scene, for inconsistent units.
 void require_consistent_units(const Scene& scene) {
   const SceneStress& s = *scene.stress;
   const auto refuse = [&](const std::string& what, const std::string& expected) {
@@ -53,8 +57,6 @@ void require_consistent_units(const Scene& scene) {
       refuse("density = " + format_number(s.density), "kg/m³ (steel: 7850), not t/mm³");
   }
 }
-
-namespace {
 
 // The areas of a scene's area: one per segment of a split line.
 std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const SceneArea& area) {
@@ -203,8 +205,6 @@ void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points
   if (all != base) definition.nodal_thickness_offset = all - base;
 }
 
-}  // namespace
-
 ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
                                  const Points& shape) {
   const SceneStress& s = *scene.stress;
@@ -239,6 +239,37 @@ std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& 
     }
   }
   return loads;
+}
+
+std::vector<ShellLoadCase> load_cases(const Scene& scene, const ModelLayout& layout,
+                                      const Points& shape, const ShellDefinition& definition) {
+  const auto loads = case_loads(scene, layout, shape, definition);
+  std::vector<ShellLoadCase> cases;
+  for (const std::string& name : scene.stress->cases()) cases.push_back({name, loads.at(name)});
+  for (const SceneStress::Combination& sum : scene.stress->combinations) {
+    cases.push_back({sum.name, Points::Zero(shape.rows(), 3)});
+    for (const auto& [load_case, factor] : sum.parts)
+      cases.back().load += factor * loads.at(load_case.text);
+  }
+  if (cases.empty())  // prescribed displacements only
+    cases.push_back({"supports", Points::Zero(shape.rows(), 3)});
+  for (ShellLoadCase& one : cases)
+    for (const SceneStress::Load& load : scene.stress->loads)
+      if (load.type == SceneStress::Load::Type::Point) one.singular_points.push_back(load.point);
+  return cases;
+}
+
+}  // namespace
+
+ShellProblem shell_problem(const Scene& scene) {
+  return {
+      [&scene](const ModelLayout& layout, const Points& shape) {
+        require_consistent_units(scene);
+        return shell_definition(scene, layout, shape);
+      },
+      [&scene](const ModelLayout& layout, const Points& shape, const ShellDefinition& definition) {
+        return load_cases(scene, layout, shape, definition);
+      }};
 }
 
 namespace {

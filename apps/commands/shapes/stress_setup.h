@@ -1,11 +1,10 @@
 // Translates [stress] of a scene to a shell definition, loads, and a CalculiX deck.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/shell_model.h"
+#include "batten/analysis/models/shell_results.h"
 #include "batten/apps/commands/shapes/built_model.h"
 #include "batten/io/decks/shell_deck.h"
 
@@ -19,19 +18,15 @@ std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scen
 /// Layout index of a region of the scene. Throws InputError like find_lines().
 int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region);
 
-/// Throws InputError, with the location in the scene, for inconsistent units: a modulus in Pa or a
-/// density in kg/m³ in a scene in mm, a modulus in MPa or a density in t/mm³ in a scene in m.
-void require_consistent_units(const Scene& scene);
-
-/// Material, thickness and supports of a scene's shell. Throws InputError, with the location in the
-/// scene, for unknown lines or regions, and for points farther from the surface than half an
-/// element.
-ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
-                                 const Points& shape);
-
-/// The load vector of each load case, by name.
-std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
-                                         const Points& shape, const ShellDefinition& definition);
+/// The shell of a scene: material, thickness, supports, and its load cases followed by their
+/// combinations; one case "supports" without load if there are none. Keeps a reference to the
+/// scene.
+///
+/// Its functions throw InputError, with the location in the scene, for unknown curves or faces,
+/// points farther from the surface than 0.05 of the model size, and inconsistent units: a modulus
+/// in Pa or a density in kg/m³ in a scene in mm, a modulus in MPa or a density in t/mm³ in a scene
+/// in m.
+ShellProblem shell_problem(const Scene& scene);
 
 // [stress] as a CalculiX deck.
 

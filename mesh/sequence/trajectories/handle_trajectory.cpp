@@ -210,4 +210,61 @@ Trajectory aligned(const Trajectory& trajectory, const Similarity& similarity) {
   return result;
 }
 
+namespace {
+
+/// The similarity that maps the trajectories `from` to the trajectories `to`.
+Similarity joint_alignment(const std::vector<Trajectory>& from, const std::vector<Trajectory>& to,
+                           const std::optional<Vec3>& about) {
+  const auto stacked = [](const std::vector<Trajectory>& all) {
+    Trajectory one;
+    one.centres.resize(all.front().frame_count() * isize(all), 3);
+    for (size_t p = 0; p < all.size(); ++p) {
+      one.centres.middleRows(static_cast<long>(p) * all[p].frame_count(), all[p].frame_count()) =
+          all[p].centres;
+      one.rotations.insert(one.rotations.end(), all[p].rotations.begin(), all[p].rotations.end());
+    }
+    return one;
+  };
+  AlignmentOptions options;
+  options.about = about;
+  return alignment(stacked(from), stacked(to), options);
+}
+
+void align_rotations(Trajectory& trajectory, const Trajectory& own) {
+  Mat3 sum = Mat3::Zero();
+  for (size_t k = 0; k < own.rotations.size(); ++k)
+    sum += trajectory.rotations[k].transpose() * own.rotations[k];
+  const Mat3 between = nearest_rotation(sum);
+  for (Mat3& rotation : trajectory.rotations) rotation = rotation * between;
+}
+
+}  // namespace
+
+std::vector<Trajectory> transferred(const std::vector<Trajectory>& from,
+                                    const std::vector<Trajectory>& own,
+                                    const MotionTransferOptions& options) {
+  using Align = MotionTransferOptions::Align;
+  if (from.size() != own.size())
+    throw InputError("transfer of motion: found " + std::to_string(from.size()) +
+                     " trajectories for " + std::to_string(own.size()) + " handles");
+  std::vector<Trajectory> other;
+  for (size_t p = 0; p < own.size(); ++p) other.push_back(resampled(from[p], own[p].frame_count()));
+  std::vector<Trajectory> result;
+  for (size_t p = 0; p < own.size(); ++p) {
+    Trajectory target = other[p];
+    if (options.align == Align::Shift)
+      target.centres.rowwise() += (own[p].centres - target.centres).colwise().mean();
+    else if (options.align == Align::Each)
+      target = aligned(target, joint_alignment({other[p]}, {own[p]}, options.about));
+    else
+      target = aligned(target, joint_alignment(other, own, options.about));
+    if (options.rotations)
+      align_rotations(target, own[p]);
+    else
+      target.rotations = own[p].rotations;
+    result.push_back(std::move(target));
+  }
+  return result;
+}
+
 }  // namespace batten

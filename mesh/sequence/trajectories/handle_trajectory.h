@@ -92,4 +92,26 @@ Similarity alignment(const Trajectory& from, const Trajectory& to,
 /// a rotated reference frame).
 Trajectory aligned(const Trajectory& trajectory, const Similarity& similarity);
 
+/// Options of transferred().
+struct MotionTransferOptions {
+  /// How the trajectories of the other sequence are aligned with those of the handles.
+  enum class Align {
+    All,   ///< one similarity about `about`, common to all handles
+    Each,  ///< one similarity about `about` per handle
+    Shift  ///< one translation per handle: for handles with little motion of their own
+  } align = Align::All;
+  std::optional<Vec3> about = Vec3::UnitZ();  ///< axis of the rotation of the similarities; empty:
+                                              ///< any rotation
+  bool rotations = true;                      ///< true: transfer rotations; false: positions only
+};
+
+/// Transfers the motion of another sequence to handles: the trajectories `from`, resampled to the
+/// frames of the handles and aligned with their own trajectories. Rotations are relative to the first
+/// frame, in which both may be oriented differently; their mean orientation over all frames is
+/// aligned instead. `from` and `own`: one trajectory per handle. The results are targets of a
+/// PrescribedMotion. Throws InputError if the numbers of trajectories differ, and like alignment().
+std::vector<Trajectory> transferred(const std::vector<Trajectory>& from,
+                                    const std::vector<Trajectory>& own,
+                                    const MotionTransferOptions& options = {});
+
 }  // namespace batten

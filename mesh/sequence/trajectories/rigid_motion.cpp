@@ -42,6 +42,15 @@ Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<in
   return result;
 }
 
+Trajectory root_trajectory(const std::vector<Points>& frames) {
+  Trajectory root;
+  root.centres.resize(static_cast<long>(frames.size()), 3);
+  root.rotations.assign(frames.size(), Mat3::Identity());
+  for (size_t k = 0; k < frames.size(); ++k)
+    root.centres.row(static_cast<long>(k)) = frames[k].colwise().mean();
+  return root;
+}
+
 Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& trajectory) {
   need_frames(motions.size(), trajectory.frame_count(), "motions");
   Trajectory result = trajectory;

@@ -54,6 +54,10 @@ struct Trajectory {
 /// of range. O(frames · vertices).
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices);
 
+/// Trajectory of the mean of all nodes, without rotations: the root of a sequence. O(frames ·
+/// nodes).
+Trajectory root_trajectory(const std::vector<Points>& frames);
+
 /// Applies one motion M_k per frame to a trajectory: centres M_k c_k, rotations M_k R_k. Throws
 /// InputError if the numbers of motions and frames differ.
 Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& trajectory);

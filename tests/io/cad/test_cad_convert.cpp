@@ -59,7 +59,7 @@ Handle(TDocStd_Document) pair_of_blocks(TopoDS_Shape& whole) {
 
 }  // namespace
 
-TEST_CASE("names and colours of faces survive from STEP over IGES and AP242 to STEP") {
+TEST_CASE("names and colours of faces survive from STEP over IGES and AP242 to STEP", "[io][cad]") {
   const fs::path folder = scratch("cad_names");
   const fs::path first = written(folder / "a.step", painted("block", drilled_block()));
   const CadContents before = read_cad_contents(first);
@@ -90,7 +90,7 @@ TEST_CASE("names and colours of faces survive from STEP over IGES and AP242 to S
   CHECK(read_cad_contents(folder / "d.stp").format == "STEP AP214");
 }
 
-TEST_CASE("names in other alphabets survive in STEP") {
+TEST_CASE("names in other alphabets survive in STEP", "[io][cad]") {
   const fs::path folder = scratch("cad_letters");
   CadPart part = painted("Tür", drilled_block());
   part.faces[0].name = "Größe 山";
@@ -99,8 +99,8 @@ TEST_CASE("names in other alphabets survive in STEP") {
   CHECK(faces_by_name(read.names).count("Größe 山") == 1);
 }
 
-TEST_CASE(
-    "an assembly keeps its instances, their places and layers in STEP, and its solids in IGES") {
+TEST_CASE("an assembly keeps its instances, their positions and layers in STEP, its solids in IGES",
+          "[io][cad]") {
   const fs::path folder = scratch("cad_assembly");
   TopoDS_Shape whole;
   const auto document = pair_of_blocks(whole);
@@ -130,7 +130,8 @@ TEST_CASE(
   CHECK_THAT(iges.notes[0], Contains("IGES has no assemblies"));
 }
 
-TEST_CASE("the same part in mm, m and inches has the same geometry, and files declare their unit") {
+TEST_CASE("the same part in mm, m and inches has the same geometry, and files declare their unit",
+          "[io][cad]") {
   const fs::path folder = scratch("cad_units");
   const CadPart part = painted("block", drilled_block());
   const fs::path first = written(folder / "mm.step", part);
@@ -165,7 +166,7 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
     }
 }
 
-TEST_CASE("a STEP file without a unit is said to be in mm") {
+TEST_CASE("a STEP file without a unit is reported to be in mm", "[io][cad]") {
   const fs::path folder = scratch("cad_no_unit");
   const fs::path first = written(folder / "a.step", painted("block", drilled_block()));
   std::ostringstream text;
@@ -182,7 +183,7 @@ TEST_CASE("a STEP file without a unit is said to be in mm") {
   CHECK_THAT(c.notes[0], Contains("no length unit: assumed mm"));
 }
 
-TEST_CASE("BREP is read wherever STEP is, and loses names only") {
+TEST_CASE("BREP is read wherever STEP is, and loses names only", "[io][cad]") {
   const fs::path folder = scratch("cad_brep");
   const fs::path step = written(folder / "a.step", painted("block", drilled_block()));
   const CadConversion c = convert_cad(step, folder / "a.brep");
@@ -205,7 +206,7 @@ TEST_CASE("BREP is read wherever STEP is, and loses names only") {
   CHECK(read_cad_contents(folder / "in.brep").size * 25.4 == Approx(c.before.size).epsilon(1e-9));
 }
 
-TEST_CASE("BREP in binary form is read as its text is") {
+TEST_CASE("BREP in binary form is read as its text is", "[io][cad]") {
   const SandboxScope child;
   const fs::path folder = scratch("cad_binary");
   const TopoDS_Shape shape = drilled_block();
@@ -229,7 +230,7 @@ TEST_CASE("BREP in binary form is read as its text is") {
   check_same(c.before, c.after);
 }
 
-TEST_CASE("a conversion that fails leaves nothing, and keeps an older file") {
+TEST_CASE("a conversion that fails leaves nothing, and keeps an older file", "[io][cad]") {
   const fs::path folder = scratch("cad_refused");
   std::ofstream(folder / "bad.step") << "ISO-10303-21;\nHEADER;\nENDSEC;\nEND-ISO-10303-21;\n";
   std::ofstream(folder / "old.iges") << "old";

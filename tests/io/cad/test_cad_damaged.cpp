@@ -43,7 +43,7 @@ void check_refused(const fs::path& file, const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("CAD files that are cut short at fifty places are refused") {
+TEST_CASE("CAD files that are cut short at fifty positions are refused", "[io][cad]") {
   const SandboxScope child;
   const fs::path folder = scratch("cad_cut");
   for (const std::string kind : {".step", ".iges", ".brep", ".brep binary"}) {
@@ -56,7 +56,7 @@ TEST_CASE("CAD files that are cut short at fifty places are refused") {
   }
 }
 
-TEST_CASE("bytes at random, renamed text and impossible counts are refused as CAD") {
+TEST_CASE("bytes at random, renamed text and impossible counts are refused as CAD", "[io][cad]") {
   const SandboxScope child;
   const fs::path folder = scratch("cad_random");
   std::mt19937 random(7);
@@ -83,7 +83,7 @@ TEST_CASE("bytes at random, renamed text and impossible counts are refused as CA
   }
 }
 
-TEST_CASE("damaged bytes in sound CAD files are read or refused, and bring nothing down") {
+TEST_CASE("damaged bytes in valid CAD files are read or refused, and crash nothing", "[io][cad]") {
   const SandboxScope child;
   const fs::path folder = scratch("cad_damaged");
   std::mt19937 random(11);

@@ -68,7 +68,7 @@ fs::path unsewn(const fs::path& file, const TopoDS_Shape& shape) {
 
 }  // namespace
 
-TEST_CASE("triangles of closed solids have no free edge and the solid's volume") {
+TEST_CASE("triangles of closed solids have no free edge and the solid's volume", "[io][cad]") {
   const fs::path folder = scratch("facets_closed");
   const std::pair<const char*, TopoDS_Shape> solids[] = {
       {"block", drilled_block()},
@@ -94,7 +94,7 @@ TEST_CASE("triangles of closed solids have no free edge and the solid's volume")
     }
 }
 
-TEST_CASE("the deviation that is told is that of the sphere, and follows the chord") {
+TEST_CASE("the reported deviation is that of the sphere, and follows the chord", "[io][cad]") {
   const fs::path folder = scratch("facets_sphere");
   const fs::path file =
       written(folder / "a.step", painted("ball", BRepPrimAPI_MakeSphere(10).Shape()));
@@ -122,7 +122,7 @@ TEST_CASE("the deviation that is told is that of the sphere, and follows the cho
   }
 }
 
-TEST_CASE("groups of triangles lie on the faces whose names they have") {
+TEST_CASE("groups of triangles lie on the faces whose names they have", "[io][cad]") {
   const fs::path folder = scratch("facets_groups");
   CadPart part = painted("block", BRepPrimAPI_MakeBox(40, 30, 20).Shape());
   for (CadFace& face : part.faces) face.name.clear();
@@ -141,7 +141,8 @@ TEST_CASE("groups of triangles lie on the faces whose names they have") {
   CHECK(all == facets.mesh.face_count());
 }
 
-TEST_CASE("an open shell is free along its rims only, and faces apart are not joined") {
+TEST_CASE("an open shell has free edges only at its boundary, and separate faces are not joined",
+          "[io][cad]") {
   const fs::path folder = scratch("facets_open");
   TopoDS_Compound two;  // half a pipe's wall is one face, a plane far away another
   BRep_Builder builder;
@@ -155,7 +156,8 @@ TEST_CASE("an open shell is free along its rims only, and faces apart are not jo
   CHECK(facets.unmeshed == 0);
 }
 
-TEST_CASE("instances of an assembly are meshed at their places, in the unit that is asked for") {
+TEST_CASE("instances of an assembly are meshed at their positions, in the requested unit",
+          "[io][cad]") {
   const fs::path folder = scratch("facets_places");
   const CadPart part = painted("block", drilled_block());
   const auto document = document_of({part});
@@ -178,7 +180,7 @@ TEST_CASE("instances of an assembly are meshed at their places, in the unit that
   CHECK(volume_of(facets.mesh) == Approx(2e-9 * (24000 - std::numbers::pi * 500)).epsilon(0.01));
 }
 
-TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks") {
+TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks", "[io][cad]") {
   const fs::path folder = scratch("facets_glb");
   for (const std::string ending : {".step", ".iges"}) {
     const fs::path file = folder / ("a" + ending);
@@ -245,7 +247,7 @@ TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks"
   }
 }
 
-TEST_CASE("a chord that is no length, or far too small, is refused") {
+TEST_CASE("a chord that is no length, or far too small, is refused", "[io][cad]") {
   const fs::path folder = scratch("facets_refused");
   const fs::path file = written(folder / "a.step", painted("block", drilled_block()));
   CadFacetOptions options;
@@ -256,7 +258,7 @@ TEST_CASE("a chord that is no length, or far too small, is refused") {
   CHECK_THAT(error_message([&] { tessellate_cad(file, options); }), Contains("chord"));
 }
 
-TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does") {
+TEST_CASE("curved triangles keep a chord with fewer, and bulge as the face does", "[io][cad]") {
   const fs::path folder = scratch("facets_curved");
   const fs::path file =
       written(folder / "a.step", painted("tube", BRepPrimAPI_MakeTorus(20, 6).Shape()));

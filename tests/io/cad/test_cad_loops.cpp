@@ -45,7 +45,8 @@ fs::path file_of(const std::string& name, const TopoDS_Shape& shape) {
 
 }  // namespace
 
-TEST_CASE("the loops of a block are the edges of its faces, which meet at right angles") {
+TEST_CASE("the loops of a block are the edges of its faces, which meet at right angles",
+          "[io][cad]") {
   const fs::path file = file_of("block", BRepPrimAPI_MakeBox(10, 20, 30).Shape());
   const CadFaceTopology found = read_cad_loops(file, 1e-3);
   REQUIRE(found.faces.size() == 6);
@@ -68,7 +69,8 @@ TEST_CASE("the loops of a block are the edges of its faces, which meet at right 
   CHECK(read_cad_loops(file, 1).size == Approx(1e-3 * found.size));
 }
 
-TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball none") {
+TEST_CASE("a tube has two boundaries and a seam, a plate with a hole two loops, a ball none",
+          "[io][cad]") {
   const auto tube = read_cad_loops(file_of("tube", BRepPrimAPI_MakeCylinder(4, 25).Shape()), 1e-3);
   REQUIRE(tube.faces.size() == 3);
   int rings = 0;
@@ -97,7 +99,7 @@ TEST_CASE("a tube has two rims and a seam, a plate with a hole two loops, a ball
   CHECK(ball.faces[0].loops.empty());
 }
 
-TEST_CASE("a crease inside of a face is a line, with the angle by which the surface turns") {
+TEST_CASE("a crease inside a face is a curve, with the angle between the two sides", "[io][cad]") {
   const fs::path file = file_of("fold", folded(40));
   CHECK(read_cad_lines(file, 1e-3).size() == 4);
   const auto lines = read_cad_lines(file, 1e-3, true);

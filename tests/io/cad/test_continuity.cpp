@@ -59,7 +59,8 @@ fs::path written(const std::string& name, const TopoDS_Shape& shape) {
 
 }  // namespace
 
-TEST_CASE("edges of an obround are tangent and its curvature jumps by one over the radius") {
+TEST_CASE("edges of an obround are tangent and its curvature jumps by one over the radius",
+          "[io][step]") {
   for (const char* name : {"obround.step", "obround.iges"})
     for (const char* unit : {"mm", "m"}) {
       INFO(name << " in " << unit);
@@ -87,7 +88,8 @@ TEST_CASE("edges of an obround are tangent and its curvature jumps by one over t
     }
 }
 
-TEST_CASE("a side that misses an arc's tangent by half a degree is a crease of half a degree") {
+TEST_CASE("a side that misses an arc's tangent by half a degree is a crease of half a degree",
+          "[io][step]") {
   const auto r = measure_continuity(written("nearly.step", obround(0.5)), 1e-3);
   double smallest = 180;
   for (const auto& edge : r.inner) smallest = std::min(smallest, edge.angle_deg);
@@ -104,7 +106,8 @@ TEST_CASE("a side that misses an arc's tangent by half a degree is a crease of h
         2);
 }
 
-TEST_CASE("a sphere's seam goes on with one curvature, a box has twelve creases and no gap") {
+TEST_CASE("a sphere's seam goes on with one curvature, a box has twelve creases and no gap",
+          "[io][step]") {
   const auto sphere =
       measure_continuity(written("sphere.step", BRepPrimAPI_MakeSphere(7.0).Shape()), 1e-3);
   CHECK(sphere.faces == 1);
@@ -119,7 +122,7 @@ TEST_CASE("a sphere's seam goes on with one curvature, a box has twelve creases 
   CHECK(box.worst(Kind::Crease)->gap < 1e-12);
 }
 
-TEST_CASE("continuity of nothing is refused") {
+TEST_CASE("continuity of nothing is refused", "[io][step]") {
   const fs::path none = fs::temp_directory_path() / "batten_continuity_none.step";
   CHECK_THROWS_AS(measure_continuity(none, 1e-3), InputError);
   const auto box = written("box.step", BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape());

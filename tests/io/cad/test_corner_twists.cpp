@@ -45,15 +45,14 @@ struct Crossing {
 
 }  // namespace
 
-TEST_CASE("normals of a surface with one curvature stay as they are") {
+TEST_CASE("normals of a surface with one curvature stay as they are", "[io][step]") {
   for (const double rate :
        matching_twists(Crossing(1.2, {0, 0, 0, 0}).ends, Crossing(1.2, {0, 0, 0, 0}).corners))
     CHECK(std::abs(rate) < 1e-3);
 }
 
-TEST_CASE(
-    "four faces around a node get one twist each, by rates that are no larger than what was "
-    "wrong") {
+TEST_CASE("four faces around a node get one twist each, by rates no larger than the defect",
+          "[io][step]") {
   for (const double angle : {0.5, 1.2, 2.4}) {
     const Crossing crossing(angle, {0.8, -0.3, 0.1, 0.5});
     REQUIRE(crossing.mismatch({0, 0, 0, 0}) > 0.1);
@@ -63,7 +62,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the sides of a join may have opposite normals") {
+TEST_CASE("the sides of a join may have opposite normals", "[io][step]") {
   Crossing crossing(1.2, {0.8, -0.3, 0.1, 0.5});
   const auto rates = matching_twists(crossing.ends, crossing.corners);
   TwistEnd& turned = crossing.ends[1];

@@ -71,8 +71,8 @@ WavyEdge wavy_edge(const std::vector<double>& heights) {
 
 }  // namespace
 
-TEST_CASE("the largest gap comes to one of the reader's places, and no curve changes its shape",
-          "[edge_parameter]") {
+TEST_CASE("the largest gap lies at a sample point of the reader, and no curve changes its shape",
+          "[io][step]") {
   const WavyEdge made = wavy_edge({0, 0.01, -0.02, 0.005, 0.03, -0.01, 0.002, 0});
   double first, last;
   const Handle(Geom_Curve) before = BRep_Tool::Curve(made.edge, first, last);
@@ -103,7 +103,7 @@ TEST_CASE("the largest gap comes to one of the reader's places, and no curve cha
   CHECK(BRep_Tool::Tolerance(made.edge) >= highest);
 }
 
-TEST_CASE("edges on their faces keep their parameter", "[edge_parameter]") {
+TEST_CASE("edges on their faces keep their parameter", "[io][step]") {
   const WavyEdge made = wavy_edge({0, 1e-9, 0, 0, 2e-9, 0, 0, 0});
   reparametrize_for_gap_check(made.edge, 1e-7);
   double first, last;
@@ -111,7 +111,7 @@ TEST_CASE("edges on their faces keep their parameter", "[edge_parameter]") {
 }
 
 TEST_CASE("files whose faces share edges pass OpenCASCADE's check before boolean operations",
-          "[edge_parameter]") {
+          "[io][step]") {
   CHECK(faults(build_model(octants()), "ball", 1e-3) == 0);
   const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
   CHECK(faults(build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4),

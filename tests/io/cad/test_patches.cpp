@@ -38,7 +38,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 }  // namespace
 
-TEST_CASE("patches that touch share their edge, and meet as their poles say", "[exchange]") {
+TEST_CASE("patches that touch share their edge, with the continuity of their poles", "[io][cad]") {
   const auto file = put(two_patches());
   const ContinuityReport report = measure_continuity(file, 1e-3);
   CHECK(report.faces == 2);
@@ -50,7 +50,7 @@ TEST_CASE("patches that touch share their edge, and meet as their poles say", "[
   CHECK(read_cad_surfaces(file, 1e-3).size() == 2);
 }
 
-TEST_CASE("patches that cannot be are refused by their number", "[exchange]") {
+TEST_CASE("patches that cannot be are refused by their number", "[io][cad]") {
   const auto error_of = [](const std::string& text) {
     return error_message([&] { read_cad_lines(put(text), 1e-3); });
   };

@@ -90,7 +90,8 @@ std::string text_of(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and inches", "[step]") {
+TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and inches",
+          "[io][step]") {
   const fs::path folder = batten_test::scratch("step");
   const struct {
     double unit, scale;
@@ -112,7 +113,7 @@ TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and 
   }
 }
 
-TEST_CASE("A STEP file agrees with itself as written, before any reader repairs it", "[step]") {
+TEST_CASE("A STEP file agrees with itself as written, before any reader repairs it", "[io][step]") {
   // OpenCASCADE turns curves and loops round on reading when they run the wrong way; others need
   // not. So this reads the text itself.
   const Surface surface = sheet(2, 1);
@@ -194,7 +195,7 @@ TEST_CASE("A STEP file agrees with itself as written, before any reader repairs 
   for (const auto& [edge, count] : uses) CHECK(std::abs(directions[edge]) == 2 - count);
 }
 
-TEST_CASE("Random dofs make an exact STEP file too", "[step]") {
+TEST_CASE("Random dofs make an exact STEP file too", "[io][step]") {
   Surface surface = sheet(3, 1);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> noise(-0.05, 0.05);
@@ -209,7 +210,7 @@ TEST_CASE("Random dofs make an exact STEP file too", "[step]") {
   CHECK(*r.max_deviation <= 1e-13 * r.size);
 }
 
-TEST_CASE("Several surfaces are several shells of one STEP file", "[step]") {
+TEST_CASE("Several surfaces are several shells of one STEP file", "[io][step]") {
   const Surface low = sheet(2, 1), high = sheet(3, 1, TriangleElement::HCT, 0.7);
   const StepReport r = write(batten_test::scratch("step") / "two.stp", {&low, &high}, 1e-3);
   CHECK(r.valid);
@@ -219,7 +220,7 @@ TEST_CASE("Several surfaces are several shells of one STEP file", "[step]") {
   CHECK(r.area == Approx(low.area() + high.area()).epsilon(1e-6));
 }
 
-TEST_CASE("What is measured on a STEP file is what is in it", "[step]") {
+TEST_CASE("The measurements of a STEP file agree with its contents", "[io][step]") {
   const fs::path folder = batten_test::scratch("step");
   const fs::path file = folder / "sheet.step";
   const Surface surface = sheet(2, 1), moved = sheet(2, 1, TriangleElement::HCT, 0.01);
@@ -245,7 +246,7 @@ TEST_CASE("What is measured on a STEP file is what is in it", "[step]") {
   }
 }
 
-TEST_CASE("A Z12 surface is refused, or written by HCT functions on request", "[step]") {
+TEST_CASE("A Z12 surface is refused, or written by HCT functions on request", "[io][step]") {
   const fs::path file = batten_test::scratch("step") / "z12.step";
   double coarse = 0;
   for (const int n : {4, 8}) {
@@ -261,7 +262,7 @@ TEST_CASE("A Z12 surface is refused, or written by HCT functions on request", "[
   }
 }
 
-TEST_CASE("A STEP file is written whole or not at all", "[step]") {
+TEST_CASE("A STEP file is written whole or not at all", "[io][step]") {
   const fs::path folder = batten_test::scratch("step");
   const fs::path file = folder / "sheet.step";
   Surface surface = sheet(2, 1);
@@ -290,7 +291,7 @@ TEST_CASE("A STEP file is written whole or not at all", "[step]") {
   CHECK(files == 1);
 }
 
-TEST_CASE("Above 10,000 triangles the size of the STEP file is told beforehand", "[step]") {
+TEST_CASE("Above 10,000 triangles the size of the STEP file is reported beforehand", "[io][step]") {
   const auto plane = [](int n) {
     const auto mesh = std::make_shared<ParametricMesh>(ParametricMesh::unit_square(n));
     return Surface(mesh, TriangleElement::HCT, Points::Zero(DofMap(*mesh).count(), 3));

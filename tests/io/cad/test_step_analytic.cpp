@@ -140,7 +140,7 @@ std::vector<SkinnedRegion> can(double from = 0, double edge_length = 5) {
 
 }  // namespace
 
-TEST_CASE("a can is a cylinder and two planes, closed and sound", "[step_analytic]") {
+TEST_CASE("a can is a cylinder and two planes, closed and valid", "[io][step]") {
   // Circles that begin at one angle, at different ones, and so near that no edge between would do.
   for (const double from : {0.0, 1.3, 1e-3}) {
     CAPTURE(from);
@@ -153,13 +153,13 @@ TEST_CASE("a can is a cylinder and two planes, closed and sound", "[step_analyti
   }
 }
 
-TEST_CASE("without analytic faces the same can is made of splines", "[step_analytic]") {
+TEST_CASE("without analytic faces the same can is made of splines", "[io][step]") {
   const Written w = written(can(), "splines", 5e-3, false);
   CHECK(w.kinds == Kinds{{"B-spline", 3}});
   check_solid(w, pi * kRadius * kRadius * kHeight);
 }
 
-TEST_CASE("a tube alone keeps its two rims", "[step_analytic]") {
+TEST_CASE("a tube alone keeps its two free edges", "[io][step]") {
   const Written w = written({can()[2]}, "tube", 5e-3);
   CHECK(w.kinds == Kinds{{"cylinder", 1}});
   CHECK(w.report.solids == 0);
@@ -167,7 +167,7 @@ TEST_CASE("a tube alone keeps its two rims", "[step_analytic]") {
   CHECK(w.report.area == Approx(2 * pi * kRadius * kHeight).epsilon(1e-4));
 }
 
-TEST_CASE("walls that face inwards are cylinders too", "[step_analytic]") {
+TEST_CASE("walls that face inwards are cylinders too", "[io][step]") {
   const BuiltModel made =
       build_model({circle_line("low", 20, 0), circle_line("high", 20, 30, 2),
                    circle_line("hole low", 8, 0), circle_line("hole high", 8, 30, 1)},
@@ -185,7 +185,7 @@ TEST_CASE("walls that face inwards are cylinders too", "[step_analytic]") {
 }
 
 TEST_CASE("a vessel is a cylinder and a hemisphere with its pole, smooth where they meet",
-          "[step_analytic]") {
+          "[io][step]") {
   std::vector<SkinnedRegion> regions = can();
   // The lid becomes the head: equal steps of the radius are equal steps of latitude.
   regions[1] = mapped(
@@ -206,7 +206,7 @@ TEST_CASE("a vessel is a cylinder and a hemisphere with its pole, smooth where t
   CHECK(w.report.joins[0].angle_deg < 0.1);
 }
 
-TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[step_analytic]") {
+TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[io][step]") {
   const auto straight_up = [](const std::string& name, double x, double y) {
     return straight(name, Vec3(x, y, -20), Vec3(x, y, 0));
   };
@@ -246,7 +246,7 @@ TEST_CASE("a quarter of a vessel is a cylinder and a sphere without a pole", "[s
   CHECK(w.report.joins[0].angle_deg < 0.1);
 }
 
-TEST_CASE("a bent can is a torus and a tapered one a cone", "[step_analytic]") {
+TEST_CASE("a bent can is a torus and a tapered one a cone", "[io][step]") {
   const auto closed = [](const std::string& name, const Map& map, const std::string& kind,
                          double volume) {
     CAPTURE(name);
@@ -281,7 +281,7 @@ TEST_CASE("a bent can is a torus and a tapered one a cone", "[step_analytic]") {
       "sphere", pi * (ball2 * kHeight - 2 * std::pow(height, 3) / 3));
 }
 
-TEST_CASE("a ball of eight octants is eight faces of one sphere", "[step_analytic]") {
+TEST_CASE("a ball of eight octants is eight faces of one sphere", "[io][step]") {
   const BuiltModel made = build_model(octants(), {}, 0.2);
   std::vector<SkinnedRegion> regions;
   for (const SkinnedRegion* region : made.model.skinned())
@@ -293,7 +293,7 @@ TEST_CASE("a ball of eight octants is eight faces of one sphere", "[step_analyti
   check_solid(w, 4 * pi / 3);
 }
 
-TEST_CASE("what is no primitive stays a spline beside those that are", "[step_analytic]") {
+TEST_CASE("faces that are no primitives stay splines beside those that are", "[io][step]") {
   // A wall with a waist.
   std::vector<SkinnedRegion> regions = can();
   regions[2] = mapped(regions[2], [](const Vec3& x) {
@@ -306,8 +306,7 @@ TEST_CASE("what is no primitive stays a spline beside those that are", "[step_an
   CHECK(w.report.free_edges == 0);
 }
 
-TEST_CASE("a wall that is off its cylinder by more than the tolerance is a spline",
-          "[step_analytic]") {
+TEST_CASE("a wall that is off its cylinder by more than the tolerance is a spline", "[io][step]") {
   const auto bulged = [](double by) {
     std::vector<SkinnedRegion> regions = can();
     regions[2] = mapped(regions[2], [by](const Vec3& x) {

@@ -144,7 +144,7 @@ RegionSearchOptions surfaces(const std::vector<std::vector<std::string>>& loops)
 }  // namespace
 
 TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
-          "[step_cut][mouse]") {
+          "[io][step][mouse]") {
   const BuiltModel made = mouse(12, false);
   const fs::path file = cut_file("mouse");
   const StepReport r = write_step(file, made.model.skinned(), kMm, {.file = {.name = "mouse"}});
@@ -162,7 +162,7 @@ TEST_CASE("the whole mouse is one solid on its flat side too, which Gmsh opens",
                         .c_str()) == 0);
 }
 
-TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[step_cut]") {
+TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[io][step]") {
   const BuiltModel made = build_model(house(3), surfaces({{"base"}}), 7);
   const auto regions = made.model.skinned();
   REQUIRE(regions.size() == 9);
@@ -175,7 +175,8 @@ TEST_CASE("a curved side that is cut keeps its tolerance, whatever that is", "[s
   }
 }
 
-TEST_CASE("two cut sides have the closed line between them in common as two edges", "[step_cut]") {
+TEST_CASE("two trimmed sides have the closed curve between them in common as two edges",
+          "[io][step]") {
   std::vector<CharacterLine> lines = house(2);
   lines.push_back(wave("drain", 8, 1, 0.5, 2));
   RegionSearchOptions specs = surfaces({{"base"}, {"drain"}});
@@ -192,7 +193,7 @@ TEST_CASE("two cut sides have the closed line between them in common as two edge
   expect_cut_solid(r, made, 1e-4);
 }
 
-TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") {
+TEST_CASE("an annulus ends in discs that are trimmed along closed curves", "[io][step]") {
   const BuiltModel made =
       build_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1)},
                   region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}}), 3);
@@ -204,7 +205,7 @@ TEST_CASE("a ring ends in discs that are cut along closed lines", "[step_cut]") 
 }
 
 TEST_CASE("a box with a hole through it is exact but for the two sides with the hole",
-          "[step_cut]") {
+          "[io][step]") {
   std::vector<CharacterLine> lines = box({40, 30, 20}, "", {-20, -15, 0});
   lines.push_back(circle_line("low", 8, 0));
   lines.push_back(circle_line("high", 8, 20, 1));
@@ -228,7 +229,7 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
   expect_cut_solid(r, made, 1e-6, 1e-6);
 }
 
-TEST_CASE("cut regions that cannot share edges with exact ones are refused", "[step_cut]") {
+TEST_CASE("trimmed faces that cannot share edges with exact ones are refused", "[io][step]") {
   const fs::path file = cut_file("refused");
   const auto error_of = [&](const std::vector<const SkinnedRegion*>& regions,
                             const StepOptions& options = {}) {

@@ -118,7 +118,7 @@ SurfaceJet strip(const Vec2& p, int half_turns) {
 
 }  // namespace
 
-TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[step_exact]") {
+TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "[io][step]") {
   const BuiltModel made = build_model(box({40, 30, 20}), {}, 12);
   const StepReport r =
       write_step(exact_file("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
@@ -128,7 +128,7 @@ TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "
   CHECK(check_step(r.file, kMm).max_normal_jump_deg == Approx(90));
 }
 
-TEST_CASE("rings hang together along closed lines that begin at different angles", "[step_exact]") {
+TEST_CASE("annuli are connected along closed curves that begin at different angles", "[io][step]") {
   const BuiltModel made = build_model(
       {circle_line("a", 10, 0), circle_line("b", 10, 15, 1), circle_line("c", 6, 0, 2),
        circle_line("d", 6, 15, 3)},
@@ -141,8 +141,8 @@ TEST_CASE("rings hang together along closed lines that begin at different angles
   expect_solid(write_step(exact_file("pipe"), made.model.skinned(), kMm), made, 0, 1e-9);
 }
 
-TEST_CASE("two regions of a plate with a smooth line between them are one open shell",
-          "[step_exact]") {
+TEST_CASE("two faces of a plate with a smooth curve between them are one open shell",
+          "[io][step]") {
   const auto arch = [](const std::string& name, double y) -> CharacterLine {
     return {name, curve_through_points(name, {{0, y, 0}, {10, y, 2}, {20, y, 3}})};
   };
@@ -166,7 +166,7 @@ TEST_CASE("two regions of a plate with a smooth line between them are one open s
   CHECK(check_step(r.file, kMm).max_normal_jump_deg < 0.1);
 }
 
-TEST_CASE("a region meets itself along a line, with an outside or without", "[step_exact]") {
+TEST_CASE("a face meets itself along a curve, with an outside or without", "[io][step]") {
   constexpr int n = 12;
   for (const int half_turns : {0, 1}) {
     CAPTURE(half_turns);
@@ -183,7 +183,7 @@ TEST_CASE("a region meets itself along a line, with an outside or without", "[st
   }
 }
 
-TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]") {
+TEST_CASE("where three faces meet each is a shell of its own", "[io][step]") {
   RegionSearchOptions regions;
   regions.max_faces_per_edge = 3;
   const BuiltModel made = build_model(two_boxes(), regions, 5);
@@ -198,7 +198,7 @@ TEST_CASE("where three regions meet each is a shell of its own", "[step_exact]")
   CHECK_THAT(r.warnings[0], Catch::Contains("more than two faces at an edge"));
 }
 
-TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]") {
+TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[io][step][mouse]") {
   const BuiltModel made = mouse(12, true);
   REQUIRE(made.model.skinned().size() == 14);
   const fs::path file = exact_file("mouse");
@@ -212,8 +212,8 @@ TEST_CASE("the mouse is one exact solid, which Gmsh opens", "[step_exact][mouse]
                         .c_str()) == 0);
 }
 
-TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of the other",
-          "[step_exact]") {
+TEST_CASE("where two meshes meet on a curve, vertices of each split the edges of the other",
+          "[io][step]") {
   const BuiltModel made = build_model(box({40, 30, 20}), {}, 9);
   const BuiltModel finer = build_model(box({40, 30, 20}), {}, 4);
   auto regions = made.model.skinned();
@@ -226,7 +226,7 @@ TEST_CASE("where two meshes meet on a line, vertices of each cut the edges of th
   CHECK(r.volume == Approx(24000.0).epsilon(1e-12));
 }
 
-TEST_CASE("regions that have no exact form are refused by name", "[step_exact]") {
+TEST_CASE("faces without an exact form are refused by name", "[io][step]") {
   const fs::path file = exact_file("refused");
   const auto error_of = [&](const std::vector<const SkinnedRegion*>& regions) {
     return error_message([&] { write_step(file, regions, kMm); });

@@ -308,7 +308,7 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
 
 }  // namespace
 
-TEST_CASE("B-splines of an axis sum to one, are C2 and repeat where they close", "[step-face]") {
+TEST_CASE("B-splines of an axis sum to one, are C2 and repeat where they close", "[io][step]") {
   for (const bool periodic : {false, true}) {
     const SplineAxis axis({0, 0.5, 0.7, 1.5, 2, 2.25}, periodic);
     CAPTURE(periodic);
@@ -331,7 +331,7 @@ TEST_CASE("B-splines of an axis sum to one, are C2 and repeat where they close",
   }
 }
 
-TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-face]") {
+TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[io][step]") {
   const auto x = [](const Vec2& p) {
     return Vec3(p.x() + p.y() * p.y() * p.y(), p.y() - p.x() * p.x(),
                 p.x() * p.x() * p.x() * p.y());
@@ -351,7 +351,7 @@ TEST_CASE("A fitted patch of few poles is a bicubic surface exactly", "[step-fac
   CHECK((fit.patch.position({0.3, -0.4}) - x({0.3, -0.4})).norm() <= 1e-5);
 }
 
-TEST_CASE("A disc with a hole is one face within each tolerance", "[step-face]") {
+TEST_CASE("A disc with a hole is one face within each tolerance", "[io][step]") {
   const fs::path folder = scratch("step_face");
   const SkinnedRegion region = disc(placed(wavy, 100), 32);
   int poles = 0;
@@ -370,7 +370,7 @@ TEST_CASE("A disc with a hole is one face within each tolerance", "[step-face]")
   }
 }
 
-TEST_CASE("Outside of the trim the face is calm", "[step-face]") {
+TEST_CASE("Outside of the trim the face is calm", "[io][step]") {
   // Viewers take the box of the poles for the part's.
   const Formula ripples = [](const Vec2& p) {
     SurfaceJet j = wavy(p);
@@ -398,7 +398,7 @@ TEST_CASE("Outside of the trim the face is calm", "[step-face]") {
   }
 }
 
-TEST_CASE("A square of four runs is one face with four edges", "[step-face]") {
+TEST_CASE("A square of four runs is one face with four edges", "[io][step]") {
   const fs::path folder = scratch("step_face");
   const struct {
     const char* name;
@@ -415,7 +415,7 @@ TEST_CASE("A square of four runs is one face with four edges", "[step-face]") {
 }
 
 TEST_CASE("A calm face of few triangles has few poles, more triangles are looked at more closely",
-          "[step-face]") {
+          "[io][step]") {
   const auto poles = [](const SkinnedRegion& region) {
     const StepReport r = write_step_faces(scratch("step_face") / "calm.step", {&region}, 1,
                                           {.tolerance = 1e-3 * region.size});
@@ -437,7 +437,7 @@ TEST_CASE("A calm face of few triangles has few poles, more triangles are looked
 }
 
 TEST_CASE("A file claims no more than readers see, who would compute its borders anew",
-          "[step-face]") {
+          "[io][step]") {
   const fs::path file = scratch("step_face") / "claim.step";
   const auto claimed = [&](double scale) {
     const SkinnedRegion region = square(placed(paraboloid, scale), 4);
@@ -451,7 +451,7 @@ TEST_CASE("A file claims no more than readers see, who would compute its borders
   CHECK(claimed(1e-3) <= 2e-8);  // a tiny model: 1e-5 of its size
 }
 
-TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[step-face]") {
+TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[io][step]") {
   const fs::path folder = scratch("step_face");
   const Vec3 far(1e7, -2e7, 5e6);
   const SkinnedRegion near = disc(wavy, 16), away = disc(placed(wavy, 1, far), 16),
@@ -479,7 +479,7 @@ TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[step
   expect_face(rational, write(rational, 1), "M");
 }
 
-TEST_CASE("The nearest points of surface and file are within the deviation", "[step-face]") {
+TEST_CASE("The nearest points of surface and file are within the deviation", "[io][step]") {
   const SkinnedRegion region = disc(wavy, 12);
   const StepReport r = write_step_faces(scratch("step_face") / "disc.step", {&region}, 1,
                                         {.tolerance = 1e-3 * region.size});
@@ -500,7 +500,7 @@ TEST_CASE("The nearest points of surface and file are within the deviation", "[s
   }
 }
 
-TEST_CASE("Where a surface leaves its line, the edge stays on the face", "[step-face]") {
+TEST_CASE("Where a surface deviates from its curve, the edge stays on the face", "[io][step]") {
   SkinnedRegion region = disc(wavy, 16);
   Points dofs = region.embedded[0].fitted.dofs();
   const HermiteCurve& curve = region.embedded[0].fitted;
@@ -518,7 +518,7 @@ TEST_CASE("Where a surface leaves its line, the edge stays on the face", "[step-
   CHECK(off_face(face_of(r.file)) <= 1e-7);
 }
 
-TEST_CASE("A tolerance that cannot be reached is reported and the file is there", "[step-face]") {
+TEST_CASE("A tolerance that cannot be reached is reported and the file is there", "[io][step]") {
   const SkinnedRegion region = disc(wavy, 12);
   const fs::path file = scratch("step_face") / "disc.step";
   const StepReport r = write_step_faces(
@@ -541,7 +541,7 @@ TEST_CASE("A tolerance that cannot be reached is reported and the file is there"
   CHECK((Vec3(p.X(), p.Y(), p.Z()) - wavy({0.1, 0.2}).x).norm() <= *r.max_deviation + 1e-5);
 }
 
-TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-face]") {
+TEST_CASE("Corners of a closed boundary curve are vertices of the face", "[io][step]") {
   // A lens: one closed curve with two corners in space and in (u, v).
   const double a = 0.35;
   const auto at = [&](double t, bool before) {  // two arcs, t in [0, 1] and [1, 2]
@@ -584,7 +584,7 @@ TEST_CASE("Corners of a closed boundary line are vertices of the face", "[step-f
   CHECK(validity_errors(face_of(r.file, "M"), 1e-4) == "");
 }
 
-TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "[step-face]") {
+TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it", "[io][step]") {
   // A waisted, wavy tube; the rims begin at different places.
   const int n = 24, m = 12;
   const double period = 3, speed = 2 * pi / period;
@@ -668,7 +668,7 @@ TEST_CASE("A ring is one face that closes in u, with a seam, holes beside it", "
   }
 }
 
-TEST_CASE("Several regions are several faces, each with its own knots", "[step-face]") {
+TEST_CASE("Several model faces are several CAD faces, each with its own knots", "[io][step]") {
   const SkinnedRegion one = disc(wavy, 12), two = square(placed(paraboloid, 1, {2, 0, 0}), 6);
   const StepReport r =
       write_step_faces(scratch("step_face") / "two.step", {&one, &two}, 1, {.tolerance = 1e-4});
@@ -682,7 +682,7 @@ TEST_CASE("Several regions are several faces, each with its own knots", "[step-f
   CHECK(r.area == Approx(area_of(one) + area_of(two)).epsilon(1e-3));
 }
 
-TEST_CASE("The file has the same bytes on one thread and on two", "[step-face]") {
+TEST_CASE("The file has the same bytes on one thread and on two", "[io][step]") {
   const SkinnedRegion region = disc(wavy, 12);
   const fs::path folder = scratch("step_face");
   const auto text = [&](int threads) {
@@ -698,7 +698,7 @@ TEST_CASE("The file has the same bytes on one thread and on two", "[step-face]")
   CHECK(one.find("PRODUCT('surface','surface'") != std::string::npos);
 }
 
-TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[step-face]") {
+TEST_CASE("Invalid faces are refused and leave an older file unchanged", "[io][step]") {
   const fs::path file = scratch("step_face") / "face.step";
   const SkinnedRegion good = disc(wavy, 8);
   std::ofstream(file) << "older";
@@ -724,7 +724,7 @@ TEST_CASE("What cannot be a face is refused and leaves an older file alone", "[s
   CHECK(error_of(wrong, 1, 1).find("not finite") != std::string::npos);
   SkinnedRegion uneven = good;
   uneven.embedded[1].pcurve = uneven.embedded[1].pcurve.with_scaled_parameter(2);
-  CHECK(error_of(uneven, 1, 1).find("its image in (u, v)") != std::string::npos);
+  CHECK(error_of(uneven, 1, 1).find("its curve in (u, v)") != std::string::npos);
   CHECK(error_message([&] {
           write_step_faces(file.parent_path() / "none" / "f.step", {&good}, 1, {.tolerance = 1e-3});
         }).find("none") != std::string::npos);

@@ -58,8 +58,8 @@ double distance_from_file(const BuiltModel& made, const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE(
-    "a face mends its own share of a join, and what the other cannot mend costs it no poles") {
+TEST_CASE("a face corrects its own part of a join, and needs no poles for the other's part",
+          "[io][step]") {
   const auto turned = [](double deg) {
     const double a = deg * std::numbers::pi / 180;
     return Vec3(std::sin(a), 0, std::cos(a));
@@ -89,7 +89,8 @@ TEST_CASE(
   near(mend({2, 0}, {-1, 0}), 4, 2);                    // each by its own
 }
 
-TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances") {
+TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances",
+          "[io][step]") {
   const BuiltModel made = vault();
   REQUIRE(made.model.skinned().size() == 2);
   for (const double fraction : {1e-2, 1e-3, 1e-4, 1e-5}) {
@@ -117,7 +118,8 @@ TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at f
   }
 }
 
-TEST_CASE("four faces around a smooth node meet as their surfaces do, with few poles") {
+TEST_CASE("four faces around a smooth node meet as their surfaces do, with few poles",
+          "[io][step]") {
   // A hill over a flat rim: what its two lines leave open the surfaces fill with twists of their own.
   const auto line = [](const std::string& name, int axis, double at, double height) {
     return CharacterLine{name, curve_from_formula(0, 10, [=](double t, int order) {
@@ -152,7 +154,8 @@ TEST_CASE("four faces around a smooth node meet as their surfaces do, with few p
   CHECK(poles(strict) <= 11'000);  // 14,112 with two twists in a corner
 }
 
-TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven faces") {
+TEST_CASE("creases stay creases and are no joins, and eleven model faces are eleven CAD faces",
+          "[io][step]") {
   const BuiltModel made = mouse(6, false);
   const fs::path file = scratch("mouse_joins") / "mouse.step";
   const StepReport report = written(file, made, 1e-3 * made.network.size());
@@ -164,7 +167,7 @@ TEST_CASE("creases stay creases and are no joins, and eleven regions are eleven 
   CHECK(report.continuity->max_smooth_deg() <= 0.1);
 }
 
-TEST_CASE("an angle that cannot be reached is said to be missed, within the limits of poles") {
+TEST_CASE("an angle that cannot be reached is reported, within the limits of poles", "[io][step]") {
   const BuiltModel made = mouse(6, false);
   const fs::path file = scratch("mouse_missed") / "mouse.step";
   const double tolerance = 1e-3 * made.network.size();

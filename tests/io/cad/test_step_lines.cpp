@@ -34,7 +34,8 @@ StepReport written(const BuiltModel& made, const fs::path& file, const StepFileO
 
 }  // namespace
 
-TEST_CASE("a STEP file holds lines beside the same faces, in any schema and unit", "[step_lines]") {
+TEST_CASE("a STEP file contains curves beside the same faces, in any schema and unit",
+          "[io][step]") {
   const fs::path folder = scratch("step_lines");
   const double unit = GENERATE(1e-3, 0.0254);
   const BuiltModel made = build_model(box({4, 3, 2}), {}, 1);
@@ -84,7 +85,7 @@ TEST_CASE("a STEP file holds lines beside the same faces, in any schema and unit
   CHECK(found == 12);
 }
 
-TEST_CASE("Gmsh meshes the faces of a file with lines as it does without", "[step_lines]") {
+TEST_CASE("Gmsh meshes the faces of a file with curves as it does without", "[io][step]") {
   if (std::system("/usr/bin/python3 -c 'import gmsh' > /dev/null 2>&1") != 0) {
     WARN("skipped: python3 has no module gmsh");
     return;

@@ -25,7 +25,7 @@ StepReport written(const BuiltModel& made, const std::string& name, double toler
 
 }  // namespace
 
-TEST_CASE("a box of twelve lines is one solid whose faces share the twelve edges", "[step_model]") {
+TEST_CASE("a box of twelve curves is one solid whose faces share the twelve edges", "[io][step]") {
   const BuiltModel made = build_model(box({40, 30, 20}));
   const StepReport r = written(made, "box", 1e-3);
   CHECK(r.valid);
@@ -44,7 +44,7 @@ TEST_CASE("a box of twelve lines is one solid whose faces share the twelve edges
   CHECK(r.area == Approx(5200.0).epsilon(1e-9));
 }
 
-TEST_CASE("without its lid a box is an open shell, whose free edges are the rim", "[step_model]") {
+TEST_CASE("without its lid a box is an open shell with four free edges", "[io][step]") {
   RegionSearchOptions regions;
   RegionSpec word;
   word.kind = RegionSpec::Kind::NoSurface;
@@ -62,7 +62,7 @@ TEST_CASE("without its lid a box is an open shell, whose free edges are the rim"
   CHECK(r.area == Approx(5200.0 - 1200).epsilon(1e-9));
 }
 
-TEST_CASE("a solid beside an open shell is measured face by face in both forms", "[step_model]") {
+TEST_CASE("a solid beside an open shell is measured face by face in both forms", "[io][step]") {
   // The open shell comes first in the model, the solid first in the file.
   std::vector<CharacterLine> lines = box({40, 30, 20}, "a_");
   for (const CharacterLine& line : box({10, 10, 10}, "", {100, 0, 0})) lines.push_back(line);
@@ -84,7 +84,7 @@ TEST_CASE("a solid beside an open shell is measured face by face in both forms",
 }
 
 TEST_CASE("eight octants are a ball within the tolerance, and so are its volume and edges",
-          "[step_model]") {
+          "[io][step]") {
   const BuiltModel made = build_model(octants());
   constexpr double tolerance = 1e-3;
   const StepReport r = written(made, "ball", tolerance);
@@ -104,8 +104,8 @@ TEST_CASE("eight octants are a ball within the tolerance, and so are its volume 
   CHECK(volume == Approx(4.0 / 3 * std::numbers::pi).epsilon(0.1));
 }
 
-TEST_CASE("a ring and two discs close, although the seam cuts circles away from their nodes",
-          "[step_model]") {
+TEST_CASE("an annulus and two discs close, although the seam splits circles away from their nodes",
+          "[io][step]") {
   const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
   const BuiltModel made =
       build_model({circle_line("low", 10, 0), circle_line("high", 10, 15, 1.0)}, regions, 4);
@@ -123,8 +123,8 @@ TEST_CASE("a ring and two discs close, although the seam cuts circles away from 
   CHECK(r.volume == Approx(made.model.shells[0].volume).epsilon(2e-3));
 }
 
-TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they begin",
-          "[step_model]") {
+TEST_CASE("boundaries of any shape are one edge for an annulus and its lids, wherever they begin",
+          "[io][step]") {
   const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
   const BuiltModel made =
       build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4);
@@ -158,8 +158,8 @@ TEST_CASE("rims of any shape are one edge for a ring and its lids, wherever they
   CHECK(r.volume == Approx(made.model.shells[0].volume).epsilon(2e-3));
 }
 
-TEST_CASE("where three regions meet each is a shell of its own, and the report says so",
-          "[step_model]") {
+TEST_CASE("where three faces meet each is a shell of its own, and the report says so",
+          "[io][step]") {
   RegionSearchOptions regions;
   regions.max_faces_per_edge = 3;
   const BuiltModel made = build_model(two_boxes(), regions);
@@ -172,7 +172,7 @@ TEST_CASE("where three regions meet each is a shell of its own, and the report s
   CHECK(r.warnings[0].find("more than two faces at an edge") != std::string::npos);
 }
 
-TEST_CASE("models and tolerances that cannot be written are refused", "[step_model]") {
+TEST_CASE("models and tolerances that cannot be written are refused", "[io][step]") {
   const BuiltModel made = build_model(box({4, 3, 2}));
   StepFaceOptions options;
   const auto write = [&](const std::vector<const SkinnedRegion*>& regions) {

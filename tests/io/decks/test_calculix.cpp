@@ -158,7 +158,7 @@ TEST_CASE("a deck holds the surface's own points", "[io][calculix]") {
     CHECK(std::abs(vector_of(nodes[static_cast<size_t>(std::stoi(id) - 1)], 1).z()) < 1e-15);
 }
 
-TEST_CASE("set names of lines are what ccx accepts, and unlike each other", "[io][calculix]") {
+TEST_CASE("set names of curves are accepted by ccx, and distinct", "[io][calculix]") {
   const fs::path path = batten_test::scratch("deck_names") / "shell.inp";
   const std::string lengthy(100, 'a');
   const std::array<std::string, 4> names{"top edge (left)", "Top-edge_left_", "7", lengthy};
@@ -168,10 +168,10 @@ TEST_CASE("set names of lines are what ccx accepts, and unlike each other", "[io
                    {"7", ShellDeck::Support::Kind::Clamped}};
   write_calculix(path, {&region}, deck);
   const auto found = sections(path);
-  for (const std::string name : {"TOP_EDGE__LEFT_", "TOP_EDGE_LEFT_", "LINE_7"})
+  for (const std::string name : {"TOP_EDGE__LEFT_", "TOP_EDGE_LEFT_", "CURVE_7"})
     CHECK(found.count("*NSET,NSET=" + name) == 1);
   const std::vector<std::vector<std::string>> expected{{std::string(80, 'A'), "1", "3"},
-                                                       {"LINE_7", "1", "6"}};
+                                                       {"CURVE_7", "1", "6"}};
   CHECK(found.at("*BOUNDARY") == expected);
 
   const SkinnedRegion same = region_of(1, flat(1), {"rim", "Rim", "all", "nall"});
@@ -182,7 +182,7 @@ TEST_CASE("set names of lines are what ccx accepts, and unlike each other", "[io
   CHECK(sections(path).at("*BOUNDARY")[0][0] == "RIM_2");
 }
 
-TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix]") {
+TEST_CASE("nodal loads carry the whole force at the right position", "[io][calculix]") {
   const SkinnedRegion region = region_of(4, curved, kSides);
   const fs::path path = batten_test::scratch("deck_loads") / "shell.inp";
   ShellDeck deck = plate(0.02);
@@ -217,7 +217,7 @@ TEST_CASE("nodal loads carry the whole force at the right place", "[io][calculix
   CHECK((moment - expected_moment).norm() < 1e-6 * expected_moment.norm());
 }
 
-TEST_CASE("a clamped square plate bends as theory says, along the normal", "[io][calculix]") {
+TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][calculix]") {
   const double a = 100, t = 1;
   const SkinnedRegion region = region_of(16, flat(a), kSides);
   const fs::path path = batten_test::scratch("plate") / "plate.inp";
@@ -312,7 +312,8 @@ SkinnedRegion flat_ring(double a, double b, double spacing) {
 
 }  // namespace
 
-TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only", "[io][calculix]") {
+TEST_CASE("a plate with an embedded hole: sets on its curves, loads inside only",
+          "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
   // Clamped at its outer rim, free at the hole, under even pressure: w = q r⁴/(64 D) + c0 +
   // c1 ln r + c2 r² + c3 r² ln r with w = w' = 0 at a, no moment and no shear at b.
@@ -385,7 +386,7 @@ TEST_CASE("a plate with an embedded hole: sets on its lines, loads inside only",
   CHECK(run_ccx(path).moved.z() == Approx(max_displacement.moved.z()).epsilon(2e-3));
 }
 
-TEST_CASE("decks that make no sense are refused in words", "[io][calculix]") {
+TEST_CASE("invalid decks are refused with the reason", "[io][calculix]") {
   using Catch::Matchers::Contains;
   const SkinnedRegion region = region_of(1, flat(1), kSides);
   const ShellDeck good = plate(0.1);

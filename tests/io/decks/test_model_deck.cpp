@@ -128,7 +128,7 @@ std::vector<std::string> rims_of(const std::vector<const SkinnedRegion*>& region
 
 }  // namespace
 
-TEST_CASE("a plate of two regions bends as one", "[io][calculix]") {
+TEST_CASE("a plate of two faces bends as one", "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
   const double a = 100, t = 1, q = 0.01;
   const SurfaceModel model = model_of(cut_square(a, 40), 6);
@@ -212,7 +212,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
   check_reaction(path, 2200);
 }
 
-TEST_CASE("regions that have a line embedded take the nodes of those that have it as a run",
+TEST_CASE("faces with an embedded curve use the nodes of those to which it is edge-aligned",
           "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
   // A half disc, two corners, between two polygons.
@@ -259,7 +259,7 @@ TEST_CASE("regions that have a line embedded take the nodes of those that have i
   check_reaction(path);
 }
 
-TEST_CASE("a line that is embedded on both sides has common nodes", "[io][calculix]") {
+TEST_CASE("a curve that is embedded on both sides has common nodes", "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
   // A clamped disc of two halves: w = q r⁴ / (64 D).
   using std::numbers::pi;
@@ -292,7 +292,7 @@ TEST_CASE("a line that is embedded on both sides has common nodes", "[io][calcul
   CHECK(moved == Approx(q * std::pow(r, 4) / (64 * D)).epsilon(0.06));
 }
 
-TEST_CASE("regions that only touch at a corner share one node", "[io][calculix]") {
+TEST_CASE("faces that only touch at a corner share one node", "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
   std::vector<CharacterLine> lines;
   for (const double x : {0.0, 10.0}) {
@@ -389,7 +389,7 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   if (name == "vacuum") check_reaction(path);
 }
 
-TEST_CASE("decks of models that make no sense are refused in words", "[io][calculix]") {
+TEST_CASE("invalid decks of models are refused with the reason", "[io][calculix]") {
   using Catch::Matchers::Contains;
   if (!have_delaunay_mesher()) return;
   const SurfaceModel model = model_of(cut_square(10, 4), 3);

@@ -42,7 +42,7 @@ struct SandboxScope {
 
 }  // namespace
 
-TEST_CASE("only regular files are read") {
+TEST_CASE("only regular files are read", "[io][files]") {
   const fs::path folder = batten_test::scratch("input_files");
   fs::create_directories(folder);
   const auto says = [&](const fs::path& path) {
@@ -71,7 +71,7 @@ TEST_CASE("only regular files are read") {
   fs::remove(folder / "large");
 }
 
-TEST_CASE("text may be nested so deep and no deeper") {
+TEST_CASE("text may be nested so deep and no deeper", "[io][files]") {
   const auto says = [](const std::string& text) {
     return batten_test::error_message([&] { check_nesting_depth(text, "f"); });
   };
@@ -98,7 +98,8 @@ TEST_CASE("text may be nested so deep and no deeper") {
              Contains("f:1:193: found elements in each other"));
 }
 
-TEST_CASE("a reader in a child process dies alone and says how") {
+TEST_CASE("a crash of a reader in a child process is reported and harms nothing else",
+          "[io][files]") {
   const SandboxScope guard;
   const fs::path file = seeds / "cad" / "two.step";
   const auto read = [&](const std::function<std::string()>& work) {
@@ -141,7 +142,7 @@ TEST_CASE("a reader in a child process dies alone and says how") {
                   CancelledError);
 }
 
-TEST_CASE("what is read in a child is the same") {
+TEST_CASE("data read in a child process are the same", "[io][files]") {
   for (const char* name : {"two.step", "two.igs", "square.step"}) {
     CAPTURE(name);
     const auto here = read_cad_lines(seeds / "cad" / name, 1e-3);
@@ -172,7 +173,7 @@ TEST_CASE("what is read in a child is the same") {
   }
 }
 
-TEST_CASE("files are read and written the same whatever the process's locale is") {
+TEST_CASE("files are read and written the same whatever the process's locale is", "[io][files]") {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
     char do_thousands_sep() const override { return '.'; }

@@ -120,7 +120,7 @@ std::string text_of(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("Lines of a CAD file have the size that the file's unit gives them", "[cad]") {
+TEST_CASE("Curves of a CAD file have the size that the file's unit gives them", "[io][cad]") {
   const fs::path folder = batten_test::scratch("cad");
   const TopoDS_Shape arc = BRepBuilderAPI_MakeEdge(
       GC_MakeArcOfCircle(gp_Pnt(0, 0, 0), gp_Pnt(1250, 500, 0), gp_Pnt(2500, 0, 250)).Value());
@@ -146,7 +146,7 @@ TEST_CASE("Lines of a CAD file have the size that the file's unit gives them", "
   CHECK((end(from_step[0]) - Vec3(2.5, 0, -0.25)).norm() < 1e-9);
 }
 
-TEST_CASE("A spline's breaks are its corners, and all its knots when it is cubic", "[cad]") {
+TEST_CASE("A spline's breaks are its corners, and all its knots when it is cubic", "[io][cad]") {
   const fs::path file = batten_test::scratch("cad") / "spline.iges";
   const struct {
     int degree;
@@ -176,7 +176,7 @@ TEST_CASE("A spline's breaks are its corners, and all its knots when it is cubic
   CHECK(read_cad_lines(file, 1e-3)[0].curve->breaks() == std::vector<double>{0.5, 1, 2, 2.5});
 }
 
-TEST_CASE("Every edge comes once, and curves of parameter planes never", "[cad]") {
+TEST_CASE("Every edge comes once, and curves of parameter planes never", "[io][cad]") {
   const fs::path folder = batten_test::scratch("cad");
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(gp_Pnt(100, 100, 100), 200, 300, 400).Shape();
   write_step_file(folder / "box.step", box, "MM");
@@ -213,7 +213,7 @@ TEST_CASE("Every edge comes once, and curves of parameter planes never", "[cad]"
   }
 }
 
-TEST_CASE("Lines carry the labels of the file", "[cad]") {
+TEST_CASE("Curves carry the labels of the file", "[io][cad]") {
   const fs::path file = batten_test::scratch("cad") / "named.igs";
   std::vector<TopoDS_Shape> shapes;
   for (int i = 0; i < 4; ++i)
@@ -224,7 +224,7 @@ TEST_CASE("Lines carry the labels of the file", "[cad]") {
   CHECK(names == std::vector<std::string>{"KEEL", "RIB", "RIB_2", "edge4"});
 }
 
-TEST_CASE("A CAD file that is not whole is refused with the line where that shows", "[cad]") {
+TEST_CASE("A truncated CAD file is refused with the line where that shows", "[io][cad]") {
   const fs::path folder = batten_test::scratch("cad");
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
   write_iges(folder / "box.igs", {box}, "MM");
@@ -268,7 +268,8 @@ TEST_CASE("A CAD file that is not whole is refused with the line where that show
   CHECK(read_cad_surfaces(folder / "point.igs", 1).empty());
 }
 
-TEST_CASE("The distance to a stored face is that to its nearest point, edges included", "[cad]") {
+TEST_CASE("The distance to a stored face is that to its nearest point, edges included",
+          "[io][cad]") {
   const fs::path file = batten_test::scratch("cad") / "face.step";
   SECTION("a disc") {
     const gp_Circ circle(gp::XOY(), 500);
@@ -331,7 +332,7 @@ TEST_CASE("The distance to a stored face is that to its nearest point, edges inc
   }
 }
 
-TEST_CASE("OpenCASCADE's settings are as before when a guard has gone", "[cad]") {
+TEST_CASE("OpenCASCADE's settings are as before when a guard has gone", "[io][cad]") {
   OccSettings outer;  // keeps other tests' settings out of this one
   outer.set("xstep.cascade.unit", "INCH");
   const auto unit = [] { return std::string(Interface_Static::CVal("xstep.cascade.unit")); };
@@ -352,7 +353,7 @@ TEST_CASE("OpenCASCADE's settings are as before when a guard has gone", "[cad]")
   CHECK(OccSettings::unit_name(0.3).empty());
 }
 
-TEST_CASE("Ship hulls in metres: edges lie on the stored surface", "[cad][optional]") {
+TEST_CASE("Ship hulls in metres: edges lie on the stored surface", "[io][cad][optional]") {
   const struct {
     const char* name;
     size_t edges;

@@ -110,7 +110,7 @@ TEST_CASE("points come back as they were written, and as many", "[io][curves]") 
   }
 }
 
-TEST_CASE("points that follow each other in one place are written once", "[io][curves]") {
+TEST_CASE("consecutive coincident points are written once", "[io][curves]") {
   const fs::path folder = batten_test::scratch("curve_repeats");
   auto curves = many();
   auto& u = curves.front().parameters;
@@ -120,7 +120,7 @@ TEST_CASE("points that follow each other in one place are written once", "[io][c
   CHECK(read_point_lines(folder / "a.csv").front().points.size() == before);
 }
 
-TEST_CASE("a line of one point stays where it can, and is named where it cannot", "[io][curves]") {
+TEST_CASE("a curve of one point is written where possible, and named where not", "[io][curves]") {
   const fs::path folder = batten_test::scratch("curve_dot");
   auto curves = many();
   curves.insert(curves.begin() + 2, kDot);

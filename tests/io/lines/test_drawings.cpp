@@ -60,7 +60,7 @@ using std::numbers::pi;
 
 }  // namespace
 
-TEST_CASE("DXF: lines, arcs and circles keep layer, place and unit", "[io][drawings]") {
+TEST_CASE("DXF: lines, arcs and circles keep layer, position and unit", "[io][drawings]") {
   const Drawing d =
       dxf("0 LINE 8 0 10 1 20 2 30 3 11 4 21 5 31 6 "
           "0 ARC 8 rim 10 1 20 0 30 5 40 2 50 270 51 90 "

@@ -53,7 +53,7 @@ TEST_CASE("all dialects of a table give the same points", "[io][points]") {
   }
 }
 
-TEST_CASE("blank rows separate lines, units scale, two columns lie in z = 0", "[io][points]") {
+TEST_CASE("blank rows separate curves, units scale, two columns lie in z = 0", "[io][points]") {
   const auto path = file_with("two lines.csv", "u,v\n\n1,2\n3,4\n,\n\n5,6\n7,8\n9,10\n");
   const auto lines = read_point_lines(path, 0.001);
   REQUIRE(lines.size() == 2);
@@ -84,7 +84,7 @@ TEST_CASE("titles may hold digits, and headers say which columns are meant", "[i
   CHECK(lines[0].points == kThree);
 }
 
-TEST_CASE("how a table was read is said where it is not obvious", "[io][points]") {
+TEST_CASE("how a table was interpreted is reported where it is not obvious", "[io][points]") {
   const auto said = [](const std::string& text) {
     return read_point_lines(file_with("a.csv", text))[0].format_note;
   };
@@ -99,7 +99,7 @@ TEST_CASE("how a table was read is said where it is not obvious", "[io][points]"
                   InputError);
 }
 
-TEST_CASE("lines of one table are named by a column or by the rows above them", "[io][points]") {
+TEST_CASE("curves of one table are named by a column or by the rows above them", "[io][points]") {
   const auto by_column = read_point_lines(
       file_with("a.csv", "line,x,y,z\nkeel,0,0,0\nkeel,1,0,0\ndeck,0,0,1\ndeck,1,0,1\n"));
   REQUIRE(by_column.size() == 2);
@@ -114,7 +114,7 @@ TEST_CASE("lines of one table are named by a column or by the rows above them", 
   CHECK(by_rows[1].points == std::vector<Vec3>{{0, 1, 0}, {1, 1, 0}});
 }
 
-TEST_CASE("Selig's and Lednicer's airfoils are the same line", "[io][points]") {
+TEST_CASE("Selig's and Lednicer's airfoils are the same curve", "[io][points]") {
   const std::string selig = "TEST 12\n1 0.01\n0.5 0.1\n0 0\n0.4 -0.1\n1 -0.01\n";
   const std::string lednicer =
       GENERATE("TEST 12\n  3. 3.\n\n0 0\n0.5 0.1\n1 0.01\n\n0 0\n0.4 -0.1\n1 -0.01\n",
@@ -189,7 +189,7 @@ TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
   CHECK(lines[3].first_line == 15);
 }
 
-TEST_CASE("OBJ segments are chained into the lines they are of", "[io][points]") {
+TEST_CASE("OBJ segments are chained into the curves to which they belong", "[io][points]") {
   // A circle of 24 segments in disorder and any direction, a spoke at its first vertex, and the
   // sides of a square, whose turns are corners.
   constexpr int n = 24;
@@ -249,7 +249,7 @@ TEST_CASE("drawn strokes: single and repeated points come through", "[io][points
   CHECK(read_point_lines(path, 2)[0].points[0] == Vec3(2, 4, 6));
 }
 
-TEST_CASE("mistakes in drawn strokes are named with line and column", "[io][points]") {
+TEST_CASE("errors in drawn strokes are reported with line and column", "[io][points]") {
   const std::string two = "v 2\n1 2 3\n4 5 6\n";
   CHECK(read_error("a.curves", "1 2 3\n") ==
         "1:1: found '1', expected 'v N' before the N points of a curve");
@@ -296,7 +296,7 @@ TEST_CASE("published sketches are read whole", "[io][points]") {
   CHECK(sketches > 10);
 }
 
-TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
+TEST_CASE("errors in tables are reported with line and column", "[io][points]") {
   CHECK(read_error("a.csv", "") == "1:1: found an empty file, expected points");
   CHECK(read_error("a.csv", "\r\n \n") == "1:1: found an empty file, expected points");
   CHECK(read_error("a.csv", "x,y,z\n# only words\n") == "1:1: found no points, expected at least one");
@@ -341,7 +341,7 @@ TEST_CASE("mistakes in tables are named with line and column", "[io][points]") {
                    "1,2\n") == "1:1: found UTF-16 text, expected UTF-8 or ASCII");
 }
 
-TEST_CASE("mistakes in OBJ files are named with line and column", "[io][points]") {
+TEST_CASE("errors in OBJ files are reported with line and column", "[io][points]") {
   const std::string v = "v 0 0 0\nv 1 0 0\n";
   CHECK(read_error("a.obj", v + "l 1 3\n") ==
         "3:5: found vertex number 3, expected 1 to 2 or -1 to -2");

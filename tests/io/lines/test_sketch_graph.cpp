@@ -41,7 +41,7 @@ std::string with(const std::string& was, const std::string& is) {
 
 }  // namespace
 
-TEST_CASE("A stroke is one line, its pieces exactly those of the file") {
+TEST_CASE("A stroke is one curve, its pieces exactly those of the file", "[io][sketches]") {
   const auto lines = read_sketch_graph(file_with(good, "good.json"));
   REQUIRE(lines.size() == 2);
   CHECK(lines[0].name == "stroke 5");
@@ -63,7 +63,7 @@ TEST_CASE("A stroke is one line, its pieces exactly those of the file") {
     }
 }
 
-TEST_CASE("What is wrong with a sketch graph is said with its file and place") {
+TEST_CASE("Errors in a sketch graph are reported with file and position", "[io][sketches]") {
   CHECK(error_message([] { read_sketch_graph("no/such.json"); }).find("no/such.json: ") == 0);
   CHECK(error_message_of("{").find("no JSON") != std::string::npos);
   CHECK(error_message_of("[]").find("\"segments\"") != std::string::npos);
@@ -84,7 +84,7 @@ TEST_CASE("What is wrong with a sketch graph is said with its file and place") {
         std::string::npos);
 }
 
-TEST_CASE("Rows that say CURVE begin and name lines of a point file") {
+TEST_CASE("Rows with CURVE begin and name curves of a point file", "[io][sketches]") {
   const auto lines = read_point_lines(
       file_with("CURVE 0\n0 0 0\n1 0 0\nCURVE 12\n0 1 0\n1 1 0\n2 1 5\n", "a.txt"));
   REQUIRE(lines.size() == 2);

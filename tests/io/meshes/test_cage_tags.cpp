@@ -24,7 +24,7 @@ MeshFile cage(const std::string& tags) {
 
 }  // namespace
 
-TEST_CASE("creases and corners count their nodes from 0", "[cage]") {
+TEST_CASE("creases and corners count their nodes from 0", "[io][meshes][cage]") {
   const MeshFile file = cage(
       "t crease 2/1/0 1 4 2.5\nt corner 2/1/0 0 3 10\nt corner 2/2/0 1 2 0.5 1\n"
       "t interpolateboundary 1/0/0 1\nt facevaryinginterpolateboundary 1/0/0 1\n"
@@ -43,7 +43,7 @@ TEST_CASE("creases and corners count their nodes from 0", "[cage]") {
 }
 
 TEST_CASE("the creases of OpenSubdiv's car are edges of its cage, and its limit keeps them",
-          "[cage]") {
+          "[io][meshes][cage]") {
   const fs::path data = optional_data("cage-opensubdiv-car");
   if (data.empty()) {
     WARN("no cage-opensubdiv-car beside the project: skipped");
@@ -61,8 +61,7 @@ TEST_CASE("the creases of OpenSubdiv's car are edges of its cage, and its limit 
   CHECK((once.points - smooth.points).cwiseAbs().maxCoeff() > 1e-3 * size);
 }
 
-TEST_CASE("tags that cannot be followed are named with file and line, and only of cages",
-          "[cage]") {
+TEST_CASE("unsupported tags are named with file and line, only for cages", "[io][meshes][cage]") {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"t crease 2/1/0 1 5 2", "expected an edge of a face"},
       {"t crease 2/1/0 1 9 2", "expected 0 to 5"},

@@ -33,7 +33,8 @@ long cards(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("public decks: nothing moves and no byte changes, what moves is read again", "[data]") {
+TEST_CASE("public decks: nothing moves and no byte changes, what moves is read again",
+          "[io][decks][data]") {
   for (const fs::path& path : public_decks()) {
     INFO(path.string());
     check_identity(path);
@@ -57,7 +58,7 @@ TEST_CASE("public decks: nothing moves and no byte changes, what moves is read a
   }
 }
 
-TEST_CASE("public decks: every card of an element is there with its nodes", "[data]") {
+TEST_CASE("public decks: every card of an element is there with its nodes", "[io][decks][data]") {
   for (const fs::path& path : public_decks()) {
     INFO(path.string());
     const MeshFile file = MeshFile::read(path);

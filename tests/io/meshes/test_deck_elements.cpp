@@ -110,8 +110,7 @@ TEST_CASE("Nastran: averages have their reference node first, then nodes with we
               "mean RBE3 11: 9 1 2 3 4; 0.5 0.5 0.5 0.5", "mean RBE3 12: 9 1 2; 1 1"});
 }
 
-TEST_CASE("Nastran: nodes of other elements that are not there are named with their place",
-          "[io][decks]") {
+TEST_CASE("Nastran: missing nodes of other elements are named with their position", "[io][decks]") {
   const auto says = [](const std::string& cards) {
     return read_error("others_wrong.bdf", "GRID,1\nGRID,2\nGRID,3\nCTRIA3,1,1,1,2,3\n" + cards);
   };
@@ -181,8 +180,7 @@ TEST_CASE("Abaqus: connections by nodes, sets and surfaces", "[io][decks]") {
               "mean *DISTRIBUTING COUPLING 0: 25 1 11 12 13; 2 0.5 0.5 0.5"});
 }
 
-TEST_CASE("Abaqus: nodes of other elements that are not there are named with their place",
-          "[io][decks]") {
+TEST_CASE("Abaqus: missing nodes of other elements are named with their position", "[io][decks]") {
   const auto says = [](const std::string& text) {
     return read_error("others_wrong.inp",
                       "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3\n1,1,2,3\n" + text);
@@ -283,7 +281,7 @@ const std::string kRadioss =
 
 }  // namespace
 
-TEST_CASE("Radioss: nodes, shells, parts, groups and what is beside them", "[io][decks]") {
+TEST_CASE("Radioss: nodes, shells, parts, groups and other entities", "[io][decks]") {
   const auto path = file_with("plate_0000.rad", kRadioss);
   const MeshFile file = MeshFile::read(path);
   CHECK(file.format() == "Radioss starter");
@@ -323,7 +321,7 @@ TEST_CASE("Radioss: only columns of coordinates change", "[io][decks]") {
   check_damage(".rad", kRadioss, 500);
 }
 
-TEST_CASE("Radioss: what is not one model in its place is named", "[io][decks]") {
+TEST_CASE("Radioss: files other than one model in its position are named", "[io][decks]") {
   const auto says = [](const std::string& text) {
     return read_error("e.rad", "/NODE\n         1\n         2                 1.0\n" + text);
   };

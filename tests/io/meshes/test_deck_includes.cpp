@@ -81,7 +81,7 @@ const Files kDyna{
 
 }  // namespace
 
-TEST_CASE("included files are read in their place and written beside the deck", "[io][decks]") {
+TEST_CASE("included files are read at their position and written beside the deck", "[io][decks]") {
   for (const auto& [main, files, inner] :
        {std::tuple{std::string("main.bdf"), kNastran, std::string("parts/more/last.dat")},
         std::tuple{std::string("main.inp"), kAbaqus, std::string("parts/nodes.inp")},
@@ -130,7 +130,7 @@ TEST_CASE("included files: messages name the right file and line", "[io][decks]"
   CHECK(
       read_error_in(files, "main.bdf") ==
       "@/main.bdf:4: @/parts/nodes.bdf:3: @/parts/more/last.dat:1: found @/parts/nodes.bdf, which "
-      "includes itself, expected files that end");
+      "includes itself, expected includes without a cycle");
   files["parts/more/last.dat"] = "$\nINCLUDE 'none.bdf'\n";
   CHECK(
       read_error_in(files, "main.bdf") ==

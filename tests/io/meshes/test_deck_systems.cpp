@@ -101,7 +101,7 @@ void check_node_positions(const MeshFile& file, const std::map<long, Vec3>& posi
 
 }  // namespace
 
-TEST_CASE("Nastran: nodes of local systems have their place in the basic one", "[io][decks]") {
+TEST_CASE("Nastran: nodes of local systems have their position in the basic one", "[io][decks]") {
   const std::string text = deck_of_systems();
   check_node_positions(MeshFile::read(file_with("systems.bdf", text)), OwnReader(text).positions(),
                        1e-12);
@@ -190,7 +190,7 @@ TEST_CASE(
                     Contains("followed.bdf:1:8: found coordinate system 1 whose three points"));
 }
 
-TEST_CASE("Nastran: systems that cannot be followed are named with their place", "[io][decks]") {
+TEST_CASE("Nastran: unsupported systems are named with their position", "[io][decks]") {
   const auto says = [](const std::string& text) {
     return read_error(
         "no_system.bdf",
@@ -232,7 +232,7 @@ Vec3 at(const MeshFile& file, long label) {
 
 }  // namespace
 
-TEST_CASE("Abaqus: nodes of local systems have their global place and are written in their own",
+TEST_CASE("Abaqus: nodes of local systems have their global position and are written in their own",
           "[io][decks]") {
   const std::string text =
       "*SYSTEM\n10.,0.,0.,10.,1.,0.\n9.,0.,0.\n*NODE\n1,1.,2.,3.\n"
@@ -298,7 +298,7 @@ TEST_CASE("Abaqus: nodes with parameters are read, and refused when they move", 
   CHECK_FALSE(std::filesystem::exists(target));
 }
 
-TEST_CASE("damaged decks of systems, elements and connections give an answer or an error",
+TEST_CASE("damaged decks of systems, elements and connections give a result or an error",
           "[io][decks]") {
   const auto seeds = std::filesystem::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/meshes";
   for (const char* name : {"systems.bdf", "parts.inp", "beside.k", "plate.rad"}) {

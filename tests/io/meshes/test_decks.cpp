@@ -394,7 +394,7 @@ TEST_CASE("Gmsh reads the nodes that were written to Nastran decks", "[io][decks
   CHECK(largest == Approx(rounding.largest));
 }
 
-TEST_CASE("Nastran: mistakes are named with line and column", "[io][decks]") {
+TEST_CASE("Nastran: errors are reported with line and column", "[io][decks]") {
   const auto says = [](const std::string& text) { return read_error("e.bdf", text); };
   const std::string grids =
       "GRID    1               0.      0.      0.\nGRID    2               1.      0.      0.\n"
@@ -511,7 +511,7 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
   CHECK((at - points.row(14).transpose()).norm() < 2e-5);
 }
 
-TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
+TEST_CASE("Abaqus: errors are reported with line and column", "[io][decks]") {
   const auto says = [](const std::string& text) { return read_error("e.inp", text); };
   const std::string nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says("*NODE,SYSTEM=X\n1,0,0,0\n") == "1:1: found SYSTEM=X, expected R, C or S");
@@ -538,7 +538,7 @@ TEST_CASE("Abaqus: mistakes are named with line and column", "[io][decks]") {
         " found 3 nodes but no faces, expected at least one");
 }
 
-TEST_CASE("Abaqus: one part in its place, with an assembly", "[io][decks]") {
+TEST_CASE("Abaqus: one part in its position, with an assembly", "[io][decks]") {
   const MeshFile file = MeshFile::read(file_with(
       "cae.inp",
       "*Heading\n*Part, name=P\n*Node\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n"
@@ -577,7 +577,7 @@ TEST_CASE("LS-DYNA: nodes, shells, parts and sets", "[io][decks]") {
   CHECK_THAT(file.warnings()[0], Contains("*ELEMENT_BEAM"));
 }
 
-TEST_CASE("LS-DYNA: standard, I10 and long cards say the same", "[io][decks]") {
+TEST_CASE("LS-DYNA: standard, I10 and long cards are equivalent", "[io][decks]") {
   const auto deck = [](const std::string& keyword, const std::string& suffix, int id, int real) {
     std::string text = keyword + "\n*NODE" + suffix + "\n";
     char line[240];
@@ -651,7 +651,7 @@ TEST_CASE("LS-DYNA: second-order shells", "[io][decks]") {
   for (int f = 0; f < 4; ++f) CHECK(file.shells().second_order(f));
 }
 
-TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
+TEST_CASE("LS-DYNA: errors are reported with line and column", "[io][decks]") {
   const auto says = [](const std::string& text) { return read_error("e.k", text); };
   const std::string nodes = "*KEYWORD\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n";
   CHECK(says(nodes + "*ELEMENT_SHELL\n1,1,1,2,9,9\n") ==
@@ -668,7 +668,7 @@ TEST_CASE("LS-DYNA: mistakes are named with line and column", "[io][decks]") {
   CHECK(says("hello\n") == " found 0 nodes but no faces, expected at least one");
 }
 
-TEST_CASE("damaged decks give an answer or an error", "[io][decks]") {
+TEST_CASE("damaged decks give a result or an error", "[io][decks]") {
   check_damage(".bdf", kNastran, 1500);
   check_damage(".inp", abaqus_plate(), 1500);
   check_damage(".k", kDyna, 1500);
@@ -684,7 +684,7 @@ std::string joined(const std::vector<std::string>& sentences) {
 
 }  // namespace
 
-TEST_CASE("decks and polygons that may be cut short are named") {
+TEST_CASE("decks and polygons that may be cut short are named", "[io][decks]") {
   const std::filesystem::path folder =
       std::filesystem::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/meshes";
   const auto cut = batten_test::scratch("cut_decks");
@@ -704,7 +704,7 @@ TEST_CASE("decks and polygons that may be cut short are named") {
   }
 }
 
-TEST_CASE("writing decks refuses what would not be the same mesh", "[io][decks]") {
+TEST_CASE("writing decks refuses changes that would alter the mesh", "[io][decks]") {
   const MeshFile file = MeshFile::read(file_with("r.bdf", kNastran));
   const auto target = mesh_scratch() / "refused.nas";
   Points points = file.shells().points;

@@ -120,7 +120,7 @@ void check_positions(const fs::path& path, const Points& points, double toleranc
 
 }  // namespace
 
-TEST_CASE("OBJ: nodes, faces, groups, materials", "[io][mesh]") {
+TEST_CASE("OBJ: nodes, faces, groups, materials", "[io][meshes]") {
   const MeshFile file = MeshFile::read(file_with("box.obj", kObj));
   REQUIRE(file.shells().node_count() == 7);
   REQUIRE(file.shells().face_count() == 3);
@@ -143,7 +143,7 @@ TEST_CASE("OBJ: nodes, faces, groups, materials", "[io][mesh]") {
   CHECK_THAT(file.warnings()[2], Contains("no line end"));
 }
 
-TEST_CASE("unchanged nodes keep every byte of a text file", "[io][mesh]") {
+TEST_CASE("unchanged nodes keep every byte of a text file", "[io][meshes]") {
   for (const auto& [name, text] : {std::pair<std::string, std::string>{"i.obj", kObj},
                                    {"i.off", kOff},
                                    {"i.stl", kStl},
@@ -158,7 +158,7 @@ TEST_CASE("unchanged nodes keep every byte of a text file", "[io][mesh]") {
                                kObj));
 }
 
-TEST_CASE("free text takes every digit, and only coordinates change", "[io][mesh]") {
+TEST_CASE("free text takes every digit, and only coordinates change", "[io][meshes]") {
   // Words that differ must be the ones that are coordinates.
   const auto check = [](const std::string& name, const std::string& text, auto&& is_coordinate) {
     const auto path = file_with(name, text);
@@ -198,7 +198,7 @@ TEST_CASE("free text takes every digit, and only coordinates change", "[io][mesh
   CHECK(bytes_of(check_round_trip(path, points, 0)) == expected);
 }
 
-TEST_CASE("OFF: headers and counts", "[io][mesh]") {
+TEST_CASE("OFF: headers and counts", "[io][meshes]") {
   const std::string body = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2\n";
   for (const std::string header : {"OFF\n3 1 0\n", "OFF 3 1 0\n", "NOFF\n3 1\n", "STCNOFF 3 1 3\n",
                                    "# x\n\nOFF\n# y\n3 1 0 # z\n", "3 1 0\n"}) {
@@ -224,7 +224,7 @@ TEST_CASE("OFF: headers and counts", "[io][mesh]") {
   CHECK(says("ply\n") == "1:1: found 'ply', expected 'OFF'");
 }
 
-TEST_CASE("OBJ: mistakes are named with line and column", "[io][mesh]") {
+TEST_CASE("OBJ: errors are reported with line and column", "[io][meshes]") {
   const auto says = [](const std::string& text) { return read_error("e.obj", text); };
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   CHECK(says(v + "f 1 2 4\n") == "4:7: found node number 4, expected 1 to 3 or -1 to -3");
@@ -244,7 +244,7 @@ TEST_CASE("OBJ: mistakes are named with line and column", "[io][mesh]") {
   CHECK(MeshFile::read(file_with("later.obj", "f 1 2 3\n" + v)).shells().face_count() == 1);
 }
 
-TEST_CASE("files that are no mesh files are named", "[io][mesh]") {
+TEST_CASE("files that are no mesh files are named", "[io][meshes]") {
   const auto says = [](const fs::path& path) -> std::string {
     try {
       MeshFile::read(path);
@@ -273,7 +273,7 @@ TEST_CASE("files that are no mesh files are named", "[io][mesh]") {
   CHECK_THAT(says(folder / "a"), Contains("no extension"));
 }
 
-TEST_CASE("PLY: text and binary of either byte order", "[io][mesh]") {
+TEST_CASE("PLY: text and binary of either byte order", "[io][meshes]") {
   const auto text = file_with("t.ply", kPly);
   const MeshFile read = MeshFile::read(text);
   CHECK(read.shells().points(0, 0) == 0.1);
@@ -320,7 +320,7 @@ TEST_CASE("PLY: text and binary of either byte order", "[io][mesh]") {
         "3:16: found 'x', expected a number of elements");
 }
 
-TEST_CASE("STL: corners become nodes, normals follow", "[io][mesh]") {
+TEST_CASE("STL: corners become nodes, normals follow", "[io][meshes]") {
   const MeshFile file = MeshFile::read(file_with("t.stl", kStl));
   CHECK(file.format() == "STL text");
   REQUIRE(file.shells().node_count() == 4);
@@ -363,7 +363,7 @@ TEST_CASE("STL: corners become nodes, normals follow", "[io][mesh]") {
   CHECK_THAT(read_error("inf.stl", infinite), Contains("triangle 0 is not finite"));
 }
 
-TEST_CASE("a mesh is the same in every format that can hold it", "[io][mesh]") {
+TEST_CASE("a mesh is the same in every format that can hold it", "[io][meshes]") {
   const ShellMesh mesh = mixed_mesh();
   for (const std::string extension : {".obj", ".off", ".ply", ".vtp", ".vtu"}) {
     INFO(extension);
@@ -402,7 +402,7 @@ TEST_CASE("a mesh is the same in every format that can hold it", "[io][mesh]") {
   CHECK(area == Approx(3 * 8 + 4 + 2));  // the last one's middle nodes stick out
 }
 
-TEST_CASE("write_mesh refuses what is no mesh", "[io][mesh]") {
+TEST_CASE("write_mesh refuses invalid meshes", "[io][meshes]") {
   ShellMesh mesh = mixed_mesh();
   CHECK_THROWS_WITH(write_mesh(mesh_scratch() / "a.bdf", mesh), Contains("'.bdf'"));
   ShellMesh two = mesh;
@@ -417,7 +417,7 @@ TEST_CASE("write_mesh refuses what is no mesh", "[io][mesh]") {
   CHECK_FALSE(fs::exists(mesh_scratch() / "a.obj"));
 }
 
-TEST_CASE("VTK reads the files as they are meant", "[io][mesh]") {
+TEST_CASE("VTK reads the files as they are meant", "[io][meshes]") {
   if (!have_python_with("vtk")) return;
   const ShellMesh mesh = mixed_mesh();
   for (const std::string extension : {".obj", ".ply", ".vtp", ".vtu"}) {
@@ -450,7 +450,7 @@ TEST_CASE("VTK reads the files as they are meant", "[io][mesh]") {
   }
 }
 
-TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][mesh]") {
+TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][meshes]") {
   const std::string points =
       "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">"
       "0 0 0 1 0 0 1 1 0 0 1 0 2 0 0 2 1 0</DataArray></Points>";
@@ -503,7 +503,7 @@ TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][mesh]") {
   }
 }
 
-TEST_CASE("damaged mesh files give an answer or an error", "[io][mesh]") {
+TEST_CASE("damaged mesh files give a result or an error", "[io][meshes]") {
   check_damage(".obj", kObj, 1500);
   check_damage(".off", kOff, 1500);
   check_damage(".stl", kStl, 1500);
@@ -514,7 +514,7 @@ TEST_CASE("damaged mesh files give an answer or an error", "[io][mesh]") {
   check_damage(".stl", bytes_of(mesh_scratch() / "damage.stl"), 500);
 }
 
-TEST_CASE("real meshes come back as they were", "[io][mesh]") {
+TEST_CASE("real meshes come back as they were", "[io][meshes]") {
   int found = 0;
   for (const std::string name :
        {"panel-neon-side/neon_side.off", "panel-bottle-support/W1000BO_pid_1_a_tri.obj",

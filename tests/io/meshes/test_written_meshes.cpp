@@ -91,7 +91,7 @@ ShellMesh ball(int n) {
 
 }  // namespace
 
-TEST_CASE("a mesh as GLB is a named mesh for each set, in metres, y up", "[written]") {
+TEST_CASE("a mesh as GLB is a named mesh for each set, in metres, y up", "[io][meshes]") {
   const fs::path file = scratch("written_glb") / "block.glb";
   CHECK(write_mesh(file, block(), sets(), 0.01).empty());
   const auto json = json_of_glb(file);
@@ -132,7 +132,7 @@ TEST_CASE("a mesh as GLB is a named mesh for each set, in metres, y up", "[writt
   for (int c = 0; c < 6; ++c) CHECK(box[c] == Approx(expected[c]).margin(1e-9));
 }
 
-TEST_CASE("normals of GLB are those of a ball, and break at the edges of a block", "[written]") {
+TEST_CASE("normals of GLB are those of a ball, and break at the edges of a block", "[io][meshes]") {
   const fs::path folder = scratch("written_normals");
   const auto normals = [&](const ShellMesh& mesh, const std::string& name) {
     write_mesh(folder / name, mesh, {}, 1);
@@ -160,7 +160,7 @@ TEST_CASE("normals of GLB are those of a ball, and break at the edges of a block
   }
 }
 
-TEST_CASE("colours of sets are materials of OBJ, in a file beside it", "[written]") {
+TEST_CASE("colours of sets are materials of OBJ, in a file beside it", "[io][meshes]") {
   const fs::path folder = scratch("written_obj");
   const fs::path file = folder / "a block.obj";
   const auto beside = write_mesh(file, block(), sets());
@@ -185,7 +185,7 @@ TEST_CASE("colours of sets are materials of OBJ, in a file beside it", "[written
 }
 
 TEST_CASE("where one of two files cannot be written there is none, and old ones stay",
-          "[written]") {
+          "[io][meshes]") {
   const fs::path folder = scratch("written_both");
   fs::create_directories(folder / "b.mtl");  // a folder has the name
   std::ofstream(folder / "b.obj") << "old";
@@ -202,7 +202,7 @@ TEST_CASE("where one of two files cannot be written there is none, and old ones 
   }
 }
 
-TEST_CASE("PLY holds the colours of faces, and is read as before", "[written]") {
+TEST_CASE("PLY holds the colours of faces, and is read as before", "[io][meshes]") {
   const fs::path file = scratch("written_ply") / "block.ply";
   write_mesh(file, block(), sets());
   CHECK(MeshFile::read(file).shells().points == block().points);
@@ -218,7 +218,7 @@ TEST_CASE("PLY holds the colours of faces, and is read as before", "[written]") 
     for (int c = 0; c < 3; ++c) CHECK(colours->GetComponent(f, c) == expected[f >= 4][c]);
 }
 
-TEST_CASE("3MF holds one closed object in millimetres, with materials", "[written]") {
+TEST_CASE("3MF holds one closed object in millimetres, with materials", "[io][meshes]") {
   const fs::path folder = scratch("written_3mf");
   write_mesh(folder / "a.3mf", block(), sets(), 0.0254);
   write_mesh(folder / "b.3mf", block(), sets(), 0.0254);
@@ -269,7 +269,7 @@ TEST_CASE("3MF holds one closed object in millimetres, with materials", "[writte
   for (void** each : {materials, handler, object, objects, reader, model}) lib3mf_release(each);
 }
 
-TEST_CASE("GLB and 3MF need a unit, and say so", "[written]") {
+TEST_CASE("GLB and 3MF need a unit, and report a missing one", "[io][meshes]") {
   const fs::path folder = scratch("written_units");
   for (const char* name : {"a.glb", "a.3mf"}) {
     CHECK_THAT(error_message([&] { write_mesh(folder / name, block()); }),

@@ -53,7 +53,7 @@ json.dump({'loop': gif.info.get('loop'), 'frames': frames}, open(sys.argv[2], 'w
 
 }  // namespace
 
-TEST_CASE("a palette keeps few colours as they are, and many nearly", "[io][animation]") {
+TEST_CASE("a palette keeps few colours as they are, and many nearly", "[io][pictures][animation]") {
   Image few{4, 1, {0, 0, 0, 255, 255, 255, 200, 10, 10, 200, 10, 10}};
   const Palette exact({few});
   CHECK(exact.count() == 3);
@@ -76,7 +76,7 @@ TEST_CASE("a palette keeps few colours as they are, and many nearly", "[io][anim
   CHECK(worst <= 4);
 }
 
-TEST_CASE("a GIF is read back frame by frame by another program", "[io][animation]") {
+TEST_CASE("a GIF is read back frame by frame by another program", "[io][pictures][animation]") {
   if (std::system("/usr/bin/python3 -c 'import PIL' > /dev/null 2>&1") != 0) {
     WARN("skipped: python3 has no module PIL");
     return;
@@ -109,7 +109,7 @@ TEST_CASE("a GIF is read back frame by frame by another program", "[io][animatio
   }
 }
 
-TEST_CASE("animations that cannot be are refused and leave nothing", "[io][animation]") {
+TEST_CASE("animations that cannot be are refused and leave nothing", "[io][pictures][animation]") {
   const fs::path folder = batten_test::scratch("no_gif"), file = folder / "a.gif";
   CHECK_THAT(error_message([&] { write_gif(file, {}, 1, 1); }), Contains("found no pictures"));
   CHECK_THAT(error_message([&] {
@@ -129,7 +129,7 @@ TEST_CASE("animations that cannot be are refused and leave nothing", "[io][anima
   CHECK(fs::is_empty(folder));
 }
 
-TEST_CASE("a series has all digits of its values, in their direction", "[io][series]") {
+TEST_CASE("a series has all digits of its values, in their direction", "[io][pictures][series]") {
   const fs::path folder = batten_test::scratch("pvd"), file = folder / "a.pvd";
   const double third = 1.0 / 3;
   write_pvd(file, {{-1, "a_000.vtp"}, {third, "a_001.vtp"}, {1e30, "b<&\">.vtp"}});

@@ -97,7 +97,7 @@ bool have_display() {
 
 }  // namespace
 
-TEST_CASE("without a display, pictures say so and leave nothing", "[io][pictures]") {
+TEST_CASE("without a display, pictures are refused and leave nothing", "[io][pictures]") {
   using Catch::Matchers::Contains;
   const char* set = std::getenv("DISPLAY");
   const std::string display = set ? set : "";
@@ -170,7 +170,7 @@ TEST_CASE("everything is in the frame, from wherever one looks", "[io][pictures]
   CHECK(picture.count([](const Vec3& c) { return c.maxCoeff() < 0.2; }) < 30);
 }
 
-TEST_CASE("lines, contours, elements and fields show when asked for", "[io][pictures]") {
+TEST_CASE("curves, contours, elements and fields are drawn on request", "[io][pictures]") {
   if (!have_display()) return;
   const fs::path folder = batten_test::scratch("contents");
   const SkinnedRegion dome = region(0.8);
@@ -228,7 +228,7 @@ TEST_CASE("lines, contours, elements and fields show when asked for", "[io][pict
   CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 2);
 }
 
-TEST_CASE("a zebra has as many stripes as asked for, where the normals say", "[io][pictures]") {
+TEST_CASE("a zebra has the requested number of stripes, given by the normals", "[io][pictures]") {
   using Catch::Matchers::Contains;
   const fs::path path = batten_test::scratch("zebra") / "a.png";
   // A quarter of a cylinder along y: the angle to x is even in its height's angle.
@@ -281,7 +281,7 @@ TEST_CASE("a zebra has as many stripes as asked for, where the normals say", "[i
     CHECK(changes[i] - changes[i + 1] == Approx(90 * 0.96 / 10).margin(1));
 }
 
-TEST_CASE("pictures of embedded regions show holes as holes", "[io][pictures]") {
+TEST_CASE("pictures of embedded faces show holes as holes", "[io][pictures]") {
   if (!have_delaunay_mesher() || !have_display()) return;
   const SkinnedRegion disc = wavy_disc({0.2, 0, 0.4, false});
   PictureScene scene;
@@ -310,7 +310,7 @@ TEST_CASE("pictures of embedded regions show holes as holes", "[io][pictures]") 
   CHECK(picture.count(red) > 800);
 }
 
-TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]") {
+TEST_CASE("alternative surfaces are drawn as patches in their loops", "[io][pictures]") {
   if (!have_display()) return;
   const auto side = [](const Vec3& a, const Vec3& b) {
     Points x(2, 3), d(2, 3);
@@ -344,7 +344,7 @@ TEST_CASE("ways to have surfaces show as sheets in their loops", "[io][pictures]
   CHECK_FALSE(error_message([&] { draw_loops(path, picture); }).empty());
 }
 
-TEST_CASE("a contact sheet holds every scene in its own place", "[io][pictures]") {
+TEST_CASE("a contact sheet shows every scene in its own position", "[io][pictures]") {
   if (!have_display()) return;
   const fs::path path = batten_test::scratch("sheet") / "sheet.png";
   const SkinnedRegion dome = region(0.8), flat = region(0);

@@ -274,11 +274,11 @@ void check_changes(int count, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a mouse from lines in any order and direction, moved, missing, doubled",
-          "[network][mouse]") {
+TEST_CASE("a mouse from curves in any order and direction, moved, missing, doubled",
+          "[io][scene][network][mouse]") {
   check_changes(40, 1);
 }
 
-TEST_CASE("a mouse under a thousand changes", "[.long][network][mouse]") {
+TEST_CASE("a mouse under a thousand changes", "[io][scene][.long][network][mouse]") {
   check_changes(1000, 1000);
 }

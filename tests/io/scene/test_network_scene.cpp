@@ -29,7 +29,7 @@ void check_error(const std::string& rest, const std::vector<std::string>& parts)
 
 }  // namespace
 
-TEST_CASE("a scene with a network is read as it is written", "[scene][network]") {
+TEST_CASE("a scene with a network is read as it is written", "[io][scene][network]") {
   const Scene scene = parse_scene(kLine + R"(
 [skin]
 gap_tolerance = 0.5
@@ -86,7 +86,7 @@ show = "faces"
   CHECK(scene.skin.options.edge_length == 2);
 }
 
-TEST_CASE("a scene without words has the kernel's defaults", "[scene][network]") {
+TEST_CASE("a scene without settings has the kernel's defaults", "[io][scene][network]") {
   const Scene scene = parse_scene(kLine, "s.toml");
   CHECK(scene.network.tolerance == 0);
   CHECK(scene.network.tangent_angle == NetworkOptions{}.tangent_angle);
@@ -95,7 +95,7 @@ TEST_CASE("a scene without words has the kernel's defaults", "[scene][network]")
   CHECK(scene.network.max_faces_per_edge == RegionSearchOptions{}.max_faces_per_edge);
 }
 
-TEST_CASE("G1 is what smooth is when nothing is faired, G2 needs fairing", "[scene][network]") {
+TEST_CASE("G1 equals smooth if nothing is faired, G2 needs fairing", "[io][scene][network]") {
   const auto kind = [](const std::string& rest) {
     return parse_scene(kLine + rest, "s.toml").network.joins.at(0).kind;
   };
@@ -107,7 +107,8 @@ TEST_CASE("G1 is what smooth is when nothing is faired, G2 needs fairing", "[sce
   check_error(join + "\"G2\"\n", {"s.toml:7:14:", "\"G2\" for a surface that is not faired"});
 }
 
-TEST_CASE("what does not go with several regions is refused with the reason", "[scene][network]") {
+TEST_CASE("settings that several faces exclude are refused with the reason",
+          "[io][scene][network]") {
   const std::string n = "[[join]]\ncurves = [\"a\"]\ncontinuity = \"G0\"\n";
   check_error(n + "[mesh]\ndomain = \"annulus\"\n",
               {"s.toml:9:10:", "'domain' beside [[face]] or [[join]]", "each"});
@@ -115,7 +116,7 @@ TEST_CASE("what does not go with several regions is refused with the reason", "[
   check_error(n + "[skin]\nalpha = [1, 0, 1]\n", {"s.toml:9:9:", "three numbers", "one number"});
 }
 
-TEST_CASE("everything that acts on a surface acts on a network", "[scene][network]") {
+TEST_CASE("everything that acts on a surface acts on a network", "[io][scene][network]") {
   const Scene scene = parse_scene(kLine + R"(
 [skin]
 boundary = "corners"
@@ -150,7 +151,7 @@ calculix = "a.inp"
   CHECK(scene.stress->loads[0].region.text == "top");
 }
 
-TEST_CASE("words about regions and joins are checked where they stand", "[scene][network]") {
+TEST_CASE("settings of faces and joins are checked at their position", "[io][scene][network]") {
   const std::string n = "\n";
   check_error(n + "[[face]]\nname = \"r\"\n", {"loops"});
   check_error(n + "[[face]]\nloops = []\n", {"s.toml:7:9:", "an empty list"});

@@ -17,7 +17,7 @@ using namespace batten;
 
 namespace {
 
-const std::string kRenamedNote = ": that is its name in Batten 1.0";
+const std::string kRenamedNote = " (renamed in Batten 1.0)";
 
 /// The message that refuses a scene, or "".
 std::string refusal(SceneKind kind, const std::string& text) {
@@ -99,7 +99,8 @@ const std::vector<RenamedTable> kRenamedTables = {
 
 }  // namespace
 
-TEST_CASE("an old key is refused at its position, with its present name", "[scene][renamed]") {
+TEST_CASE("an old key is refused at its position, with its present name",
+          "[io][scene][renamed_keys]") {
   for (const RenamedTable& table : kRenamedTables)
     for (const auto& [old_name, now, value] : table.keys) {
       CAPTURE(table.header, old_name);
@@ -111,7 +112,7 @@ TEST_CASE("an old key is refused at its position, with its present name", "[scen
     }
 }
 
-TEST_CASE("an old table is refused in each kind of scene", "[scene][renamed]") {
+TEST_CASE("an old table is refused in each kind of scene", "[io][scene][renamed_keys]") {
   const auto refused = [](SceneKind kind, const std::string& old_name, const std::string& now) {
     CAPTURE(old_name);
     CHECK(refusal(kind, "\n[[" + old_name + "]]\n") ==
@@ -136,8 +137,9 @@ TEST_CASE("an old table is refused in each kind of scene", "[scene][renamed]") {
         "s.toml:1:3: found the key 'line', expected 'curve'" + kRenamedNote);
 }
 
-TEST_CASE("of several old keys the first in the file is named", "[scene][renamed]") {
-  const std::string skin = "[skin]\nfair = \"loft\"\nhold = \"lines\"\n", line = "[[line]]\nturn = {}\n";
+TEST_CASE("of several old keys the first in the file is named", "[io][scene][renamed_keys]") {
+  const std::string skin = "[skin]\nfair = \"loft\"\nhold = \"lines\"\n",
+                    line = "[[line]]\nturn = {}\n";
   CHECK(refusal(SceneKind::Surface, skin + line).starts_with("s.toml:3:1: found the key 'hold'"));
   CHECK(refusal(SceneKind::Surface, line + skin).starts_with("s.toml:1:3: found the key 'line'"));
   // Also of two on one line, and of two tables of one name.
@@ -148,7 +150,7 @@ TEST_CASE("of several old keys the first in the file is named", "[scene][renamed
 }
 
 TEST_CASE("old keys in inline tables are refused, below tables with old and present names",
-          "[scene][renamed]") {
+          "[io][scene][renamed_keys]") {
   const auto refused = [](SceneKind kind, const std::string& text, const std::string& message) {
     CAPTURE(text);
     CHECK(refusal(kind, text) == message + kRenamedNote);
@@ -177,7 +179,7 @@ TEST_CASE("old keys in inline tables are refused, below tables with old and pres
           "'distance'");
 }
 
-TEST_CASE("old values are refused, too", "[scene][renamed]") {
+TEST_CASE("old values are refused, too", "[io][scene][renamed_keys]") {
   struct OldValue {
     SceneKind kind;
     std::string header, key, old_value, now;
@@ -214,7 +216,7 @@ TEST_CASE("old values are refused, too", "[scene][renamed]") {
             .starts_with("s.toml:2:1: found the key 'kind' in 'join', expected 'continuity'"));
 }
 
-TEST_CASE("keys that moved to another table name that table", "[scene][renamed]") {
+TEST_CASE("keys that moved to another table name that table", "[io][scene][renamed_keys]") {
   for (const char* key : {"element", "domain", "mesher", "edge_length", "refine"}) {
     CAPTURE(key);
     const std::string name = key;
@@ -231,18 +233,19 @@ TEST_CASE("keys that moved to another table name that table", "[scene][renamed]"
             .starts_with("s.toml:2:1: found the key 'hold' in 'curve', expected trim_only = true"));
 }
 
-TEST_CASE("the removed table [network] is refused with the keys that replace it", "[scene][renamed]") {
+TEST_CASE("the removed table [network] is refused with the keys that replace it",
+          "[io][scene][renamed_keys]") {
   const std::string message =
       refusal(SceneKind::Surface, "unit = \"mm\"\n[network]\ntolerance = 0.5\n");
   CAPTURE(message);
   CHECK(message.starts_with("s.toml:2:"));
   for (const char* part :
-       {"found [network]", "expected its keys in [skin]", "gap_tolerance (was tolerance)",
+       {"found the key 'network'", "expected its keys in [skin]", "gap_tolerance (was tolerance)",
         "crease_angle (was smooth_below)", "symmetry", "max_faces_per_edge"})
     CHECK(message.find(part) != std::string::npos);
 }
 
-TEST_CASE("names of other programs lead to those of Batten", "[scene][renamed]") {
+TEST_CASE("names of other programs lead to those of Batten", "[io][scene][renamed_keys]") {
   const auto refused = [](const std::string& text, const std::string& message) {
     CAPTURE(text);
     CHECK(refusal(SceneKind::Surface, text).starts_with(message));
@@ -254,7 +257,8 @@ TEST_CASE("names of other programs lead to those of Batten", "[scene][renamed]")
           "s.toml:2:1: found the key 'mesh_size' in 'mesh', expected 'edge_length'");
 }
 
-TEST_CASE("names that are old in one kind of scene are kept in others", "[scene][renamed]") {
+TEST_CASE("names that are old in one kind of scene are kept in others",
+          "[io][scene][renamed_keys]") {
   // A chain of a mesh was a line, a curve stays one; a helix has turns; a line load acts on a curve.
   const std::string surface = R"(unit = "mm"
 [[curve]]

@@ -39,7 +39,7 @@ void check_error(const std::string& text, const std::vector<std::string>& parts)
 
 }  // namespace
 
-TEST_CASE("a scene with everything in it is read as it is written", "[scene]") {
+TEST_CASE("a scene with everything in it is read as it is written", "[io][scene]") {
   const Scene s = parse_scene(R"(
 name = "hood"
 unit = "in"
@@ -147,7 +147,7 @@ file = "sweep.png"
   CHECK(s.sweeps[0].values == std::vector<double>{1, 2, 4});
 }
 
-TEST_CASE("what a scene leaves out has the documented default", "[scene]") {
+TEST_CASE("missing keys of a scene have the documented defaults", "[io][scene]") {
   const Scene s = parse_scene(kSmall, "folder/panel.toml");
   CHECK(s.name == "panel");
   CHECK(s.skin.options.tolerance == 0);
@@ -162,7 +162,7 @@ TEST_CASE("what a scene leaves out has the documented default", "[scene]") {
   CHECK(s.parameters().size() == 2);
 }
 
-TEST_CASE("parameters can be set inside their ranges only", "[scene]") {
+TEST_CASE("parameters can be set inside their ranges only", "[io][scene]") {
   Scene s = parse_scene(kSmall + R"([skin]
 alpha = [1, 0.5, 1]
 [[constraint]]
@@ -212,7 +212,7 @@ max = 10
   CHECK(s.skin.material.alpha(0, 1) == -0.25);
 }
 
-TEST_CASE("a wrong scene is answered with place, finding and remedy", "[scene]") {
+TEST_CASE("an invalid scene is refused with position, what was found and a remedy", "[io][scene]") {
   check_error("", {"s.toml:1:1: found an empty file"});
   check_error("  \n\t\n", {"s.toml:1:1: found an empty file"});
   check_error("unit = \"mm\"\nname = hood\n", {"s.toml:2:8: not TOML"});
@@ -231,7 +231,7 @@ TEST_CASE("a wrong scene is answered with place, finding and remedy", "[scene]")
   check_error("curve = 3\n" + kSmall.substr(0, 12), {"s.toml:1:9: found 3 for 'curve'", "[[curve]]"});
 }
 
-TEST_CASE("wrong lines are answered", "[scene]") {
+TEST_CASE("errors in curves are reported", "[io][scene]") {
   const std::string head = "unit = \"mm\"\n[[curve]]\nname = \"a\"\n";
   check_error(head, {"s.toml:3:8: found no shape for the curve 'a'",
                      "expected one of: file, points, bezier"});
@@ -250,7 +250,7 @@ TEST_CASE("wrong lines are answered", "[scene]") {
               {"s.toml:5:8: found both 'only' and 'skip'"});
 }
 
-TEST_CASE("wrong sections are answered", "[scene]") {
+TEST_CASE("errors in sections are reported", "[io][scene]") {
   check_error(kSmall + "[mesh]\nedge_lenght = 4\n",
               {"s.toml:6:1: found key 'edge_lenght' in [mesh]", "did you mean 'edge_length'?"});
   check_error(kSmall + "[mesh]\nelement = \"HCT\"\n", {"expected one of: hct, z12"});
@@ -290,13 +290,13 @@ TEST_CASE("wrong sections are answered", "[scene]") {
   check_error(kSmall + "[stress]\nthickness = 1\nyoung = 1\n", {"found no supports"});
 }
 
-TEST_CASE("units are what they are in metres", "[scene]") {
+TEST_CASE("units are what they are in metres", "[io][scene]") {
   CHECK(unit_in_metres("mm") == 0.001);
   CHECK(unit_in_metres("ft") == Approx(12 * unit_in_metres("in")).epsilon(1e-15));
   CHECK_THROWS_AS(unit_in_metres("yard"), InputError);
 }
 
-TEST_CASE("a report says when a number could not be computed", "[report]") {
+TEST_CASE("a report says when a number could not be computed", "[io][scene][report]") {
   Report report;
   report.name = "x";
   report.lines.push_back({"rim", CharacterLine::Role::Outline, false, 1, 0.25, 5});

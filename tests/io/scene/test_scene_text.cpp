@@ -52,7 +52,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 }  // namespace
 
-TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text]") {
+TEST_CASE("a value in a scene's text is replaced and nothing else", "[io][scene]") {
   SceneText scene(kScene, "s.toml");
   scene.set({"load", "swell"}, "value", "5");
   CHECK(scene.text() == replaced(kScene, "value = 3.0 ", "value = 5 "));
@@ -68,7 +68,7 @@ TEST_CASE("a value in a scene's text is replaced and nothing else", "[scene_text
   CHECK(scene.text() == replaced(kScene, "to = [0.5, 0.5, 1]", "to = [0.5, 0.5, -4.5]"));
 }
 
-TEST_CASE("a key is added behind the last of its table, and taken out again", "[scene_text]") {
+TEST_CASE("a key is added behind the last of its table, and taken out again", "[io][scene]") {
   const std::vector<SceneTable> tables = {
       {}, {"skin", ""}, {"load", "swell"}, {"curve", "rim"}, {"constraint", "pin"}};
   for (const SceneTable& table : tables) {
@@ -84,7 +84,7 @@ TEST_CASE("a key is added behind the last of its table, and taken out again", "[
   CHECK(scene.text() == kScene + "\n[motion]\ndensity = 0.5\n");
 }
 
-TEST_CASE("a table is added behind its kind, and removed with its comment", "[scene_text]") {
+TEST_CASE("a table is added behind its kind, and removed with its comment", "[io][scene]") {
   SceneText scene(kScene);
   const SceneTable added =
       scene.add("load", "{ name = \"push\", type = \"point\", at = [1, 2, 3], value = -1e-3 }");
@@ -104,7 +104,7 @@ TEST_CASE("a table is added behind its kind, and removed with its comment", "[sc
   CHECK(scene.add("join", "{ curves = [\"rim\"], continuity = \"G0\" }") == SceneTable{"join", "#1"});
 }
 
-TEST_CASE("a parameter's value reads back with the same bits", "[scene_text]") {
+TEST_CASE("a parameter's value reads back with the same bits", "[io][scene]") {
   for (const double value : {0.1, -1.0 / 3, 5e-324, 1.7976931348623157e308, 123456789.123456789}) {
     SceneText scene(kScene);
     scene.set_parameter("swell", value);
@@ -123,7 +123,7 @@ TEST_CASE("a parameter's value reads back with the same bits", "[scene_text]") {
   CHECK_THROWS_AS(SceneText::word(std::numeric_limits<double>::quiet_NaN()), InputError);
 }
 
-TEST_CASE("tables in braces are edited in place", "[scene_text]") {
+TEST_CASE("tables in braces are edited in place", "[io][scene]") {
   const std::string braces =
       "unit = \"mm\"\nload = [{ name = \"a\", value = 1 }, { name = \"b\" }]\n";
   SceneText scene(braces);
@@ -137,7 +137,7 @@ TEST_CASE("tables in braces are edited in place", "[scene_text]") {
   CHECK_THROWS_AS(scene.remove({"load", "a"}), InputError);
 }
 
-TEST_CASE("an edit that is refused leaves the text as it was", "[scene_text]") {
+TEST_CASE("an edit that is refused leaves the text as it was", "[io][scene]") {
   SceneText scene(kScene);
   CHECK_THROWS_AS(scene.set({"load", "swell"}, "value", "1\nother = 2"), InputError);
   CHECK_THROWS_AS(scene.set({"load", "swell"}, "value", "[1, 2"), InputError);
@@ -151,7 +151,7 @@ TEST_CASE("an edit that is refused leaves the text as it was", "[scene_text]") {
   CHECK_THROWS_AS(SceneText("a = [", "s.toml"), InputError);
 }
 
-TEST_CASE("line ends, byte-order marks and missing last line ends are kept", "[scene_text]") {
+TEST_CASE("line ends, byte-order marks and missing last line ends are kept", "[io][scene]") {
   std::string windows;
   for (const char c : kScene) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
   SceneText scene("\xEF\xBB\xBF" + windows);
@@ -169,7 +169,7 @@ TEST_CASE("line ends, byte-order marks and missing last line ends are kept", "[s
   CHECK(open.text() == "unit = \"mm\"\nname = \"x\"\n\n[[load]]\nname = \"a\"\n");
 }
 
-TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[scene_text]") {
+TEST_CASE("the parts of a scene distinguish values, loads and the model", "[io][scene]") {
   const auto changed = [](const auto& edit) {
     SceneText scene(kScene);
     edit(scene);
@@ -198,7 +198,7 @@ TEST_CASE("the parts of a scene tell values, what acts and the model apart", "[s
   CHECK(output.session_parts == before.session_parts);
 }
 
-TEST_CASE("every example can be edited and comes back as it was", "[scene_text]") {
+TEST_CASE("every example can be edited and comes back as it was", "[io][scene]") {
   namespace fs = std::filesystem;
   int scenes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(BATTEN_SOURCE_DIR "/examples")) {
@@ -223,8 +223,8 @@ TEST_CASE("every example can be edited and comes back as it was", "[scene_text]"
   CHECK(scenes > 40);
 }
 
-TEST_CASE("tables of a list in a table go by both names, and are changed where they are",
-          "[scene_text]") {
+TEST_CASE("tables of a list in a table have both names, and are changed where they are",
+          "[io][scene]") {
   const std::string edits = R"(mesh = "a.obj"
 [[edit]]
 name = "first"

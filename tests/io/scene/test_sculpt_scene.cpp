@@ -52,7 +52,7 @@ double value_of(const Scene& scene, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("all kinds of loads are read as they are written", "[scene][sculpt]") {
+TEST_CASE("all kinds of loads are read as they are written", "[io][scene][sculpt]") {
   const Scene s = scene_with(R"(
 [[load]]
 name = "swell"
@@ -139,7 +139,7 @@ file = "points.csv"
   CHECK(s.is_sculpted());
 }
 
-TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt]") {
+TEST_CASE("a scene is sculpted if more than curves acts on it", "[io][scene][sculpt]") {
   CHECK_FALSE(scene_with("").is_sculpted());
   CHECK(scene_with(load("pressure", "")).is_sculpted());
   CHECK(scene_with("[[parameter]]\nname = \"p\"\nvalue = 1\n").is_sculpted());
@@ -147,8 +147,8 @@ TEST_CASE("a scene is sculpted when more than lines acts on it", "[scene][sculpt
             .is_sculpted());
 }
 
-TEST_CASE("weights, moves, line normals and motion are read as they are written",
-          "[scene][sculpt]") {
+TEST_CASE("stiffness fields, offsets, curve normals and motion are read as they are written",
+          "[io][scene][sculpt]") {
   const Scene s = scene_with(R"(
 [[stiffness]]
 name = "stiff spine"
@@ -213,7 +213,7 @@ theta = 0.5
   CHECK_FALSE(find(parameters, "held.x"));
 }
 
-TEST_CASE("one parameter drives others, from their own values", "[scene][sculpt]") {
+TEST_CASE("one parameter drives others, from their own values", "[io][scene][sculpt]") {
   Scene s = scene_with(R"(
 [[parameter]]
 name = "bolder"
@@ -251,7 +251,7 @@ value = 0
         "drives it");
 }
 
-TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
+TEST_CASE("a value over time is set to one that stands", "[io][scene][sculpt]") {
   Scene s = scene_with(
       "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = [[-1, 0], [1, 4]]\nmax = 5\n");
   CHECK(value_of(s, "swell") == 2);
@@ -263,10 +263,10 @@ TEST_CASE("a value over time is set to one that stands", "[scene][sculpt]") {
         std::string::npos);
 }
 
-TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") {
+TEST_CASE("errors in loads are reported with their position", "[io][scene][sculpt]") {
   check_refusal(load("pressur", ""),
-                {"s.toml:13:8: found the word 'pressur'", "gravity, point, line, point_cloud, attractors",
-                 "did you mean 'pressure'?"});
+                {"s.toml:13:8: found the word 'pressur'",
+                 "gravity, point, line, point_cloud, attractors", "did you mean 'pressure'?"});
   check_refusal(load("pressure", "neer = \"spine\""), {"s.toml:15:1: found key 'neer'", "'near'?"});
   check_refusal(load("pressure", "near = \"spien\"\nradius = 1"),
                 {"s.toml:15:8: found the curve 'spien', expected one of: rim, spine",
@@ -306,7 +306,8 @@ TEST_CASE("mistakes in loads are answered with their place", "[scene][sculpt]") 
                 {"s.toml:14:9: found 3, expected a value up to 2"});
 }
 
-TEST_CASE("mistakes in scans and pulls are answered with their place", "[scene][sculpt]") {
+TEST_CASE("errors in point clouds and attractors are reported with their position",
+          "[io][scene][sculpt]") {
   check_refusal(load("point_cloud", ""), {"found no 'file' in [[load]]"});
   check_refusal(load("attractors", "at = [[0,0,0]]"),
                 {"found attractors without a target", "one of: to, curve, plane"});
@@ -330,8 +331,8 @@ TEST_CASE("mistakes in scans and pulls are answered with their place", "[scene][
                 {"s.toml:14:9: found -1, expected a stiffness, not below 0"});
 }
 
-TEST_CASE("mistakes in weights, moves and motion are answered with their place",
-          "[scene][sculpt]") {
+TEST_CASE("errors in stiffness fields, offsets and motion are reported with their position",
+          "[io][scene][sculpt]") {
   const std::string weight = "[[stiffness]]\nname = \"w\"\nvalue = 1\n";
   check_refusal(weight, {"found no 'type' in [[stiffness]]"});
   check_refusal(weight + "type = \"gamma\"\n",
@@ -363,7 +364,7 @@ TEST_CASE("mistakes in weights, moves and motion are answered with their place",
       {"s.toml:16:9", "it only with type = \"curve_normal\""});
 }
 
-TEST_CASE("mistakes in rules are answered with their place", "[scene][sculpt]") {
+TEST_CASE("errors in rules are reported with their position", "[io][scene][sculpt]") {
   const std::string slider = "[[parameter]]\nname = \"p\"\nvalue = 1\n";
   check_refusal(slider + "drives = [{ name = \"betta\", factor = 1 }]\n",
                 {"s.toml:14:20: found 'betta' to drive, expected one of: p, alpha, beta",

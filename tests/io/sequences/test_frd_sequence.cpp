@@ -126,7 +126,7 @@ std::string deck_of(const Kind& kind) {
 
 }  // namespace
 
-TEST_CASE("results are frames of their skin") {
+TEST_CASE("results are frames of their skin", "[io][sequences]") {
   const fs::path folder = scratch("frd_sequence/steps"), file = folder / "a.frd";
   put_bytes(file, kHead + step("5.00000E-01", "1.00000E+00") + step("1.00000E+00", "2.50000E+00") +
                       " 9999\n");
@@ -151,7 +151,7 @@ TEST_CASE("results are frames of their skin") {
   CHECK(read_frd(file).nodes[3].displacement == Vec3(0, 0, 2));
 }
 
-TEST_CASE("damaged results are refused by their line") {
+TEST_CASE("damaged results are refused with their line", "[io][sequences]") {
   const fs::path file = scratch("frd_sequence/damaged") / "a.frd";
   const auto refused = [&](const std::string& text) {
     put_bytes(file, text);
@@ -189,7 +189,7 @@ TEST_CASE("damaged results are refused by their line") {
   CHECK_THAT(refused(beam), Contains("found no solids or shells with faces"));
 }
 
-TEST_CASE("ccx' own results have closed skins, whatever the element") {
+TEST_CASE("ccx' own results have closed skins, whatever the element", "[io][sequences]") {
   if (!have_ccx()) return;
   const fs::path folder = scratch("frd_sequence/ccx");
   for (const Kind& kind : kinds()) {

@@ -81,7 +81,7 @@ MeshSequence read_at(const fs::path& path, double rate, const std::string& anima
 
 }  // namespace
 
-TEST_CASE("nodes of a scene move by their keys") {
+TEST_CASE("nodes of a scene move by their keys", "[io][sequences]") {
   const fs::path folder = gltf_folder("nodes");
   Scene scene = triangle();
   // The mesh hangs on a node that turns by 90 degrees, below one that steps and one that is scaled.
@@ -102,7 +102,7 @@ TEST_CASE("nodes of a scene move by their keys") {
   CHECK(read_at(folder / "a.gltf", 0).times == std::vector<double>{0, 1});
 }
 
-TEST_CASE("cubic splines follow their tangents") {
+TEST_CASE("cubic splines follow their tangents", "[io][sequences]") {
   Scene scene = triangle();
   // x = t³ - t on [0, 2], y = t: tangents 3t² - 1.
   const int times = scene.scalars({0, 2});
@@ -117,7 +117,7 @@ TEST_CASE("cubic splines follow their tangents") {
   }
 }
 
-TEST_CASE("skins blend joints and forget the node's own place") {
+TEST_CASE("skins blend joints and ignore the node's own transform", "[io][sequences]") {
   Scene scene = triangle();
   scene.root["nodes"] = Json::parse(
       R"([{"mesh": 0, "skin": 0, "translation": [100, 0, 0]}, {"translation": [1, 0, 0]}, {}])");
@@ -144,7 +144,7 @@ TEST_CASE("skins blend joints and forget the node's own place") {
   CHECK((s.frames[1] - (Points(3, 3) << 0, 0, 10, 1, 0, 2, 0, 1, 0).finished()).norm() < 1e-6);
 }
 
-TEST_CASE("morph targets, sparse ones too, add up") {
+TEST_CASE("morph targets, sparse ones too, add up", "[io][sequences]") {
   Scene scene = triangle();
   const int first = scene.vectors({0, 0, 1, 0, 0, 1, 0, 0, 1});
   const int rows = scene.add(std::vector<std::uint16_t>{2}, "SCALAR", 1, 5123);
@@ -173,7 +173,7 @@ TEST_CASE("morph targets, sparse ones too, add up") {
   CHECK(still.frames[0](0, 2) == 0.5);
 }
 
-TEST_CASE("seams are one line of nodes while their sides stay together") {
+TEST_CASE("seams are one chain of nodes while their sides stay together", "[io][sequences]") {
   const fs::path folder = gltf_folder("seams");
   Scene scene;
   // Two triangles with an edge at one place, as four plus two vertices.
@@ -196,7 +196,7 @@ TEST_CASE("seams are one line of nodes while their sides stay together") {
   CHECK(faces_of(s.shells) == std::vector<std::vector<int>>{{0, 1, 2}, {3, 1, 4}});
 }
 
-TEST_CASE("strips, fans and several parts are one mesh") {
+TEST_CASE("strips, fans and several parts are one mesh", "[io][sequences]") {
   Scene scene = triangle();
   const int square = scene.vectors({3, 0, 0, 4, 0, 0, 3, 1, 0, 4, 1, 0});
   const int indices = scene.add(std::vector<std::uint8_t>{0, 1, 3, 2}, "SCALAR", 1, 5121);
@@ -212,7 +212,7 @@ TEST_CASE("strips, fans and several parts are one mesh") {
         std::vector<std::vector<int>>{{0, 1, 2}, {3, 4, 5}, {5, 4, 6}, {7, 8, 10}, {7, 10, 9}});
 }
 
-TEST_CASE("whole numbers stand for fractions where they are normalized") {
+TEST_CASE("whole numbers stand for fractions where they are normalized", "[io][sequences]") {
   Scene scene = triangle();
   scene.root["extensionsRequired"] = {"KHR_mesh_quantization"};
   // Rows of eight bytes, of which six are used.
@@ -225,7 +225,7 @@ TEST_CASE("whole numbers stand for fractions where they are normalized") {
   CHECK(s.frames[0] == (Points(3, 3) << 0, 0, 0, 1, 0, 0, -1, 1, 0).finished());
 }
 
-TEST_CASE("clips are chosen by name or number") {
+TEST_CASE("clips are chosen by name or number", "[io][sequences]") {
   Scene scene = triangle();
   const int times = scene.scalars({0, 1});
   scene.move(0, "translation", times, scene.vectors({0, 0, 0, 1, 0, 0}), "LINEAR");
@@ -244,7 +244,7 @@ TEST_CASE("clips are chosen by name or number") {
   CHECK_THAT(error_message([&] { read_at(file, 1e9); }), Contains("1e+06 at most"));
 }
 
-TEST_CASE("buffers are found in files, URIs and GLB") {
+TEST_CASE("buffers are found in files, URIs and GLB", "[io][sequences]") {
   const fs::path folder = gltf_folder("buffers");
   Scene scene = triangle();
   scene.write(folder / "a.gltf");
@@ -265,7 +265,7 @@ TEST_CASE("buffers are found in files, URIs and GLB") {
   CHECK_THAT(reading(folder / "d.gltf"), Contains("found no data for buffer 0"));
 }
 
-TEST_CASE("damaged scenes are refused and named") {
+TEST_CASE("damaged scenes are refused and named", "[io][sequences]") {
   const fs::path folder = gltf_folder("damaged");
   const auto refused = [&](auto change) {
     Scene scene = triangle();
@@ -342,7 +342,7 @@ TEST_CASE("damaged scenes are refused and named") {
   CHECK_THAT(reading(folder / "b.gltf"), Contains("b.gltf"));
 }
 
-TEST_CASE("no damage to a GLB brings the reader down") {
+TEST_CASE("no damage to a GLB brings the reader down", "[io][sequences]") {
   const fs::path folder = gltf_folder("fuzz");
   Scene scene = triangle();
   write_sequence(folder / "a.glb", wave(3));
@@ -374,7 +374,7 @@ TEST_CASE("no damage to a GLB brings the reader down") {
   CHECK(refused > all / 4);
 }
 
-TEST_CASE("real clips are baked as others bake them") {
+TEST_CASE("real clips are baked as others bake them", "[io][sequences]") {
   struct Clip {
     std::string scene, name, cache;
     double seconds;

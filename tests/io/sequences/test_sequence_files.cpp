@@ -30,7 +30,7 @@ std::string stl_text(const std::vector<std::array<Vec3, 3>>& triangles) {
 
 }  // namespace
 
-TEST_CASE("numbered files come in the order of their numbers") {
+TEST_CASE("numbered files come in the order of their numbers", "[io][sequences]") {
   const fs::path folder = folder_of("order");
   for (const int k : {8, 9, 10, 11})
     put_bytes(folder / ("w" + std::to_string(k) + ".obj"), triangle(k));
@@ -57,7 +57,7 @@ TEST_CASE("numbered files come in the order of their numbers") {
   CHECK_THAT(reading(folder, part), Contains("found 4 frames, expected frames 5 to the end"));
 }
 
-TEST_CASE("missing numbers are named, strides are none") {
+TEST_CASE("missing numbers are named, strides are none", "[io][sequences]") {
   const fs::path folder = folder_of("gaps");
   for (const int k : {0, 10, 20, 50})
     put_bytes(folder / ("a" + std::to_string(k) + ".obj"), triangle(k));
@@ -73,7 +73,7 @@ TEST_CASE("missing numbers are named, strides are none") {
   CHECK_THAT(reading(folder), Contains("the numbers 1, 2, 3, 4, 5, 6, 7, 8 and 99988 more"));
 }
 
-TEST_CASE("names that are no series are refused") {
+TEST_CASE("names that are no series are refused", "[io][sequences]") {
   const fs::path folder = folder_of("names");
   CHECK_THAT(reading(folder), Contains("found no numbered mesh files in this folder"));
   CHECK_THAT(reading(folder / "a_*.obj"), Contains("a_*.obj: found no such files"));
@@ -88,7 +88,7 @@ TEST_CASE("names that are no series are refused") {
   CHECK(read_sequence(folder / "alone.obj").frame_count() == 1);
 }
 
-TEST_CASE("faces that change are refused by the first that differs") {
+TEST_CASE("faces that change are refused by the first that differs", "[io][sequences]") {
   const fs::path folder = folder_of("changes");
   const std::string good = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
   put_bytes(folder / "a1.obj", good);
@@ -107,7 +107,7 @@ TEST_CASE("faces that change are refused by the first that differs") {
              Contains("a2.obj:2:5: found 'nan'"));
 }
 
-TEST_CASE("coordinates that are not finite are named by file and node") {
+TEST_CASE("coordinates that are not finite are named by file and node", "[io][sequences]") {
   const fs::path folder = folder_of("finite");
   const auto binary = [](float z) {
     std::string out =
@@ -124,7 +124,7 @@ TEST_CASE("coordinates that are not finite are named by file and node") {
   CHECK_THAT(reading(folder), Contains("a2.ply") && Contains("node 1") && Contains("finite"));
 }
 
-TEST_CASE("STL corners that were one node stay one") {
+TEST_CASE("STL corners that were one node stay one", "[io][sequences]") {
   const fs::path folder = folder_of("stl");
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
   put_bytes(folder / "s1.stl", stl_text({{a, b, c}, {c, b, d}}));
@@ -145,7 +145,7 @@ TEST_CASE("STL corners that were one node stay one") {
   CHECK_THAT(second(stl_text({{a, b, c}})), Contains("found 1 triangle, expected 2 as in s1.stl"));
 }
 
-TEST_CASE("decks are sequences, too") {
+TEST_CASE("decks are sequences, too", "[io][sequences]") {
   const fs::path folder = folder_of("decks");
   for (const int k : {1, 2})
     put_bytes(folder / ("d" + std::to_string(k) + ".bdf"),
@@ -159,7 +159,7 @@ TEST_CASE("decks are sequences, too") {
   CHECK_THAT(reading(folder), Contains("d2.bdf: found node 6, expected 7 as in d1.bdf"));
 }
 
-TEST_CASE("lists of ParaView are read as they are") {
+TEST_CASE("lists of ParaView are read as they are", "[io][sequences]") {
   const fs::path folder = folder_of("pvd");
   const MeshSequence s = wave(3, 0.5);
   write_sequence(folder / "a b.pvd", s);
@@ -189,7 +189,7 @@ TEST_CASE("lists of ParaView are read as they are") {
   CHECK_THAT(reading(folder / "l.pvd"), Contains("found no <Collection>"));
 }
 
-TEST_CASE("damaged point caches are refused with their numbers") {
+TEST_CASE("damaged point caches are refused with their numbers", "[io][sequences]") {
   const fs::path folder = folder_of("caches");
   const MeshSequence s = wave(3, 1);
   write_sequence(folder / "a.pc2", s);
@@ -248,7 +248,7 @@ TEST_CASE("damaged point caches are refused with their numbers") {
   CHECK_THAT(reading(folder / "a.pc2"), Contains("the rate 0, expected a rate above 0"));
 }
 
-TEST_CASE("the mesh of a point cache is found beside it") {
+TEST_CASE("the mesh of a point cache is found beside it", "[io][sequences]") {
   const fs::path folder = folder_of("beside");
   const MeshSequence s = wave(2, 1);
   write_sequence(folder / "a.pc2", s);
@@ -263,7 +263,7 @@ TEST_CASE("the mesh of a point cache is found beside it") {
   CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);
 }
 
-TEST_CASE("sequences are stopped by their caller") {
+TEST_CASE("sequences are stopped by their caller", "[io][sequences]") {
   const fs::path folder = folder_of("stop");
   write_sequence(folder / "a_*.obj", wave(3));
   write_sequence(folder / "a.pc2", wave(3));
@@ -276,7 +276,7 @@ TEST_CASE("sequences are stopped by their caller") {
   }
 }
 
-TEST_CASE("caches and files of real sequences agree") {
+TEST_CASE("caches and files of real sequences agree", "[io][sequences]") {
   int read = 0;
   for (const std::string clip : {"walk", "run", "survey"}) {
     const fs::path folder = optional_data("seq-fox/" + clip);

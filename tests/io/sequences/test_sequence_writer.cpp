@@ -28,7 +28,7 @@ Points points_of(vtkPointSet* data) {
 
 }  // namespace
 
-TEST_CASE("numbered files come back bit by bit") {
+TEST_CASE("numbered files come back bit by bit", "[io][sequences]") {
   const MeshSequence s = wave(4, 1);
   for (const std::string extension : {".obj", ".ply", ".off", ".vtp", ".vtu"}) {
     INFO(extension);
@@ -44,7 +44,7 @@ TEST_CASE("numbered files come back bit by bit") {
   }
 }
 
-TEST_CASE("STL frames keep their triangles") {
+TEST_CASE("STL frames keep their triangles", "[io][sequences]") {
   // The shorter diagonal of a quad changes from frame to frame.
   MeshSequence s = wave(3);
   for (int k = 0; k < 3; ++k)
@@ -73,7 +73,7 @@ TEST_CASE("STL frames keep their triangles") {
   }
 }
 
-TEST_CASE("a folder gets numbered OBJ files that VTK reads") {
+TEST_CASE("a folder gets numbered OBJ files that VTK reads", "[io][sequences]") {
   const MeshSequence s = wave(3);
   const fs::path folder = writer_folder("plain") / "new";
   write_sequence(folder, s);
@@ -90,7 +90,7 @@ TEST_CASE("a folder gets numbered OBJ files that VTK reads") {
   CHECK(apart(read_sequence(folder / "frame_0002.obj"), s) == 0);
 }
 
-TEST_CASE("ParaView's list has the times") {
+TEST_CASE("ParaView's list has the times", "[io][sequences]") {
   const MeshSequence s = wave(3, 0.04);
   const fs::path folder = writer_folder("pvd");
   write_sequence(folder / "run.pvd", s);
@@ -107,7 +107,7 @@ TEST_CASE("ParaView's list has the times") {
   CHECK(points_of(reader->GetOutput()) == s.frames[1]);
 }
 
-TEST_CASE("point caches are what their formats say") {
+TEST_CASE("point caches comply with their formats", "[io][sequences]") {
   const MeshSequence s = wave(3, 0.25);
   const fs::path folder = writer_folder("caches");
   const int n = s.node_count();
@@ -146,7 +146,7 @@ TEST_CASE("point caches are what their formats say") {
   CHECK(names_in(folder) == std::set<std::string>{"a.obj", "a.pc2", "b.mdd", "b.obj"});
 }
 
-TEST_CASE("GLB files come back and move in VTK") {
+TEST_CASE("GLB files come back and move in VTK", "[io][sequences]") {
   const MeshSequence s = wave(5, 0.5);
   const fs::path file = writer_folder("glb") / "a.glb";
   write_sequence(file, s);
@@ -186,7 +186,7 @@ TEST_CASE("GLB files come back and move in VTK") {
   }
 }
 
-TEST_CASE("one frame is a scene that stands still") {
+TEST_CASE("one frame is a scene that stands still", "[io][sequences]") {
   const MeshSequence s = wave(1);
   const fs::path folder = writer_folder("one");
   for (const std::string name : {"a.glb", "a.pc2", "a.mdd", "a.pvd", "a_*.obj"}) {
@@ -195,7 +195,7 @@ TEST_CASE("one frame is a scene that stands still") {
   }
 }
 
-TEST_CASE("single files appear whole or not at all") {
+TEST_CASE("single files appear whole or not at all", "[io][sequences]") {
   const MeshSequence s = wave(3);
   for (const std::string name : {"a.glb", "a.pc2", "a.mdd"}) {
     const fs::path folder = writer_folder("whole");
@@ -212,7 +212,7 @@ TEST_CASE("single files appear whole or not at all") {
   }
 }
 
-TEST_CASE("a run that was stopped goes on where it was") {
+TEST_CASE("a run that was stopped goes on where it was", "[io][sequences]") {
   const MeshSequence s = wave(4);
   const fs::path folder = writer_folder("resume");
   {
@@ -233,7 +233,7 @@ TEST_CASE("a run that was stopped goes on where it was") {
   CHECK(again.files().size() == 4);
 }
 
-TEST_CASE("several runs share the frames of numbered files") {
+TEST_CASE("several runs share the frames of numbered files", "[io][sequences]") {
   const MeshSequence s = wave(4);
   const fs::path folder = writer_folder("shared");
   SequenceWriter second(folder / "a_*.off", s.shells, s.times);
@@ -245,7 +245,7 @@ TEST_CASE("several runs share the frames of numbered files") {
   CHECK(apart(read_sequence(folder), s) == 0);
 }
 
-TEST_CASE("writers refuse what they cannot write") {
+TEST_CASE("writers refuse data that they cannot write", "[io][sequences]") {
   const MeshSequence s = wave(2);
   const fs::path folder = writer_folder("refused");
   const auto writing = [&](const std::string& name) {

@@ -177,11 +177,13 @@ SculptorStage mouse_stage() {
 
 }  // namespace
 
-TEST_CASE("the mouse is sculpted live, joins and lines hold at every answer", "[mouse]") {
+TEST_CASE("the mouse is sculpted live, joins and curves hold at every update",
+          "[io][sessions][mouse]") {
   check("mouse", mouse(4).model);
 }
 
-TEST_CASE("sketches are sculpted live, joins and lines hold at every answer", "[data]") {
+TEST_CASE("sketches are sculpted live, joins and curves hold at every update",
+          "[io][sessions][data]") {
   const std::string name = GENERATE("computer-mouse", "vacuum");
   const auto file = optional_data("sketch-cassie/sketch_graph/" + name + ".json");
   if (file.empty()) {
@@ -192,10 +194,10 @@ TEST_CASE("sketches are sculpted live, joins and lines hold at every answer", "[
   check(name, model.model);
 }
 
-TEST_CASE("two hundred operations at random on the mouse", "[mouse]") {
+TEST_CASE("two hundred operations at random on the mouse", "[io][sessions][mouse]") {
   sculpt_at_random(mouse_stage(), 200, 3);
 }
 
-TEST_CASE("ten thousand operations at random on the mouse", "[mouse][.long]") {
+TEST_CASE("ten thousand operations at random on the mouse", "[io][sessions][mouse][.long]") {
   sculpt_at_random(mouse_stage(), 10000, 11);
 }

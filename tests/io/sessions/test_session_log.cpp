@@ -1,4 +1,4 @@
-// Logs of sessions: what is read back is what was written, to the last bit.
+// Session logs: reading a written log gives the same operations, bit for bit.
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -111,7 +111,8 @@ bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; 
 
 }  // namespace
 
-TEST_CASE("a log of every operation is read back as it was", "[io][session_log]") {
+TEST_CASE("a log with every operation is read back bit-identically",
+          "[io][sessions][session_log]") {
   const std::vector<Operation> operations = everything();
   const std::string text = session_log_text(operations);
   const std::vector<Operation> back = parse_session_log(text, "log");
@@ -124,7 +125,7 @@ TEST_CASE("a log of every operation is read back as it was", "[io][session_log]"
     CHECK(bool(back[i].edit) == bool(operations[i].edit));
     if (back[i].edit) CHECK(back[i].edit->index() == operations[i].edit->index());
   }
-  // Digits are all there, so the text says whether anything was lost on the way.
+  // Numbers have all digits, so equal texts mean that nothing was lost.
   CHECK(session_log_text(back) == text);
 
   const auto& add = std::get<Operation::Add>(*back[10].edit);
@@ -146,7 +147,7 @@ TEST_CASE("a log of every operation is read back as it was", "[io][session_log]"
     CHECK(line.curve->evaluate(t) == given.curve->evaluate(t));
 }
 
-TEST_CASE("logs are files, whole or not at all", "[io][session_log]") {
+TEST_CASE("a log is written completely or not at all", "[io][sessions][session_log]") {
   const auto folder = batten_test::scratch("session_log");
   write_session_log(folder / "a.jsonl", everything());
   CHECK(session_log_text(read_session_log(folder / "a.jsonl")) == session_log_text(everything()));
@@ -171,15 +172,15 @@ TEST_CASE("logs are files, whole or not at all", "[io][session_log]") {
   CHECK_FALSE(std::filesystem::exists(folder / "c.jsonl"));
 }
 
-TEST_CASE("mistakes in a log are answered with their line", "[io][session_log]") {
-  const std::string head = "{\"batten\":\"session\",\"version\":1}\n{\"do\":\"settle\"}\n";
+TEST_CASE("errors in a log are reported with their line", "[io][sessions][session_log]") {
+  const std::string head = "{\"batten\":\"session\",\"version\":2}\n{\"do\":\"solve\"}\n";
   const auto says = [&](const std::string& line) {
     return error_message([&] { parse_session_log(head + line + "\n", "log"); });
   };
   CHECK(says("").empty());
-  CHECK_THAT(says("{\"do\":\"set\",\"para"), Contains("log:3: found a line that is no JSON"));
+  CHECK_THAT(says("{\"do\":\"set\",\"para"), Contains("log:3: found a line that is not JSON"));
   CHECK_THAT(says("[1]"), Contains("log:3: found no \"do\""));
-  CHECK_THAT(says("{\"do\":\"stetle\"}"), Contains("log:3:") && Contains("did you mean 'settle'?"));
+  CHECK_THAT(says("{\"do\":\"slove\"}"), Contains("log:3:") && Contains("did you mean 'solve'?"));
   CHECK_THAT(says("{\"do\":7}"), Contains("log:3: found 7 for 'do', expected a text"));
   CHECK_THAT(says("{\"do\":\"set\",\"value\":1}"), Contains("log:3: found no 'parameter'"));
   CHECK_THAT(says("{\"do\":\"set\",\"parameter\":-1,\"value\":1}"), Contains("found -1"));
@@ -188,19 +189,23 @@ TEST_CASE("mistakes in a log are answered with their line", "[io][session_log]")
              Contains("log:3: found \"x\" for 'value', expected a number"));
   CHECK_THAT(says("{\"do\":\"set\",\"parameter\":1,\"value\":1,\"vlaue\":2}"),
              Contains("found 'vlaue'") && Contains("did you mean 'value'?"));
-  CHECK_THAT(says("{\"do\":\"add\"}"), Contains("log:3: found nothing to add"));
+  CHECK_THAT(says("{\"do\":\"add\"}"), Contains("log:3: found 'add' without an item"));
   CHECK_THAT(says("{\"do\":\"add\",\"load\":{\"name\":\"a\",\"type\":\"presure\"}}"),
              Contains("log:3:") && Contains("did you mean 'pressure'?"));
   CHECK_THAT(says("{\"do\":\"add\",\"load\":{\"name\":\"a\",\"type\":\"point\",\"at\":[1,2]}}"),
              Contains("log:3: found [1,2] for 'at', expected 3 numbers"));
-  CHECK_THAT(says("{\"do\":\"set_line\",\"line\":\"a\",\"curve\":{\"parameters\":[0,1],\"closed\":"
-                  "false,\"corners\":[],\"dofs\":[[0,0,0]]}}"),
-             Contains("log:3: "));
+  CHECK_THAT(
+      says("{\"do\":\"set_curve\",\"name\":\"a\",\"geometry\":{\"parameters\":[0,1],\"closed\":"
+           "false,\"corners\":[],\"dofs\":[[0,0,0]]}}"),
+      Contains("log:3: "));
   CHECK_THAT(error_message([&] { parse_session_log("", "log"); }),
              Contains("log:1: found an empty file"));
   CHECK_THAT(error_message([&] { parse_session_log("{\"batten\":3}\n", "log"); }),
-             Contains("log:1: found no log of a session"));
-  CHECK_THAT(
-      error_message([&] { parse_session_log("{\"batten\":\"session\",\"version\":2}\n", "log"); }),
-      Contains("log:1: found another version"));
+             Contains("log:1: found another file than a session log"));
+  CHECK(error_message(
+            [&] { parse_session_log("{\"batten\":\"session\",\"version\":1}\n", "log"); }) ==
+        "log:1: found version 1 of the session log format, expected version 2: record the session "
+        "again with this program");
+  CHECK_THAT(error_message([&] { parse_session_log("{\"batten\":\"session\"}\n", "log"); }),
+             Contains("log:1: found no version of the session log format, expected version 2"));
 }

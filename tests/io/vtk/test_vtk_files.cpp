@@ -119,10 +119,10 @@ void check_names(vtkDataObject& data) {
     REQUIRE(array);
     return array->GetValue(i);
   };
-  CHECK(text("Region_names", 0) == "hood");
-  CHECK(text("Region_names", 1) == "left wing");
+  CHECK(text("Face_names", 0) == "hood");
+  CHECK(text("Face_names", 1) == "left wing");
   const char* const expected[] = {"south", "diagonal", "south", "diagonal"};
-  for (int i = 0; i < 4; ++i) CHECK(text("Line_names", i) == expected[i]);
+  for (int i = 0; i < 4; ++i) CHECK(text("Curve_names", i) == expected[i]);
 }
 
 std::string bytes(const fs::path& path) {
@@ -137,7 +137,7 @@ size_t files_in(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("VTP: facets and lines of all regions, read back by VTK", "[io][vtk]") {
+TEST_CASE("VTP: facets and curves of all faces, read back by VTK", "[io][vtk]") {
   const SkinnedRegion a = region("hood", 0.3), b = region("left wing", -0.2);
   const SkinnedRegion reference = region("flat", 0.1);
   const int n = GENERATE(1, 2, 5);
@@ -157,13 +157,13 @@ TEST_CASE("VTP: facets and lines of all regions, read back by VTK", "[io][vtk]")
   check_names(data);
 
   vtkCellData& cells = *data.GetCellData();
-  REQUIRE(cells.GetArray("Line"));
-  REQUIRE(cells.GetArray("Line")->GetNumberOfTuples() == 4 + 2 * facets);
+  REQUIRE(cells.GetArray("Curve"));
+  REQUIRE(cells.GetArray("Curve")->GetNumberOfTuples() == 4 + 2 * facets);
   std::map<std::pair<int, int>, int> facets_of;
   for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
-    const int region_index = static_cast<int>(cells.GetArray("Region")->GetTuple1(c));
+    const int region_index = static_cast<int>(cells.GetArray("Face")->GetTuple1(c));
     const int triangle = static_cast<int>(cells.GetArray("Triangle")->GetTuple1(c));
-    const int line = static_cast<int>(cells.GetArray("Line")->GetTuple1(c));
+    const int line = static_cast<int>(cells.GetArray("Curve")->GetTuple1(c));
     vtkCell& cell = *data.GetCell(c);
     if (cell.GetCellDimension() == 1) {
       CHECK(triangle == -1);
@@ -216,8 +216,8 @@ TEST_CASE("VTU: one quadratic triangle for each element", "[io][vtk]") {
     const bool element = c < 2 * mesh.triangle_count();
     CHECK(cell.GetCellType() == (element ? VTK_QUADRATIC_TRIANGLE : VTK_QUADRATIC_EDGE));
     const int triangle = static_cast<int>(data.GetCellData()->GetArray("Triangle")->GetTuple1(c));
-    const int line = static_cast<int>(data.GetCellData()->GetArray("Line")->GetTuple1(c));
-    const int in = static_cast<int>(data.GetCellData()->GetArray("Region")->GetTuple1(c));
+    const int line = static_cast<int>(data.GetCellData()->GetArray("Curve")->GetTuple1(c));
+    const int in = static_cast<int>(data.GetCellData()->GetArray("Face")->GetTuple1(c));
     if (element) {
       CHECK(line == -1);
       CHECK(in == c / mesh.triangle_count());
@@ -237,7 +237,7 @@ TEST_CASE("VTU: one quadratic triangle for each element", "[io][vtk]") {
   }
 }
 
-TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") {
+TEST_CASE("VTP and VTU of an embedded face end at its boundary", "[io][vtk]") {
   if (!have_delaunay_mesher()) return;
   const SkinnedRegion disc = wavy_disc({}), square = region("square", 0.2);
   const double area = disc.surface.area(), square_area = square.surface.area();
@@ -249,7 +249,7 @@ TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") 
     vtkNew<vtkPoints> corners;
     for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
       if (data.GetCell(c)->GetCellDimension() != 2 ||
-          data.GetCellData()->GetArray("Region")->GetTuple1(c) != wanted_region)
+          data.GetCellData()->GetArray("Face")->GetTuple1(c) != wanted_region)
         continue;
       data.GetCell(c)->Triangulate(0, ids, corners);
       for (vtkIdType k = 0; k < corners->GetNumberOfPoints(); k += 3) {
@@ -273,14 +273,15 @@ TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") 
     before = error;
     CHECK(cell_area(data, 0) == Approx(square_area).epsilon(2e-3));
     CHECK(data.GetNumberOfLines() == 5);
-    auto* names = vtkStringArray::SafeDownCast(data.GetFieldData()->GetAbstractArray("Line_names"));
+    auto* names =
+        vtkStringArray::SafeDownCast(data.GetFieldData()->GetAbstractArray("Curve_names"));
     REQUIRE(names);
     REQUIRE(names->GetNumberOfValues() == 5);
     const char* const expected[] = {"south", "diagonal", "rim", "hole", "rib"};
     for (int i = 0; i < 5; ++i) CHECK(names->GetValue(i) == expected[i]);
     // Points of the rim are the surface's over the curve.
     for (vtkIdType c = 2; c < 5; ++c) {
-      CHECK(data.GetCellData()->GetArray("Line")->GetTuple1(c) == c);
+      CHECK(data.GetCellData()->GetArray("Curve")->GetTuple1(c) == c);
       const HermiteCurve& pcurve = disc.embedded[static_cast<size_t>(c) - 2].pcurve;
       vtkCell& chain = *data.GetCell(c);
       for (vtkIdType p = 0; p < chain.GetNumberOfPoints(); ++p) {
@@ -304,7 +305,7 @@ TEST_CASE("VTP and VTU of an embedded region end at its boundary", "[io][vtk]") 
   }
 }
 
-TEST_CASE("VTK files refuse what does not fit, and leave nothing behind", "[io][vtk]") {
+TEST_CASE("VTK writers refuse inconsistent data, and leave nothing behind", "[io][vtk]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("vtk_errors"), path = folder / "surface.vtp";
   const SkinnedRegion a = region("hood", 0.3);
@@ -324,7 +325,7 @@ TEST_CASE("VTK files refuse what does not fit, and leave nothing behind", "[io][
   CHECK(files_in(folder) == 0);
 }
 
-TEST_CASE("a file is written whole or not at all", "[io][whole_file]") {
+TEST_CASE("a file is written whole or not at all", "[io][vtk][atomic_file]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("whole"), path = folder / "note.tar.txt";
   write_file_atomically(path, [](std::ostream& out) { out << "first\n" << 0.5; });
@@ -374,7 +375,7 @@ TEST_CASE("a file is written whole or not at all", "[io][whole_file]") {
   CHECK(files_in(folder) == 2);
 }
 
-TEST_CASE("places where no file can be are named before the work", "[io][whole_file]") {
+TEST_CASE("paths where no file can be written are named at the start", "[io][vtk][atomic_file]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("places");
   std::ofstream(folder / "file") << "x";

@@ -1,4 +1,4 @@
-// Skins three straight lines with the installed package: the flat triangle between them.
+// Skins three straight curves with the installed package: the result is the flat triangle.
 #include <batten/sculpting/statics/static_sculpt.h>
 #include <batten/skinning/region/skinned_region.h>
 

@@ -52,7 +52,8 @@ double difference(const HermiteCurve& a, const HermiteCurve& b) {
 
 }  // namespace
 
-TEST_CASE("without loads a curve keeps its shape, or bends straight when it has none") {
+TEST_CASE("without loads a curve keeps its shape, or bends straight when it has none",
+          "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   DeformableCurve kept(shape, ends(shape), {}, loads());
   CHECK(difference(kept.solve(), shape) < 1e-12);
@@ -66,7 +67,7 @@ TEST_CASE("without loads a curve keeps its shape, or bends straight when it has 
               .norm() < 1e-12);
 }
 
-TEST_CASE("loads act linearly, and a beam under them sags as the book says") {
+TEST_CASE("loads act linearly, and a beam under them sags as in theory", "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   DeformableCurve curve(shape, ends(shape), {}, loads());
   curve.set("wind", 1);
@@ -82,7 +83,8 @@ TEST_CASE("loads act linearly, and a beam under them sags as the book says") {
   CHECK(push(6, 2) > 0);
 }
 
-TEST_CASE("a spring pulls its point towards its end, to it when it is stiff") {
+TEST_CASE("a spring pulls its point towards its end, to it when it is stiff",
+          "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   DeformableCurve curve(shape, ends(shape), {}, loads());
   const double u = shape.closest_point({5, 0, 2}).u;
@@ -99,7 +101,8 @@ TEST_CASE("a spring pulls its point towards its end, to it when it is stiff") {
   CHECK(curve.constraints().max_residual(curve.solve().dofs()) < 1e-12);
 }
 
-TEST_CASE("relative numbers make the same shape in mm and in m, near and far") {
+TEST_CASE("relative numbers make the same shape in mm and in m, near and far",
+          "[sculpting][curves]") {
   const auto loaded = [](double scale, const Vec3& origin) {
     const HermiteCurve shape = arch(scale, origin);
     DeformableCurve curve(shape, ends(shape), {}, loads(scale, origin));
@@ -116,7 +119,8 @@ TEST_CASE("relative numbers make the same shape in mm and in m, near and far") {
   }
 }
 
-TEST_CASE("motion settles where the static solution is, its energy never growing") {
+TEST_CASE("motion converges to the static solution, its energy never growing",
+          "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   CurveMaterial material;
   material.damping = 20;
@@ -175,7 +179,8 @@ struct ReleasedBar {
   MatX of(const HermiteCurve& shape) const { return modes.of(shape.dofs() - rest.dofs()); }
 };
 
-TEST_CASE("every mode of a bar moves as the scheme's own formula says") {
+TEST_CASE("every mode of a bar follows the formula of the time integration scheme",
+          "[sculpting][curves]") {
   for (const double theta : {0.5, 0.8, 1.0}) {
     ReleasedBar bar(2, 3);
     const double dt = 0.01;
@@ -198,7 +203,7 @@ TEST_CASE("every mode of a bar moves as the scheme's own formula says") {
   }
 }
 
-TEST_CASE("a bar's frequency and damping, first and second order in dt") {
+TEST_CASE("a bar's frequency and damping, first and second order in dt", "[sculpting][curves]") {
   const double damping = 2, lambda = std::pow(pi, 4), period = 2 * pi / std::sqrt(lambda);
   for (const double theta : {1.0, 0.5}) {
     std::vector<double> error;
@@ -219,7 +224,8 @@ TEST_CASE("a bar's frequency and damping, first and second order in dt") {
   }
 }
 
-TEST_CASE("a bar's energy never grows, in steps of a thousand periods neither") {
+TEST_CASE("a bar's energy never grows, in steps of a thousand periods neither",
+          "[sculpting][curves]") {
   const double period = 2 / pi;
   for (const double theta : {0.5, 1.0})
     for (const double dt : {0.01 * period, period, 1000 * period}) {
@@ -242,7 +248,8 @@ TEST_CASE("a bar's energy never grows, in steps of a thousand periods neither") 
     }
 }
 
-TEST_CASE("a stiffness that changes in motion changes neither place nor speed") {
+TEST_CASE("a stiffness that changes in motion changes neither position nor speed",
+          "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   DeformableCurve curve(shape, ends(shape), {}, loads());
   curve.start_motion(0.01);
@@ -264,7 +271,7 @@ TEST_CASE("a stiffness that changes in motion changes neither place nor speed") 
   CHECK(curve.energy() <= energy + 1e-9 * std::abs(energy));
 }
 
-TEST_CASE("curve loads that make no sense are refused by name") {
+TEST_CASE("curve loads that make no sense are refused by name", "[sculpting][curves]") {
   const HermiteCurve shape = arch();
   DeformableCurve curve(shape, ends(shape), {}, loads());
   CHECK_THAT(error_message([&] { curve.set("sprin", 1); }), Contains("did you mean 'spring'"));

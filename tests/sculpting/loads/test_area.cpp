@@ -55,7 +55,8 @@ double worst(const VecX& found, const Surface& shape, const Weight& w) {
 
 }  // namespace
 
-TEST_CASE("near a line, weights are the bump of the distance to it") {
+TEST_CASE("near a curve, weights are the bump function of the distance to it",
+          "[sculpting][loads]") {
   const Skinned region(curved_polygon(4, 0.2, 0.15), fine(0.1));
   for (const double radius : {0.3, 1.0}) {
     const VecX w =
@@ -71,7 +72,8 @@ TEST_CASE("near a line, weights are the bump of the distance to it") {
         VecX::Ones(region.layout.mesh()->triangle_count()));
 }
 
-TEST_CASE("strokes add up to 1 at most, and an eraser takes away what was there before") {
+TEST_CASE("strokes add up to 1 at most, and an eraser takes away what was there before",
+          "[sculpting][loads]") {
   const Skinned region(curved_polygon(5, 0.1, 0.05), fine(0.1));
   const Vec3 a(0.2, 0.1, 0), b(0.35, 0.2, 0.05);
   const auto weights = [&](const std::vector<Area::Painted::Stroke>& strokes) {
@@ -94,7 +96,7 @@ TEST_CASE("strokes add up to 1 at most, and an eraser takes away what was there 
   CHECK(weights({{a, 0.5, 30}}).maxCoeff() > 0.999);
 }
 
-TEST_CASE("weights are the same on any number of threads") {
+TEST_CASE("weights are the same on any number of threads", "[sculpting][loads]") {
   const Skinned region(curved_polygon(4, 0.2, 0.15), fine(0.08));
   const Area near{Area::NearLine{"side 1", 0.5}};
   const ThreadGuard one(1);
@@ -105,7 +107,7 @@ TEST_CASE("weights are the same on any number of threads") {
   CHECK(triangle_directions("side 1", region.layout) == directions);
 }
 
-TEST_CASE("directions are those of the nearest point of the line's image") {
+TEST_CASE("directions are those of the nearest point of the curve's pcurve", "[sculpting][loads]") {
   if (!have_delaunay_mesher()) return;
   constexpr double pi = std::numbers::pi;
   // A flat disc, whose domain is the plane itself: around it, and along an arc inside.
@@ -136,7 +138,7 @@ TEST_CASE("directions are those of the nearest point of the line's image") {
   }
 }
 
-TEST_CASE("on a ring, directions run around it") {
+TEST_CASE("on an annulus, directions run around it", "[sculpting][loads]") {
   constexpr double pi = std::numbers::pi;
   const auto rim = [&](double z, const std::string& line_name) {
     return CharacterLine{line_name, curve_from_formula(0, 2 * pi, [=](double t, int order) -> Vec3 {
@@ -151,7 +153,8 @@ TEST_CASE("on a ring, directions run around it") {
   }
 }
 
-TEST_CASE("resistance in a direction is a part of the energy, in either units") {
+TEST_CASE("resistance in a direction is a part of the energy, in either units",
+          "[sculpting][loads]") {
   const Skinned region(curved_polygon(4, 0.2, 0.15), fine(0.3));
   const SurfaceAssembler assembler(*region.layout.mesh(), region.layout.element());
   const Points& q = region.shape.dofs();
@@ -172,7 +175,7 @@ TEST_CASE("resistance in a direction is a part of the energy, in either units") 
   CHECK(scaled_to_unit_domain(along, LoadUnits::Relative, size).beta_mixed == along.beta_mixed);
 }
 
-TEST_CASE("what areas refuse is said in words") {
+TEST_CASE("invalid areas are refused with the reason", "[sculpting][loads]") {
   const Skinned region(curved_polygon(4, 0.2, 0.15), fine(0.3));
   const auto said = [&](const Area& area) {
     return error_message([&] { triangle_weights(area, region.layout, region.shape); });

@@ -28,7 +28,8 @@ ScalarParameter ranged(const std::string& name, double value, double min, double
 
 }  // namespace
 
-TEST_CASE("one parameter drives several by linear rules, whatever their order", "[parameters]") {
+TEST_CASE("one parameter drives several by linear rules, whatever their order",
+          "[sculpting][parameters]") {
   Parameters all;
   // Followers first, so that the order of the rules is not the order of adding.
   for (const char* name : {"far", "near", "depth", "bolder", "finer"}) all.add(named(name));
@@ -57,7 +58,7 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order", 
   CHECK(all.value("far") == 0);
 }
 
-TEST_CASE("a follower is held to its own range", "[parameters]") {
+TEST_CASE("a follower is held to its own range", "[sculpting][parameters]") {
   Parameters all;
   all.add(ranged("slider", 0, -10, 10));
   ScalarParameter driven = ranged("pressure", 0, 0, 30);
@@ -73,7 +74,7 @@ TEST_CASE("a follower is held to its own range", "[parameters]") {
   CHECK(all.value("pressure") == 15);
 }
 
-TEST_CASE("a circle of rules is named and changes nothing", "[parameters]") {
+TEST_CASE("a circle of rules is named and changes nothing", "[sculpting][parameters]") {
   Parameters all;
   for (const char* name : {"a", "b", "c"}) all.add(named(name, 1));
   all.set_rule("b", {{"a", 2}}, 0);
@@ -88,7 +89,7 @@ TEST_CASE("a circle of rules is named and changes nothing", "[parameters]") {
   CHECK(all.value("c") == 12);
 }
 
-TEST_CASE("numbers that cannot be are refused with their range", "[parameters]") {
+TEST_CASE("numbers that cannot be are refused with their range", "[sculpting][parameters]") {
   Parameters all;
   all.add(ranged("swell", 1, -300, 300));
   CHECK_THROWS_WITH(all.set("swell", 301), Contains("'swell'") && Contains("found 301") &&
@@ -119,7 +120,8 @@ TEST_CASE("numbers that cannot be are refused with their range", "[parameters]")
   CHECK(all.count() == 1);
 }
 
-TEST_CASE("values over time are linear between moments and constant outside", "[parameters]") {
+TEST_CASE("values over time are linear between moments and constant outside",
+          "[sculpting][parameters]") {
   Parameters all;
   ScalarParameter timed = named("swell");
   timed.keyframes = {{1, 10}, {2, 30}, {4, -10}};
@@ -145,7 +147,7 @@ TEST_CASE("values over time are linear between moments and constant outside", "[
   CHECK(all.value("swell") == 7);
 }
 
-TEST_CASE("restored values are the same bits, and moments move again", "[parameters]") {
+TEST_CASE("restored values are the same bits, and moments move again", "[sculpting][parameters]") {
   Parameters all;
   all.add(named("a", 0.1));
   ScalarParameter timed = named("t");
@@ -170,7 +172,7 @@ TEST_CASE("restored values are the same bits, and moments move again", "[paramet
   CHECK_THROWS_AS(all.restore({1, 2}, 0), InputError);
 }
 
-TEST_CASE("setting, moving in time and restoring ask for no memory", "[parameters]") {
+TEST_CASE("setting, moving in time and restoring ask for no memory", "[sculpting][parameters]") {
   if (!batten_test::counts_allocations()) return;
   Parameters all;
   all.add(ranged("slider", 0, -1, 1));

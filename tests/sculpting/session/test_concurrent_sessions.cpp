@@ -27,7 +27,8 @@ Points sculpted(double force) {
 
 }  // namespace
 
-TEST_CASE("sessions in threads of their own have the bits that each has alone") {
+TEST_CASE("sessions in threads of their own have the bits that each has alone",
+          "[sculpting][session]") {
   constexpr int threads = 4;
   std::vector<Points> alone;
   for (int k = 0; k < threads; ++k) alone.push_back(sculpted(1 + k));
@@ -41,7 +42,8 @@ TEST_CASE("sessions in threads of their own have the bits that each has alone") 
   }
 }
 
-TEST_CASE("ten thousand sessions that were made and dropped leave no memory behind") {
+TEST_CASE("ten thousand sessions that were made and dropped leave no memory behind",
+          "[sculpting][session]") {
   size_t early = 0;
   for (int n = 0; n < 10000; ++n) {
     SculptingSession session(ModelLayout(square_layout(0.5)), small_history());

@@ -29,7 +29,7 @@ bool whole(const Frame& frame) {
 
 }  // namespace
 
-TEST_CASE("frames: the reader gets the newest one, once") {
+TEST_CASE("frames: the reader gets the newest one, once", "[sculpting][session]") {
   FrameExchange exchange;
   CHECK(exchange.latest() == nullptr);
   for (long number = 1; number <= 3; ++number) {
@@ -54,7 +54,7 @@ TEST_CASE("frames: the reader gets the newest one, once") {
   CHECK(frame->number == 20);
 }
 
-TEST_CASE("frames: buffers go around, three of them") {
+TEST_CASE("frames: buffers go around, three of them", "[sculpting][session]") {
   FrameExchange exchange;
   std::vector<const float*> seen;
   for (long number = 1; number <= 60; ++number) {
@@ -72,7 +72,8 @@ TEST_CASE("frames: buffers go around, three of them") {
   CHECK(seen.size() == 3);
 }
 
-TEST_CASE("frames: writer and reader on threads of their own see whole frames in ascending order") {
+TEST_CASE("frames: writer and reader on threads of their own see whole frames in ascending order",
+          "[sculpting][session]") {
   FrameExchange exchange;
   constexpr size_t size = 3000;
   std::atomic<bool> done{false};

@@ -69,7 +69,7 @@ TestModelBuilder walls(double h) {
 
 }  // namespace
 
-TEST_CASE("a model of one region is the region: the same bits") {
+TEST_CASE("a model of one face is the face: the same bits", "[sculpting][session]") {
   const RegionLayout region = patch_layout(0.3);
   const ModelLayout model({region.name(), region.size(), region.tolerance(), region.origin()},
                           {std::make_shared<const RegionLayout>(region)}, {});
@@ -83,7 +83,8 @@ TEST_CASE("a model of one region is the region: the same bits") {
   CHECK(same_bits(shapes[0], shapes[1]));
 }
 
-TEST_CASE("two octants joined smoothly under pressure are symmetric, and converge") {
+TEST_CASE("two octants joined smoothly under pressure are symmetric, and converge",
+          "[sculpting][session]") {
   std::vector<Vec3> tops;
   for (const double h : {0.4, 0.2, 0.1}) {
     INFO("h = " << h);
@@ -111,7 +112,8 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
   CHECK(fine < 2e-3);
 }
 
-TEST_CASE("two regions that unfold into one plane, under pressure, are the one region") {
+TEST_CASE("two faces that unfold into one plane, under pressure, are the one face",
+          "[sculpting][session]") {
   // Over [0, 2] × [0, 1], with a line across at 1 that both models hold.
   const auto high = [](const Vec2& p) { return 0.2 * std::sin(1.5 * p.x()) * std::cos(p.y()); };
   const auto lifted = [&](const Vec2& a, const Vec2& b) {
@@ -168,7 +170,7 @@ TEST_CASE("two regions that unfold into one plane, under pressure, are the one r
   CHECK(apart[2] < 1e-3);
 }
 
-TEST_CASE("a smooth join survives what is done to it, at every answer") {
+TEST_CASE("a smooth join holds after every operation, at every update", "[sculpting][session]") {
   SculptingSession session(two_octants(0.1), {});
   const double rest = angle_at(session, "zx");
   session.add(Load{"on one", Load::Pressure{Area{Area::Everywhere{}, {"region 1"}}}});
@@ -213,8 +215,8 @@ TEST_CASE("a smooth join survives what is done to it, at every answer") {
   CHECK((moved.evaluate(0.5 * moved.end()).norm()) == Approx(1.08).epsilon(1e-3));
 }
 
-TEST_CASE(
-    "a pressure on one region leaves others to the join, and a load without a name is on all") {
+TEST_CASE("a pressure on one face reaches others only by the join, one without faces acts on all",
+          "[sculpting][session]") {
   const TestModelBuilder p = walls(0.25);
   SculptingSession session(p.model({}), {});
   const Points rest = session.dofs();
@@ -250,7 +252,8 @@ TEST_CASE(
                     Contains("no face 'region 9'") && Contains("did you mean"));
 }
 
-TEST_CASE("a shared crease moves with both regions, and along the normal it needs a direction") {
+TEST_CASE("a shared crease moves with both faces, and along the normal it needs a direction",
+          "[sculpting][session]") {
   const TestModelBuilder p = walls(0.25);
   SculptingSession session(p.model({}), {});
   CHECK_THROWS_WITH(session.add(LineOffset{"m", "post 1", {}, 0.4}),
@@ -274,7 +277,7 @@ TEST_CASE("a shared crease moves with both regions, and along the normal it need
   CHECK_THROWS_AS(session.solve_to_equilibrium(), ConflictError);
 }
 
-TEST_CASE("refinement halves both sides of a line alike, and joins stay") {
+TEST_CASE("refinement halves both sides of a curve alike, and joins stay", "[sculpting][session]") {
   SculptingSession session(two_octants(0.4), {});
   session.add(Load{"p", Load::Pressure{}}, {slider("p", 10)});
   session.solve_to_equilibrium();
@@ -296,7 +299,7 @@ TEST_CASE("refinement halves both sides of a line alike, and joins stay") {
   CHECK(angle_at(session, "zx") == before);
 }
 
-TEST_CASE("a model held at its corners stays together along its lines") {
+TEST_CASE("a model fixed at its corners stays connected along its curves", "[sculpting][session]") {
   SessionOptions options;
   options.fix_corners_only = true;
   for (const bool box : {false, true}) {
@@ -323,7 +326,7 @@ TEST_CASE("a model held at its corners stays together along its lines") {
   }
 }
 
-TEST_CASE("a model's answer is that of the KKT system") {
+TEST_CASE("a model's update is the solution of the KKT system", "[sculpting][session]") {
   const ModelLayout model = two_octants(0.4);
   const ConstraintSet rows = independent_constraints(model.line_constraints());
   const SurfaceAssembler assembler(*model.mesh(), model.element(), model.trim());
@@ -337,7 +340,8 @@ TEST_CASE("a model's answer is that of the KKT system") {
   CHECK(difference(result.dofs, expected) < 1e-9);
 }
 
-TEST_CASE("lines that turn the tangents at a node have their joins planned again at rest") {
+TEST_CASE("curves that rotate the tangents at a node have their joins planned again at equilibrium",
+          "[sculpting][session]") {
   // A strip of two squares; its far sides are lifted, and the line between them turns with them.
   TestModelBuilder p;
   const double h = 0.2;
@@ -377,7 +381,8 @@ TEST_CASE("lines that turn the tangents at a node have their joins planned again
   CHECK(answer.converged);
 }
 
-TEST_CASE("a node whose planes differ within the tolerance of joins is no reason to plan again") {
+TEST_CASE("a node whose planes differ within the tolerance of joins is no reason to plan again",
+          "[sculpting][session]") {
   // Two squares, the outer corner of one lifted: their planes differ by 0.05 degrees at a node.
   TestModelBuilder p;
   const double h = 0.25, lift = std::tan(0.05 * pi / 180);

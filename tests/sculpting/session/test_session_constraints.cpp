@@ -45,7 +45,8 @@ std::vector<int> vertices_of(const ModelLayout& layout, const std::string& line)
 
 }  // namespace
 
-TEST_CASE("constraints added and removed at random: the answer of the independent KKT system") {
+TEST_CASE("constraints added and removed at random: the solution of the independent KKT system",
+          "[sculpting][session]") {
   const RegionLayout layout = patch_layout(0.35);
   SculptingSession session(layout, {});
   const Surface rest = shape_of(session);
@@ -107,7 +108,8 @@ TEST_CASE("constraints added and removed at random: the answer of the independen
   CHECK(difference(rest.dofs(), session.dofs()) > 0.01);
 }
 
-TEST_CASE("a point dragged by its parameters is at its goal, the others stay at theirs") {
+TEST_CASE("a point dragged by its parameters is at its target, the others stay at theirs",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.25), {});
   const Surface rest = shape_of(session);
   const auto a = rest.closest_point({0.4, 0.6, 0.3}), b = rest.closest_point({1.2, 0.6, 0.3});
@@ -135,7 +137,7 @@ TEST_CASE("a point dragged by its parameters is at its goal, the others stay at 
   CHECK_FALSE(session.parameters().has("a.x"));
 }
 
-TEST_CASE("normals and tangents hold where they were put") {
+TEST_CASE("normals and tangents hold where they were put", "[sculpting][session]") {
   SculptingSession session(patch_layout(0.25), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
   session.solve_to_equilibrium();
@@ -156,7 +158,8 @@ TEST_CASE("normals and tangents hold where they were put") {
   }
 }
 
-TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
+TEST_CASE("a conflict names its constraints and leaves every bit as it was",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.3), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 2)});
   const Surface rest = shape_of(session);
@@ -194,7 +197,8 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was") {
   CHECK(session.parameters().value("again.z") == at.z());
 }
 
-TEST_CASE("the rib: a line displaced along the normal, exactly, while its neighbourhood blends") {
+TEST_CASE("the rib: a curve displaced along the normal, exactly, while its neighbourhood blends",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.15), {});
   const Surface rest = shape_of(session);
   const ModelLayout& layout = session.layout();
@@ -251,7 +255,8 @@ TEST_CASE("the rib: a line displaced along the normal, exactly, while its neighb
   CHECK(difference(session.dofs(), rest.dofs()) < 1e-9);
 }
 
-TEST_CASE("without its tangent planes held, the surface turns at the rib, with them it does not") {
+TEST_CASE("without its tangent planes held, the surface turns at the rib, with them it does not",
+          "[sculpting][session]") {
   const auto turned = [](bool isolated) {
     SculptingSession session(patch_layout(0.2), {});
     const Surface rest = shape_of(session);
@@ -274,7 +279,7 @@ TEST_CASE("without its tangent planes held, the surface turns at the rib, with t
   CHECK(turned(true) < 1e-9);
 }
 
-TEST_CASE("lines move by right-hand sides only, and the surface goes along") {
+TEST_CASE("curves move by right-hand sides only, and the surface follows", "[sculpting][session]") {
   SculptingSession session(patch_layout(0.25), {});
   const Points rest = session.dofs();
   const HermiteCurve rib = session.line("rib");
@@ -295,7 +300,7 @@ TEST_CASE("lines move by right-hand sides only, and the surface goes along") {
   CHECK(difference(session.dofs(), rest) < 1e-12);
 }
 
-TEST_CASE("an inner line added and taken away") {
+TEST_CASE("an inner curve is added and removed", "[sculpting][session]") {
   SculptingSession session(disc_layout(0.25), {});
   const Points rest = session.dofs();
   std::vector<Vec3> points;

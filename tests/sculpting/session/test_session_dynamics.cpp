@@ -31,7 +31,8 @@ struct Released {
 
 }  // namespace
 
-TEST_CASE("every mode of a plate moves as the scheme's own formula says") {
+TEST_CASE("every mode of a plate follows the formula of the time integration scheme",
+          "[sculpting][session]") {
   for (const double theta : {0.5, 0.75, 1.0}) {
     Released plate(0.5);
     const Modes modes(plate.session.layout().line_constraints(), plate.matrices.K,
@@ -61,7 +62,8 @@ TEST_CASE("every mode of a plate moves as the scheme's own formula says") {
   }
 }
 
-TEST_CASE("frequency and damping of the first mode, first and second order in dt") {
+TEST_CASE("frequency and damping of the first mode, first and second order in dt",
+          "[sculpting][session]") {
   Released plate;
   const Modes modes(plate.session.layout().line_constraints(), plate.matrices.K, plate.matrices.M);
   const double lambda = modes.lambda[0];
@@ -88,7 +90,8 @@ TEST_CASE("frequency and damping of the first mode, first and second order in dt
   }
 }
 
-TEST_CASE("the trapezoidal rule keeps a mode's energy, and all lose it by damping alone") {
+TEST_CASE("the trapezoidal rule keeps a mode's energy, and all lose it by damping alone",
+          "[sculpting][session]") {
   Released plate;
   plate.session.start_motion({.dt = 0.001, .damping = 0, .theta = 0.5});
   const double start = plate.session.total_energy();
@@ -100,7 +103,8 @@ TEST_CASE("the trapezoidal rule keeps a mode's energy, and all lose it by dampin
   CHECK(largest < 1e-10);
 }
 
-TEST_CASE("energy never grows under a load that stands, whatever the step") {
+TEST_CASE("energy never grows under a load that stands, whatever the step",
+          "[sculpting][session]") {
   const double period = 2 * pi / std::pow(4 * pi * pi, 1);
   for (const double theta : {0.5, 1.0})
     for (const double dt : {0.01 * period, period, 1000 * period}) {
@@ -126,7 +130,8 @@ TEST_CASE("energy never grows under a load that stands, whatever the step") {
     }
 }
 
-TEST_CASE("implicit Euler with a thousandfold step is the static answer at once") {
+TEST_CASE("implicit Euler with a thousandfold step is the static solution at once",
+          "[sculpting][session]") {
   Released plate;
   plate.pull(3);
   plate.session.start_motion({.dt = 1e8});
@@ -137,7 +142,8 @@ TEST_CASE("implicit Euler with a thousandfold step is the static answer at once"
   CHECK(difference(moved, plate.session.dofs()) < 1e-9);
 }
 
-TEST_CASE("motion comes to rest at the static shape, and that is the independent one") {
+TEST_CASE("motion comes to rest at the static shape, and that is the independent one",
+          "[sculpting][session]") {
   const RegionLayout layout = patch_layout(0.3);
   const Vec3 force(0.4, -0.1, 2);
   const auto statics = reference_solver::sculpt(layout, layout.line_constraints(),
@@ -162,7 +168,8 @@ TEST_CASE("motion comes to rest at the static shape, and that is the independent
   CHECK(session.residual() < 1e-12);
 }
 
-TEST_CASE("values over time drive a motion: a ramp arrives where its end is settled") {
+TEST_CASE("values over time drive a motion: a ramp ends at the equilibrium of its last value",
+          "[sculpting][session]") {
   const RegionLayout layout = square_layout(0.3);
   SculptingSession session(layout, {});
   ScalarParameter ramp = slider("push");
@@ -192,7 +199,8 @@ TEST_CASE("values over time drive a motion: a ramp arrives where its end is sett
   CHECK(difference(2 * (session.dofs() - start), moved - start) < 1e-9);
 }
 
-TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
+TEST_CASE("a load that grows evenly: the exact motion, second order in dt",
+          "[sculpting][session]") {
   // λ x + ẍ = f t, from rest: x = x₁ (t - sin ωt / ω), x₁ the static answer to f.
   std::vector<double> error;
   for (const int steps : {100, 200, 400}) {
@@ -220,7 +228,7 @@ TEST_CASE("a load that grows evenly: the exact motion, second order in dt") {
   CHECK(error[2] < 1e-3);
 }
 
-TEST_CASE("a motion with impossible numbers is refused and nothing moves") {
+TEST_CASE("a motion with impossible numbers is refused and nothing moves", "[sculpting][session]") {
   SculptingSession session(square_layout(0.5), {});
   const Points before = session.dofs();
   CHECK_THROWS_AS(session.step(), InputError);

@@ -65,7 +65,7 @@ struct Snapshot {
 
 }  // namespace
 
-TEST_CASE("undo and redo go through a whole story bit for bit") {
+TEST_CASE("undo and redo go through a whole story bit for bit", "[sculpting][session]") {
   SculptingSession session(region(), with_material(0.1, 1));
   std::vector<Snapshot> stages{Snapshot(session)};
   for (const auto& work : story()) {
@@ -102,7 +102,8 @@ TEST_CASE("undo and redo go through a whole story bit for bit") {
   }
 }
 
-TEST_CASE("after undo the surface can be sculpted on as if nothing had been") {
+TEST_CASE("after undo the surface can be sculpted on as if nothing had been",
+          "[sculpting][session]") {
   SculptingSession session(region(), {}), reference_session(region(), {});
   for (SculptingSession* s : {&session, &reference_session}) {
     s->add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 1)});
@@ -121,7 +122,8 @@ TEST_CASE("after undo the surface can be sculpted on as if nothing had been") {
   CHECK_FALSE(session.redo());
 }
 
-TEST_CASE("a drag of one parameter is undone as a whole, and so is a run of steps") {
+TEST_CASE("a drag of one parameter is undone as a whole, and so is a run of steps",
+          "[sculpting][session]") {
   SculptingSession session(region(), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}});
   session.solve_to_equilibrium();
@@ -145,7 +147,7 @@ TEST_CASE("a drag of one parameter is undone as a whole, and so is a run of step
   CHECK(same_bits(before, session.dofs()));
 }
 
-TEST_CASE("a recorded session plays again bit for bit") {
+TEST_CASE("a recorded session plays again bit for bit", "[sculpting][session]") {
   SculptingSession session(region(), with_material(0.1, 1));
   session.record(true);
   std::vector<Snapshot> stages;
@@ -181,7 +183,7 @@ TEST_CASE("a recorded session plays again bit for bit") {
   CHECK(same_bits(session.dofs(), again.dofs()));
 }
 
-TEST_CASE("the history keeps to its bytes") {
+TEST_CASE("the history keeps to its bytes", "[sculpting][session]") {
   SessionOptions options;
   options.history_bytes = 2 << 20;
   SculptingSession session(patch_layout(0.15), options);

@@ -46,7 +46,8 @@ double error(SculptingSession& session, const nlohmann::json& reference, double 
 
 }  // namespace
 
-TEST_CASE("a small pressure on a clamped disc is the plate of the handbook") {
+TEST_CASE("a small pressure on a clamped disc is the plate of the handbook",
+          "[sculpting][session]") {
   // z(0) = p/(64 beta), volume p π/(192 beta).
   SculptingSession session = inflated(disc_layout(0.2), inflation("disc", "tangent plane", 0));
   const double p = 1e-4;
@@ -61,7 +62,7 @@ TEST_CASE("a small pressure on a clamped disc is the plate of the handbook") {
   CHECK(session.enclosed_volume() == Approx(-p * pi / 192).epsilon(2e-3));
 }
 
-TEST_CASE("an inflated disc tends to the converged reference") {
+TEST_CASE("an inflated disc tends to the converged reference", "[sculpting][session]") {
   for (const char* rim : {"position", "tangent plane"}) {
     const auto reference = inflation("disc", rim, 0);
     const double most = 0.9 * reference["fold"]["pressure"].get<double>();
@@ -77,7 +78,7 @@ TEST_CASE("an inflated disc tends to the converged reference") {
   }
 }
 
-TEST_CASE("an inflated tube tends to the converged reference") {
+TEST_CASE("an inflated tube tends to the converged reference", "[sculpting][session]") {
   for (const double alpha : {0.0, 2.0}) {
     const auto reference = inflation("tube", "position", alpha);
     const double most = 0.9 * reference["fold"]["pressure"].get<double>();
@@ -93,7 +94,8 @@ TEST_CASE("an inflated tube tends to the converged reference") {
   }
 }
 
-TEST_CASE("past the fold the session says how far it came, and stays there") {
+TEST_CASE("past the limit load the session reports the values reached, and stays there",
+          "[sculpting][session]") {
   const auto reference = inflation("tube", "position", 0);
   const double fold = reference["fold"]["pressure"];
   SculptingSession session = inflated(tube_layout(0.35), reference);
@@ -123,7 +125,8 @@ TEST_CASE("past the fold the session says how far it came, and stays there") {
   CHECK(difference(session.dofs(), fresh.dofs()) < 1e-9);
 }
 
-TEST_CASE("a drag of pressure, warm from answer to answer, is what settling cold gives") {
+TEST_CASE("a drag of pressure, warm-started at each update, equals a cold solve",
+          "[sculpting][session]") {
   const auto reference = inflation("tube", "position", 0);
   const double fold = reference["fold"]["pressure"];
   SculptingSession session = inflated(tube_layout(0.4), reference);

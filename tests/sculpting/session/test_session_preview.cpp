@@ -44,7 +44,7 @@ HermiteCurve ring_above(double height, double radius, const Vec2& middle) {
 
 }  // namespace
 
-TEST_CASE("superposed sliders are what solving gives") {
+TEST_CASE("superposed sliders equal a full solve", "[sculpting][session]") {
   SculptingSession session = loaded_patch();
   Random random(3);
   int solves = 0;
@@ -64,7 +64,8 @@ TEST_CASE("superposed sliders are what solving gives") {
   CHECK(difference(dragged, session.dofs()) < 1e-12);
 }
 
-TEST_CASE("loads of every linear kind are those of an independent assembly") {
+TEST_CASE("loads of every linear kind are those of an independent assembly",
+          "[sculpting][session]") {
   SculptingSession session = loaded_patch();
   const ModelLayout& layout = session.layout();
   const Matrices matrices(layout, SurfaceStiffness::isotropic(0.1, 1));
@@ -95,7 +96,7 @@ TEST_CASE("loads of every linear kind are those of an independent assembly") {
   CHECK(difference(answered("weight", 3), weight) < 1e-4 * difference(weight, unloaded.dofs()));
 }
 
-TEST_CASE("one parameter drives several by rules") {
+TEST_CASE("one parameter drives several by rules", "[sculpting][session]") {
   SculptingSession session = loaded_patch();
   session.add_parameter(slider("effect"));
   session.set_rule("uniform", {{"effect", 2}}, 0.5);
@@ -114,7 +115,7 @@ TEST_CASE("one parameter drives several by rules") {
   CHECK_THROWS_AS(session.set_rule("effect", {{"finger", 1}}, 0), InputError);
 }
 
-TEST_CASE("sliders, answers, steps and frames ask for no memory") {
+TEST_CASE("sliders, updates, steps and frames allocate no memory", "[sculpting][session]") {
   if (!counts_allocations()) return;
   SculptingSession session = loaded_patch();
   session.add(Load{"pressure", Load::Pressure{}});
@@ -153,7 +154,7 @@ TEST_CASE("sliders, answers, steps and frames ask for no memory") {
   CHECK(work.of(OpCounter::Allocation) == 0);
 }
 
-TEST_CASE("frames show the surface as it is, and say what changed") {
+TEST_CASE("frames show the current surface, and report changes", "[sculpting][session]") {
   for (const bool cut : {false, true}) {
     SculptingSession session(cut ? disc_layout(0.3) : patch_layout(0.3), {});
     session.add(Load{"f", Load::Uniform{{0.2, 0, 1}, {}}});
@@ -205,7 +206,7 @@ TEST_CASE("frames show the surface as it is, and say what changed") {
   }
 }
 
-TEST_CASE("the same bits on one thread or two") {
+TEST_CASE("the same bits on one thread or two", "[sculpting][session]") {
   const auto run = [](int threads) {
     const ThreadGuard guard(threads);
     SculptingSession session(disc_layout(0.2), with_material(0.1, 1));
@@ -227,7 +228,8 @@ TEST_CASE("the same bits on one thread or two") {
   CHECK(one_normals == two_normals);
 }
 
-TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it or below") {
+TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it or below",
+          "[sculpting][session]") {
   // Springs that wear off with distance draw the sheet to whichever of two rings is nearer.
   const auto settled_from = [](double start) {
     SculptingSession session(square_layout(0.15, 2), with_material(0, 1));
@@ -263,7 +265,7 @@ TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it o
   CHECK(energy_up == Approx(energy_down).epsilon(1e-6));  // each other's mirror image
 }
 
-TEST_CASE("alpha and beta are parameters, everywhere or in places") {
+TEST_CASE("alpha and beta are parameters, everywhere or in areas", "[sculpting][session]") {
   SculptingSession session = loaded_patch();
   session.set("uniform", 5);
   session.solve_to_equilibrium();
@@ -293,7 +295,7 @@ TEST_CASE("alpha and beta are parameters, everywhere or in places") {
   CHECK(difference(session.dofs(), soft) < 1e-11);
 }
 
-TEST_CASE("what makes no sense is refused by name and changes nothing") {
+TEST_CASE("invalid input is refused by name and changes nothing", "[sculpting][session]") {
   SculptingSession session = loaded_patch();
   const Points before = session.dofs();
   const auto names = session.names();

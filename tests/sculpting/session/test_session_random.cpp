@@ -28,8 +28,10 @@ SculptorStage door() {
 
 }  // namespace
 
-TEST_CASE("three hundred operations at random on the door") { sculpt_at_random(door(), 300, 1); }
+TEST_CASE("three hundred operations at random on the door", "[sculpting][session]") {
+  sculpt_at_random(door(), 300, 1);
+}
 
-TEST_CASE("ten thousand operations at random on the door", "[.long]") {
+TEST_CASE("ten thousand operations at random on the door", "[sculpting][session][.long]") {
   sculpt_at_random(door(), 10000, 7);
 }

@@ -26,7 +26,8 @@ double energy_of(const SculptingSession& session) {
 
 }  // namespace
 
-TEST_CASE("a refinement keeps the surface on every old edge, and says what it changed inside") {
+TEST_CASE("a refinement keeps the surface on every old edge, and reports the change inside",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.4), {});
   session.add(Load{"f", Load::Uniform{{0, 0, 1}, {}}}, {slider("f", 10)});
   session.solve_to_equilibrium();
@@ -52,7 +53,8 @@ TEST_CASE("a refinement keeps the surface on every old edge, and says what it ch
   }
 }
 
-TEST_CASE("loads and constraints go along: refined everywhere it is the session on a finer mesh") {
+TEST_CASE("loads and constraints go along: refined everywhere it is the session on a finer mesh",
+          "[sculpting][session]") {
   SculptingSession session = sculpted(0.4);
   const auto names = session.names();
   const auto values = session.parameters().values();
@@ -81,7 +83,8 @@ TEST_CASE("loads and constraints go along: refined everywhere it is the session 
   CHECK(session.solve_to_equilibrium().converged);
 }
 
-TEST_CASE("the brush refines under its strokes only, down to the smallest edge") {
+TEST_CASE("the brush refines under its strokes only, down to the smallest edge",
+          "[sculpting][session]") {
   SculptingSession session(square_layout(0.25, 2), {});
   const auto small_triangles = [&](const Vec3& at, double radius) {
     const Surface shape = shape_of(session);
@@ -115,7 +118,7 @@ TEST_CASE("the brush refines under its strokes only, down to the smallest edge")
     CHECK(mesh.edge_length(e) * session.layout().size() > 0.99 * 0.02 / std::sqrt(2.0));
 }
 
-TEST_CASE("jumps of curvature find where a finger presses") {
+TEST_CASE("jumps of curvature find where a finger presses", "[sculpting][session]") {
   SculptingSession session(square_layout(0.25, 2), {});
   session.add(Load{"finger", Load::Point{{0.4, 0.4, 0}, {0, 0, 1}}}, {slider("finger", 1)});
   session.solve_to_equilibrium();
@@ -139,7 +142,7 @@ TEST_CASE("jumps of curvature find where a finger presses") {
   CHECK(near < far / 3);
 }
 
-TEST_CASE("a motion goes on over a refinement") {
+TEST_CASE("a motion goes on over a refinement", "[sculpting][session]") {
   SculptingSession session(square_layout(0.25), {});
   session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}}, {slider("push", 5)});
   session.solve_to_equilibrium();
@@ -157,7 +160,7 @@ TEST_CASE("a motion goes on over a refinement") {
   }
 }
 
-TEST_CASE("refinements that make no sense are refused") {
+TEST_CASE("refinements that make no sense are refused", "[sculpting][session]") {
   SculptingSession session(square_layout(0.3), {});
   const Points before = session.dofs();
   CHECK_THROWS_AS(session.refine({Refinement::Brush{}}), InputError);

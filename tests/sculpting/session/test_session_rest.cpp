@@ -58,7 +58,8 @@ const Constraint held{"held", Constraint::Point{{0.7, 1, 0.7}, {0.7071, 1, 0.707
 
 }  // namespace
 
-TEST_CASE("an unloaded session stands in its rest shape, without energy and without motion") {
+TEST_CASE("an unloaded session stands in its rest shape, without energy and without motion",
+          "[sculpting][session]") {
   int calls = 0;
   SculptingSession session(quarter_cylinder(), fair_options(calls));
   CHECK(calls == 1);
@@ -73,7 +74,7 @@ TEST_CASE("an unloaded session stands in its rest shape, without energy and with
   CHECK(difference(session.dofs(), still) < 1e-10);
 }
 
-TEST_CASE("linear loads bend a rest shape by as much as they bend any") {
+TEST_CASE("linear loads bend a rest shape by as much as they bend any", "[sculpting][session]") {
   int calls = 0;
   SculptingSession fair(quarter_cylinder(), fair_options(calls)),
       bent(quarter_cylinder(), with_material(0, 1));
@@ -105,7 +106,8 @@ TEST_CASE("linear loads bend a rest shape by as much as they bend any") {
   CHECK(calls == 1);
 }
 
-TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwhile") {
+TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwhile",
+          "[sculpting][session]") {
   int calls = 0;
   SculptingSession session(quarter_cylinder(), fair_options(calls));
   session.add(held);
@@ -142,7 +144,7 @@ TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwh
   CHECK(calls == before);
 }
 
-TEST_CASE("refinement and new lines take the rest shape along") {
+TEST_CASE("refinement and new curves keep the rest shape", "[sculpting][session]") {
   int calls = 0;
   SculptingSession session(quarter_cylinder(), fair_options(calls));
   const double before = radius_error(session);
@@ -158,7 +160,8 @@ TEST_CASE("refinement and new lines take the rest shape along") {
 }
 
 TEST_CASE(
-    "a rest shape that cannot be made leaves the last good state, and none bends from nothing") {
+    "a rest shape that cannot be made leaves the last good state, and none bends from nothing",
+    "[sculpting][session]") {
   bool fails = false;
   SessionOptions options = with_material(0, 1);
   options.rest = [&](const RestShapeInput&) -> Points {

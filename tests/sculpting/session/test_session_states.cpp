@@ -21,7 +21,7 @@ Load springs(const std::string& name, double falloff) {
 
 }  // namespace
 
-TEST_CASE("responses to loads go when springs become stiffer") {
+TEST_CASE("responses to loads go when springs become stiffer", "[sculpting][session]") {
   SculptingSession session(square_layout(0.2), {});
   session.add(Load{"u", Load::Uniform{{0, 0, 1}}});
   session.add(springs("k", 0));
@@ -38,7 +38,9 @@ TEST_CASE("responses to loads go when springs become stiffer") {
   CHECK((answered - session.dofs()).cwiseAbs().maxCoeff() < 1e-10);
 }
 
-TEST_CASE("an unfinished answer keeps its own rows when something is added, and falls back whole") {
+TEST_CASE(
+    "an unconverged update keeps its own equations when something is added, and is undone whole",
+    "[sculpting][session]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"p", Load::Pressure{}});
   session.add(LineOffset{"m", "rib", {}, 0.3});
@@ -56,7 +58,8 @@ TEST_CASE("an unfinished answer keeps its own rows when something is added, and 
   CHECK((session.dofs() - good).cwiseAbs().maxCoeff() == 0);
 }
 
-TEST_CASE("after a failed answer parameters are in their ranges and rules hold") {
+TEST_CASE("after a failed update parameters are in their ranges and rules hold",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"p", Load::Pressure{}});
   session.solve_to_equilibrium();
@@ -74,7 +77,7 @@ TEST_CASE("after a failed answer parameters are in their ranges and rules hold")
   CHECK(session.solve_to_equilibrium().converged);
 }
 
-TEST_CASE("a limit far below what was asked is found") {
+TEST_CASE("a limit load far below the given value is found", "[sculpting][session]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add(Load{"p", Load::Pressure{}});
   const auto reached = [&](double asked) {
@@ -93,7 +96,8 @@ TEST_CASE("a limit far below what was asked is found") {
   CHECK(far == Approx(near).epsilon(0.02));
 }
 
-TEST_CASE("springs with a falloff have a potential: energy falls in motion") {
+TEST_CASE("springs with a falloff have a potential: energy falls in motion",
+          "[sculpting][session]") {
   SculptingSession session(square_layout(0.2), {});
   session.add(springs("k", 0.2), {{.name = "k", .value = 2000}});
   session.start_motion({.dt = 1e-4, .density = 1, .damping = 0, .theta = 1});
@@ -108,7 +112,8 @@ TEST_CASE("springs with a falloff have a potential: energy falls in motion") {
   CHECK(before < start);
 }
 
-TEST_CASE("a normal's name takes no parameter of another away, and rest at rest costs no redo") {
+TEST_CASE("a normal's name takes no parameter of another away, and rest at rest costs no redo",
+          "[sculpting][session]") {
   SculptingSession session(patch_layout(0.2), {});
   session.add_parameter({.name = "foo.x", .value = 1});
   session.add(Constraint{"foo", Constraint::Normal{{0.3, 0.3, 0.1}, {0, 0.1, 1}}});
@@ -119,7 +124,7 @@ TEST_CASE("a normal's name takes no parameter of another away, and rest at rest 
   CHECK(session.redo());
 }
 
-TEST_CASE("a session replays its own record while it records") {
+TEST_CASE("a session replays its own record while it records", "[sculpting][session]") {
   SculptingSession session(patch_layout(0.2), {});
   session.record(true);
   session.add(Load{"p", Load::Pressure{}});

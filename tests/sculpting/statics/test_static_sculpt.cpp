@@ -25,7 +25,7 @@ std::vector<CharacterLine> square(double side) {
 
 }  // namespace
 
-TEST_CASE("a small pressure is a uniform load along the normal") {
+TEST_CASE("a small pressure is a uniform load along the normal", "[sculpting][statics]") {
   const RegionLayout layout("square", square(1), coarse(0.1));
   const auto constraints = layout.line_constraints();
   const auto pressed = sculpt(layout, constraints, {{"p", PressureLoad{1e-4}}}, {});
@@ -36,7 +36,7 @@ TEST_CASE("a small pressure is a uniform load along the normal") {
         1e-6 * (loaded.dofs.col(2).cwiseAbs().maxCoeff() + 1e-300));
 }
 
-TEST_CASE("absolute units: the simply held square plate of the handbook") {
+TEST_CASE("absolute units: the simply held square plate of the handbook", "[sculpting][statics]") {
   // w_centre = 0.00406235 q a⁴ / D; beta is D, whatever the unit of length.
   for (const double a : {1.0, 250.0}) {
     const RegionLayout layout("square", square(a), coarse(a / 16));
@@ -54,7 +54,8 @@ TEST_CASE("absolute units: the simply held square plate of the handbook") {
   }
 }
 
-TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u × x_v)") {
+TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u × x_v)",
+          "[sculpting][statics]") {
   const RegionLayout layout("pentagon", curved_polygon(5, 0.2, 0.1), coarse(0.2));
   const auto constraints = layout.line_constraints();
   const double p = 60;
@@ -72,7 +73,7 @@ TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u ×
   CHECK(result.max_constraint_residual < 1e-13);
 }
 
-TEST_CASE("reactions balance the loads") {
+TEST_CASE("reactions balance the loads", "[sculpting][statics]") {
   const RegionLayout layout("square", square(2), coarse(0.2));
   const Vec3 f(0.3, -0.2, 1.5);
   SculptOptions options;
@@ -86,7 +87,7 @@ TEST_CASE("reactions balance the loads") {
   }
 }
 
-TEST_CASE("a pressure past its limit says how far it came") {
+TEST_CASE("a pressure past its limit is reported with the value reached", "[sculpting][statics]") {
   const RegionLayout layout("square", square(1), coarse(0.2));
   SculptOptions options;
   options.material = SurfaceStiffness::isotropic(1, 0.01);
@@ -96,7 +97,7 @@ TEST_CASE("a pressure past its limit says how far it came") {
                     Contains("past its limit") && Contains("was reached"));
 }
 
-TEST_CASE("bad materials and loads are refused") {
+TEST_CASE("bad materials and loads are refused", "[sculpting][statics]") {
   const RegionLayout layout("square", square(1), coarse(0.3));
   SculptOptions options;
   options.material = SurfaceStiffness::isotropic(0, -1);
@@ -111,14 +112,16 @@ TEST_CASE("bad materials and loads are refused") {
                     Contains("'wind'"));
 }
 
-TEST_CASE("too few constraints: the free motion is reported, not a wrong shape") {
+TEST_CASE("too few constraints: the free motion is reported, not a wrong shape",
+          "[sculpting][statics]") {
   const RegionLayout layout("square", square(1), coarse(0.3));
   ConstraintSet set(DofMap(*layout.mesh()).count());
   set.fix("one point", 0, Vec3::Zero());
   CHECK_THROWS_AS(sculpt(layout, set, {}, {}), NoSolutionError);
 }
 
-TEST_CASE("a region far from the origin is the same shape with the same energy") {
+TEST_CASE("a face far from the origin is the same shape with the same energy",
+          "[sculpting][statics]") {
   const Vec3 far(1e6, -2e6, 5e5);
   const auto lines_at = [](const Vec3& offset) {
     return polygon_lines(
@@ -142,7 +145,7 @@ TEST_CASE("a region far from the origin is the same shape with the same energy")
   CHECK(worst < 1e-7);
 }
 
-TEST_CASE("the limit of a pressure is found whatever was asked for") {
+TEST_CASE("the limit of a pressure is found whatever was asked for", "[sculpting][statics]") {
   const RegionLayout layout("square", square(1), coarse(0.2));
   std::vector<double> reached;
   for (const double p : {1e3, 1e6}) {
@@ -158,7 +161,8 @@ TEST_CASE("the limit of a pressure is found whatever was asked for") {
   CHECK(reached[1] == Approx(reached[0]).epsilon(0.05));
 }
 
-TEST_CASE("springs bring a surface to measured points, as stiffly as they are") {
+TEST_CASE("springs bring a surface to measured points, as stiffly as they are",
+          "[sculpting][statics]") {
   // Points of a dome over a square; some beyond its rim.
   SpringLoad springs{{}, 0};
   for (double x = 0.05; x < 2; x += 0.1)

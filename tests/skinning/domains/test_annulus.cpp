@@ -139,7 +139,8 @@ double distance(const Surface& from, const Surface& to) {
 
 }  // namespace
 
-TEST_CASE("two equal circles make the minimiser of the bending energy, of order 3 or more") {
+TEST_CASE("two equal circles make the minimiser of the bending energy, of order 3 or more",
+          "[skinning][domains]") {
   // x = f(v) (cos u, sin u), u and v in units of the circle's angle:
   // ∬ w_uu² + 2 w_uv² + w_vv² = π ∫ f² + 2 f'² + f''², so f'''' - 2 f'' + f = 0, and f'' = 0 at the
   // rims: f = a cosh v + b v sinh v.
@@ -177,7 +178,8 @@ TEST_CASE("two equal circles make the minimiser of the bending energy, of order 
   }
 }
 
-TEST_CASE("a ring has no dofs twice: Euler's number 0, every column meets itself") {
+TEST_CASE("an annulus has no dofs twice: Euler's number 0, every column meets itself",
+          "[skinning][domains]") {
   const RegionGeometry ring = make_annulus_geometry(
       {whole("low", {.radius = 1})}, {whole("high", {.radius = 0.6, .height = 1})}, 3, 1e-4, 0.2);
   const ParametricMesh& mesh = *ring.mesh;
@@ -203,7 +205,8 @@ TEST_CASE("a ring has no dofs twice: Euler's number 0, every column meets itself
   }
 }
 
-TEST_CASE("unequal, wavy and tilted rims, near and far, converge to one shape") {
+TEST_CASE("unequal, wavy and tilted boundaries, near and far, converge to one shape",
+          "[skinning][domains]") {
   Mat3 tilt;
   tilt = Eigen::AngleAxisd(0.4, Vec3(1, 0.3, 0).normalized());
   const RimShape goblet[2] = {{.radius = 1, .wave = 0.12, .hills = 0.1},
@@ -246,7 +249,8 @@ TEST_CASE("unequal, wavy and tilted rims, near and far, converge to one shape") 
   CHECK((back - solved(near_ring, 3).surface.dofs()).cwiseAbs().maxCoeff() < 1e-6);
 }
 
-TEST_CASE("where a rim's line starts, and which way it runs, does not matter") {
+TEST_CASE("where a boundary's curve starts, and in which direction it runs, does not matter",
+          "[skinning][domains]") {
   const RimShape low{.radius = 1, .wave = 0.12, .hills = 0.1},
       high{.radius = 0.7, .height = 1.1, .wave = -0.1, .hills = 0.15};
   const auto ring = [&](double start_low, double start_high, int direction, double edge) {
@@ -275,7 +279,8 @@ TEST_CASE("where a rim's line starts, and which way it runs, does not matter") {
   CHECK(coarse / fine > 4);
 }
 
-TEST_CASE("rims of several lines, one run each, in any order and direction") {
+TEST_CASE("boundaries of several curves, one run each, in any order and direction",
+          "[skinning][domains]") {
   const RimShape low{.radius = 1, .wave = 0.12, .hills = 0.1},
       high{.radius = 0.7, .height = 1.1, .wave = -0.1, .hills = 0.15};
   const SkinnedRegion plain =
@@ -306,7 +311,8 @@ TEST_CASE("rims of several lines, one run each, in any order and direction") {
     }
 }
 
-TEST_CASE("the normal points to the side that rim A's direction says, and never flips") {
+TEST_CASE("the normal points to the side given by boundary A's direction, and never flips",
+          "[skinning][domains]") {
   for (const int direction : {1, -1}) {
     const SkinnedRegion region =
         solved(make_annulus_geometry({whole("low", {.radius = 1, .direction = direction})},
@@ -319,7 +325,7 @@ TEST_CASE("the normal points to the side that rim A's direction says, and never 
   }
 }
 
-TEST_CASE("an annulus is flat, its rims in one plane") {
+TEST_CASE("an annulus is flat if its boundaries lie in one plane", "[skinning][domains]") {
   const SkinnedRegion region =
       solved(make_annulus_geometry({whole("outer", {.radius = 1})},
                                    {whole("inner", {.radius = 0.4})}, 3, 1e-5, 0.1),
@@ -329,7 +335,7 @@ TEST_CASE("an annulus is flat, its rims in one plane") {
   CHECK(measure(region).area == Approx(pi * (1 - 0.16)).epsilon(1e-3));
 }
 
-TEST_CASE("mm and m make the same ring") {
+TEST_CASE("mm and m make the same annulus", "[skinning][domains]") {
   const auto ring = [](double unit) {
     RimShape a{.radius = unit, .wave = 0.12 * unit}, b{.radius = 0.7 * unit, .height = 1.1 * unit};
     b.start = 0.4;
@@ -345,7 +351,7 @@ TEST_CASE("mm and m make the same ring") {
   CHECK(worst < 1e-8);
 }
 
-TEST_CASE("what makes no ring is said") {
+TEST_CASE("boundaries that form no annulus are refused with the reason", "[skinning][domains]") {
   const auto make = [](const std::vector<SmoothSegment>& a, const std::vector<SmoothSegment>& b,
                        double edge = 0.2) { make_annulus_geometry(a, b, 3, 1e-4, edge); };
   const SmoothSegment low = whole("low", {}), high = whole("high", {.height = 1});

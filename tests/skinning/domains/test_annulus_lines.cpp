@@ -168,7 +168,8 @@ void check_facets(const SkinnedRegion& region) {
 
 }  // namespace
 
-TEST_CASE("a line that lies on the surface of the rims changes nothing") {
+TEST_CASE("a curve that lies on the surface of the boundaries changes nothing",
+          "[skinning][domains]") {
   const std::vector<CharacterLine> rims{circle("low", Role::Outline, 1, 0),
                                         circle("high", Role::Outline, 0.6, 1.2)};
   const SculptedRegion plain(rims, 0.15, 1e-6);
@@ -214,7 +215,8 @@ TEST_CASE("a line that lies on the surface of the rims changes nothing") {
   }
 }
 
-TEST_CASE("squares around a ring are held at their points, corners too") {
+TEST_CASE("squares around an annulus are constrained at their points, corners too",
+          "[skinning][domains]") {
   const SculptedRegion made({circle("low", Role::Outline, 1, 0),
                              circle("high", Role::Outline, 1, 2), square("s", 0.6, 1, 0.3)},
                             0.2, 1e-3);
@@ -232,7 +234,7 @@ TEST_CASE("squares around a ring are held at their points, corners too") {
   check_facets(made.region);
 }
 
-TEST_CASE("where u begins does not matter to inner lines") {
+TEST_CASE("where u begins does not matter to inner curves", "[skinning][domains]") {
   double before = 0;
   for (const double edge : {0.3, 0.15}) {
     const double tolerance = 1e-2 * edge * edge;
@@ -262,7 +264,7 @@ TEST_CASE("where u begins does not matter to inner lines") {
   }
 }
 
-TEST_CASE("mm and m make the same ring of inner lines") {
+TEST_CASE("mm and m make the same annulus with inner curves", "[skinning][domains]") {
   const auto made = [](double unit) {
     return SculptedRegion(
         {circle("low", Role::Outline, 1, 0, 0, unit),
@@ -277,7 +279,7 @@ TEST_CASE("mm and m make the same ring of inner lines") {
     CHECK(m.region.embedded[i].points.size() == mm.region.embedded[i].points.size());
 }
 
-TEST_CASE("a helix goes more than once around") {
+TEST_CASE("a helix goes more than once around", "[skinning][domains]") {
   const SculptedRegion made(
       {circle("low", Role::Outline, 1, 0), circle("high", Role::Outline, 1, 2),
        helix("helix", Role::Inner, 0.95, 0.3, 1, 1 + 5 * pi, 1.4 / (5 * pi))},
@@ -290,7 +292,9 @@ TEST_CASE("a helix goes more than once around") {
   check_facets(made.region);
 }
 
-TEST_CASE("ribs from rim to rim, one of them where u begins, and a line that crosses them") {
+TEST_CASE(
+    "ribs from boundary to boundary, one of them where u begins, and a curve that crosses them",
+    "[skinning][domains]") {
   std::vector<CharacterLine> lines{circle("low", Role::Outline, 1, 0),
                                    circle("high", Role::Outline, 1, 1.5)};
   for (int k = 0; k < 5; ++k) {
@@ -310,7 +314,7 @@ TEST_CASE("ribs from rim to rim, one of them where u begins, and a line that cro
                  Mat3(Eigen::AngleAxisd(2 * pi / 5, Vec3::UnitZ()))) < 5e-3);
 }
 
-TEST_CASE("lines that a ring cannot have are named") {
+TEST_CASE("curves that an annulus cannot have are named", "[skinning][domains]") {
   const std::vector<CharacterLine> rims{circle("low", Role::Outline, 1, 0),
                                         circle("high", Role::Outline, 1, 1)};
   const auto with = [&](const std::vector<CharacterLine>& more) {
@@ -328,7 +332,7 @@ TEST_CASE("lines that a ring cannot have are named") {
                     Contains("'fit' has alignment = \"aligned\""));
 }
 
-TEST_CASE("inner lines come to a ring later and go again") {
+TEST_CASE("inner curves are added to an annulus later and removed again", "[skinning][domains]") {
   RegionLayout layout("ring",
                       {circle("low", Role::Outline, 1, 0), circle("high", Role::Outline, 1, 1.5)},
                       options_of(0.2, 1e-3));
@@ -347,7 +351,7 @@ TEST_CASE("inner lines come to a ring later and go again") {
   CHECK(distance(layout.region(solved()).surface, Surface(mesh, layout.element(), before)) < 1e-3);
 }
 
-TEST_CASE("holes in a ring, one of them where u begins") {
+TEST_CASE("holes in an annulus, one of them where u begins", "[skinning][domains]") {
   // A round window in a tube: radius `a` along the wall, around angle `at`, height `z`.
   const auto window = [](const std::string& name, double at, double z, double a) {
     return CharacterLine{

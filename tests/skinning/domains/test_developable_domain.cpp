@@ -83,7 +83,7 @@ double domain_area(const RegionLayout& layout) {
 
 }  // namespace
 
-TEST_CASE("fillings of plane loops have the loop's area and side") {
+TEST_CASE("fillings of plane loops have the loop's area and side", "[skinning][domains]") {
   const auto star = [](double t) {
     const double r = 1 + 0.4 * std::cos(5 * t);
     return Vec3(r * std::cos(t), 2, r * std::sin(t));
@@ -107,7 +107,8 @@ TEST_CASE("fillings of plane loops have the loop's area and side") {
   }
 }
 
-TEST_CASE("a developable filling of a strip around a cylinder is the cylinder") {
+TEST_CASE("a developable filling of a strip around a cylinder is the cylinder",
+          "[skinning][domains]") {
   for (const double degrees : {60.0, 180.0, 320.0}) {
     INFO(degrees);
     const double a = degrees * pi / 180;
@@ -126,7 +127,7 @@ TEST_CASE("a developable filling of a strip around a cylinder is the cylinder") 
   }
 }
 
-TEST_CASE("fillings refuse what is no loop") {
+TEST_CASE("fillings refuse invalid loops", "[skinning][domains]") {
   using Loop = std::vector<Vec3>;
   for (const auto fill : {&triangulate_hole, &developable_triangulation}) {
     CHECK_THROWS_AS(fill(Loop{{0, 0, 0}, {1, 0, 0}}), InputError);
@@ -136,7 +137,7 @@ TEST_CASE("fillings refuse what is no loop") {
   }
 }
 
-TEST_CASE("a plane loop is its own sheet") {
+TEST_CASE("a planar loop is its own developable domain", "[skinning][domains]") {
   // Turned out of the axes; the image is congruent to the loop over its size.
   const Vec3 e1 = Vec3(1, 2, -1).normalized(), e2 = e1.unitOrthogonal();
   const auto heart = formula(0, 2 * pi, [&](double t) {
@@ -156,7 +157,8 @@ TEST_CASE("a plane loop is its own sheet") {
   CHECK(up.dot(n) == Approx(1));
 }
 
-TEST_CASE("developable strips unfold to their own outline, however far they are bent") {
+TEST_CASE("developable strips unfold to their own outline, however far they are bent",
+          "[skinning][domains]") {
   // A strip bent around a cylinder has the area and the length that it had before.
   for (const double degrees : {0.0, 120.0, 200.0, 270.0}) {
     INFO(degrees);
@@ -177,7 +179,7 @@ TEST_CASE("developable strips unfold to their own outline, however far they are 
   }
 }
 
-TEST_CASE("lunes of a sphere keep their angle and their Jacobian") {
+TEST_CASE("lunes of a sphere keep their angle and their Jacobian", "[skinning][domains]") {
   for (const double degrees : {30.0, 90.0, 150.0}) {
     INFO(degrees);
     const RegionLayout layout("r", lune(degrees), {});
@@ -194,7 +196,9 @@ TEST_CASE("lunes of a sphere keep their angle and their Jacobian") {
   }
 }
 
-TEST_CASE("loops that no plane takes get a sheet: chips, tennis balls, a rim with a bump") {
+TEST_CASE(
+    "loops without a planar projection get a developable domain: chips, a boundary with a bump",
+    "[skinning][domains]") {
   const auto chip = [](double t) { return Vec3(std::cos(t), std::sin(t), 1.5 * std::cos(2 * t)); };
   const auto ball = [](double t) {
     return Vec3(0.7 * std::cos(t) + 0.3 * std::cos(3 * t),
@@ -217,7 +221,8 @@ TEST_CASE("loops that no plane takes get a sheet: chips, tennis balls, a rim wit
         Domain::Developable);
 }
 
-TEST_CASE("a corner where two lines leave in one direction is a cusp of the sheet") {
+TEST_CASE("a corner where two curves leave in one direction is a cusp of the domain",
+          "[skinning][domains]") {
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const std::vector<CharacterLine> lines = {
       {"a", bezier_curve(p(0, 0, 0), p(0.4, 0, 0), p(0.8, 0.1, 0.1), p(1, 0.4, 0.2))},
@@ -234,7 +239,8 @@ TEST_CASE("a corner where two lines leave in one direction is a cusp of the shee
   }
 }
 
-TEST_CASE("a polygon that is squashed by bulging sides gives way to a domain that embeds") {
+TEST_CASE("a polygon that is squashed by bulging sides gives way to a domain that embeds",
+          "[skinning][domains]") {
   // Three corners of 10 degrees on a circle: no triangle has such angles.
   const auto point = [](double t) { return Vec3(std::cos(t), std::sin(t), 0); };
   const double k = 4.0 / 3 * std::tan(pi / 6 * 0.95);
@@ -250,7 +256,7 @@ TEST_CASE("a polygon that is squashed by bulging sides gives way to a domain tha
   CHECK(measure(solved(layout)).min_jacobian_ratio > 0.9);
 }
 
-TEST_CASE("holes and inner lines lie on a sheet") {
+TEST_CASE("holes and inner curves lie on a developable domain", "[skinning][domains]") {
   auto lines = stadium(4, 0.4, 1.1);
   const double b = 1.1;
   const auto on = [b](double x, double y) {
@@ -270,7 +276,7 @@ TEST_CASE("holes and inner lines lie on a sheet") {
   CHECK(quality.min_jacobian_ratio > 0.8);
 }
 
-TEST_CASE("sheets do not know their unit") {
+TEST_CASE("developable domains do not depend on the unit", "[skinning][domains]") {
   const auto seam = [](double unit) {
     return formula(0, 2 * pi, [unit](double t) {
       return Vec3(unit * Vec3(std::cos(t), std::sin(t), 1.5 * std::cos(2 * t + 0.3)));
@@ -286,7 +292,7 @@ TEST_CASE("sheets do not know their unit") {
   CHECK(difference < 1e-8);
 }
 
-TEST_CASE("a knot is refused in words") {
+TEST_CASE("a knot is refused with the reason", "[skinning][domains]") {
   // Some fillings of it can be laid flat: surfaces on those pass through themselves, and say so.
   std::vector<Vec3> knot;
   for (int i = 0; i < 120; ++i) {

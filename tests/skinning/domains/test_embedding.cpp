@@ -98,7 +98,7 @@ std::vector<CharacterLine> rounded_rectangle(double a, double b, double r, bool 
 
 }  // namespace
 
-TEST_CASE("a disc: smooth outline, exact area and flatness") {
+TEST_CASE("a disc: smooth outline, exact area and flatness", "[skinning][domains]") {
   for (const TriangleElement kind : kBothElements) {
     SkinOptions options = fine(0.3, 1e-5);
     options.element = kind;
@@ -112,7 +112,8 @@ TEST_CASE("a disc: smooth outline, exact area and flatness") {
   }
 }
 
-TEST_CASE("a smaller tolerance costs triangles near the line only, and is kept") {
+TEST_CASE("a smaller tolerance costs triangles near the curve only, and is met",
+          "[skinning][domains]") {
   int triangles = 0;
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
     const SculptedRegion made({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 0.7, 0.2)},
@@ -124,7 +125,8 @@ TEST_CASE("a smaller tolerance costs triangles near the line only, and is kept")
   CHECK(triangles < 4000);
 }
 
-TEST_CASE("holes, ribs, closed inner lines, crossings and junctions on one wavy sheet") {
+TEST_CASE("holes, ribs, closed inner curves, intersections and junctions on one wavy face",
+          "[skinning][domains]") {
   const auto height = [](double x, double y) { return 0.2 * x * x + 0.1 * std::sin(2 * y); };
   const auto on = [&](double x, double y) { return Vec3(x, y, height(x, y)); };
   const auto loop = [&](const std::string& name, Role role, double x, double y, double a,
@@ -161,7 +163,7 @@ TEST_CASE("holes, ribs, closed inner lines, crossings and junctions on one wavy 
   CHECK(AffineReduction(made.layout.line_constraints()).redundant_count() == 0);
 }
 
-TEST_CASE("a rounded rectangle as one line and as eight") {
+TEST_CASE("a rounded rectangle as one curve and as eight", "[skinning][domains]") {
   for (const bool one_line : {true, false}) {
     const SculptedRegion made(rounded_rectangle(1, 0.6, 0.25, one_line), fine(0.15, 1e-4));
     check_quality(made);
@@ -170,7 +172,8 @@ TEST_CASE("a rounded rectangle as one line and as eight") {
   }
 }
 
-TEST_CASE("the same cornered region fitted and embedded is the same shape, within the gap") {
+TEST_CASE("the same polygonal face, aligned and embedded, is the same shape, within the gap",
+          "[skinning][domains]") {
   std::vector<CharacterLine> lines;
   const Vec3 corner[4] = {{0, 0, 0}, {1.2, 0, 0.1}, {1.1, 1, 0.3}, {-0.1, 0.9, 0}};
   for (int i = 0; i < 4; ++i) {
@@ -230,7 +233,7 @@ TEST_CASE("the same cornered region fitted and embedded is the same shape, withi
   CHECK(before < 2e-3);
 }
 
-TEST_CASE("an embedded region does not know its unit or its place") {
+TEST_CASE("an embedded face does not depend on its unit or position", "[skinning][domains]") {
   const auto lines = [](double unit, const Vec3& by) {
     const auto scaled = [=](const CharacterLine& line) {
       const auto curve = line.curve;
@@ -261,7 +264,8 @@ TEST_CASE("an embedded region does not know its unit or its place") {
   CHECK(far.sculpt.max_constraint_residual < 1e-12);
 }
 
-TEST_CASE("a hole in a cornered region is embedded, its outline stays exact") {
+TEST_CASE("a hole in a polygonal face is embedded, its outline stays exact",
+          "[skinning][domains]") {
   if (!have_delaunay_mesher()) return;
   auto lines = rounded_rectangle(1, 0.6, 0.25, true);
   std::vector<CharacterLine> square;
@@ -282,7 +286,7 @@ TEST_CASE("a hole in a cornered region is embedded, its outline stays exact") {
   CHECK(whole.quality.area - made.quality.area == Approx(pi * 0.06).epsilon(0.02));
 }
 
-TEST_CASE("holes far smaller than an element do not disturb the surface") {
+TEST_CASE("holes far smaller than an element do not disturb the surface", "[skinning][domains]") {
   if (!have_delaunay_mesher()) return;
   std::vector<CharacterLine> square;
   const Vec3 corner[4] = {{-1, -1, 0}, {1, -1, 0.4}, {1, 1, 0}, {-1, 1, 0.4}};
@@ -304,7 +308,8 @@ TEST_CASE("holes far smaller than an element do not disturb the surface") {
     }
 }
 
-TEST_CASE("an inner line from corner to corner is embedded, and refused when it must be a run") {
+TEST_CASE("an inner curve between corners is embedded, and refused if it must be aligned",
+          "[skinning][domains]") {
   if (!have_delaunay_mesher()) return;
   std::vector<CharacterLine> lines;
   const Vec3 corner[4] = {{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0, 1, 0.1}};
@@ -319,7 +324,8 @@ TEST_CASE("an inner line from corner to corner is embedded, and refused when it 
   CHECK_THROWS_WITH(RegionLayout("region", lines, {}), Contains("ends at a corner"));
 }
 
-TEST_CASE("a wave between points that another line pushed out is still measured") {
+TEST_CASE("a wave between points that another curve displaced is still measured",
+          "[skinning][domains]") {
   // Two ribs 0.03 apart, the second with ripples that the grid cannot follow.
   std::vector<Vec3> a, b;
   for (int i = 0; i <= 200; ++i) {
@@ -344,7 +350,7 @@ TEST_CASE("a wave between points that another line pushed out is still measured"
   CHECK(made.quality.max_line_gap >= 0.9 * found);
 }
 
-TEST_CASE("loads act on the inside of a cut surface only") {
+TEST_CASE("loads act on the inside of a cut surface only", "[skinning][domains]") {
   const std::vector<CharacterLine> lines = {ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1),
                                             ellipse("hole", Role::Hole, {0.2, 0, 0}, 0.3, 0.3)};
   const RegionLayout layout("region", lines, fine(0.1, 1e-3));
@@ -365,7 +371,7 @@ TEST_CASE("loads act on the inside of a cut surface only") {
   CHECK(sum.z() == Approx(-0.1 * area).epsilon(1e-3));
 }
 
-TEST_CASE("what embedding refuses is said in words") {
+TEST_CASE("embedding refuses invalid curves with the reason", "[skinning][domains]") {
   const auto layout = [](const std::vector<CharacterLine>& l, SkinOptions o = fine(0.15, 1e-3)) {
     RegionLayout("region", l, o);
   };
@@ -400,7 +406,8 @@ TEST_CASE("what embedding refuses is said in words") {
   CHECK_THROWS_WITH(layout({rim}, fine(1e-5, 1e-3)), Contains("triangles"));
 }
 
-TEST_CASE("outlines at random: a surface that keeps what it reports, or a reason") {
+TEST_CASE("outlines at random: a surface that keeps what it reports, or a reason",
+          "[skinning][domains]") {
   int surfaces = 0;
   for (unsigned seed = 1; seed <= 150; ++seed) {
     Random random(seed);

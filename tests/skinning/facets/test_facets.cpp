@@ -76,7 +76,7 @@ std::set<std::pair<int, int>> loop_edges(const SkinnedRegion& region,
 
 }  // namespace
 
-TEST_CASE("a mesh with holes leaves them empty") {
+TEST_CASE("a mesh with holes leaves them empty", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   PlanarMeshInput task;
   task.edge_length = 0.1;
@@ -118,7 +118,7 @@ TEST_CASE("a mesh with holes leaves them empty") {
   CHECK(mesh.triangle_count() < 1500);
 }
 
-TEST_CASE("meshing stops when it is told to") {
+TEST_CASE("meshing stops when it is cancelled", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   PlanarMeshInput task;
   task.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -131,7 +131,8 @@ TEST_CASE("meshing stops when it is told to") {
   CHECK(requested == 3);
 }
 
-TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines") {
+TEST_CASE("facets of a disc with a hole and a rib fill it and end at its curves",
+          "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   const SkinnedRegion region = wavy_disc({});
   const DomainLoops& loops = region.surface.trim()->loops();
@@ -175,7 +176,8 @@ TEST_CASE("facets of a disc with a hole and a rib fill it and end at its lines")
   }
 }
 
-TEST_CASE("quadratic facets have their middles on the lines and are turned the right way") {
+TEST_CASE("quadratic facets have their midpoints on the curves and are oriented correctly",
+          "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   const WavyDisc how = GENERATE(WavyDisc{}, WavyDisc{0.07, 0.3, 0.25, true},
                                 WavyDisc{0.15, 0.1, 0.001, true}, WavyDisc{0.3, 0.2, 0.55, true});
@@ -241,7 +243,7 @@ TEST_CASE("quadratic facets have their middles on the lines and are turned the r
   CHECK(off_straight < 1e-14);
 }
 
-TEST_CASE("facets of fitted regions are their elements") {
+TEST_CASE("facets of edge-aligned faces are their elements", "[skinning][facets]") {
   SkinnedRegion region{"square",
                        interpolated(std::make_shared<const ParametricMesh>(perturbed_square(4, 3)),
                                     TriangleElement::HCT, [](const Vec2& p) { return sheet(p); }),
@@ -286,7 +288,8 @@ TEST_CASE("facets of fitted regions are their elements") {
   CHECK(q.lines[0][0] == std::array<int, 3>{4, 3, mesh.vertex_count() + south.edges[0]});
 }
 
-TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cross it") {
+TEST_CASE("edge-aligned runs keep their vertices when a hole is embedded, ribs may cross it",
+          "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   // The unit square, its sides fitted, a hole, and a rib across both hole and a fitted inner run.
   const int n = 8;
@@ -379,7 +382,7 @@ TEST_CASE("fitted runs keep their vertices when a hole is embedded, ribs may cro
   CHECK_THAT(error_message([&] { facets(region, 2); }), Catch::Matchers::Contains("no boundary"));
 }
 
-TEST_CASE("regions that share a line share its points") {
+TEST_CASE("faces that share a curve share its points", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   // A disc that fills the hole of another, over another grid, its (u, v) three times as large.
   constexpr double scale = 3;
@@ -416,7 +419,7 @@ TEST_CASE("regions that share a line share its points") {
   CHECK(count(uv_b, b.tessellation.facets).euler == 1);
 }
 
-TEST_CASE("edges end where neighbours ask for it") {
+TEST_CASE("edges end where neighbours ask for it", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   // Embedded lines: there and, as far as nothing folds, nowhere else.
   const SkinnedRegion region =
@@ -471,7 +474,8 @@ TEST_CASE("edges end where neighbours ask for it") {
   CHECK((more.uv[static_cast<size_t>(more.lines[1][1][1])] - Vec2(1, 0.375)).norm() < 1e-15);
 }
 
-TEST_CASE("a model's facets are those of its regions with common nodes on common lines") {
+TEST_CASE("a model's facets are those of its faces with common nodes on common curves",
+          "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   // The hole of one region, run the other way round, is the rim of another. Alone they divide it
   // for themselves.
@@ -519,7 +523,7 @@ TEST_CASE("a model's facets are those of its regions with common nodes on common
   for (size_t i = 0; i < one.node[0].size(); ++i) CHECK(one.node[0][i] == static_cast<int>(i));
 }
 
-TEST_CASE("facets of random outlines with holes never fold") {
+TEST_CASE("facets of random outlines with holes never fold", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   Random random(20);
   // r(a) = r0 (1 + Σ c_k cos(k a + p_k)), held by cubics.
@@ -563,7 +567,8 @@ TEST_CASE("facets of random outlines with holes never fold") {
   }
 }
 
-TEST_CASE("facets of regions with corners and cusps, and lines that touch wrongly") {
+TEST_CASE("facets of faces with corners and cusps, and curves that touch wrongly",
+          "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   // A lens between two arcs that meet at `angle`, each a line of its own.
   const auto lens = [](double angle) {

@@ -86,7 +86,8 @@ std::vector<CharacterLine> kinked_loop(unsigned seed, double bulge) {
 
 }  // namespace
 
-TEST_CASE("a given curve is the run, bit for bit, with its vertices and no others") {
+TEST_CASE("a given curve is the run, bit for bit, with its vertices and no others",
+          "[skinning][layout]") {
   const auto lines = prescribed(curved_polygon(5, 0.2, 0.1), 0.13);
   for (const bool against : {false, true}) {
     SkinOptions options = with_edge(0.2);
@@ -107,7 +108,7 @@ TEST_CASE("a given curve is the run, bit for bit, with its vertices and no other
   }
 }
 
-TEST_CASE("regions on both sides of given curves share positions along them") {
+TEST_CASE("faces on both sides of given curves share positions along them", "[skinning][layout]") {
   // Two quadrilaterals with a wavy line between them, of quite different shape and edge length.
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const auto wave = bezier_curve(p(0, 0, 0), p(0.4, 0.3, 0.2), p(0.2, 0.7, -0.2), p(0, 1, 0));
@@ -134,7 +135,8 @@ TEST_CASE("regions on both sides of given curves share positions along them") {
   }
 }
 
-TEST_CASE("given curves that go on share a side, others turn a corner however little they turn") {
+TEST_CASE("smoothly continuing curves share a side, others form a corner, however small its angle",
+          "[skinning][layout]") {
   // A side of two lines that are one curve, and one that turns by a degree.
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const auto arc = curve_from_formula(0, 1, [](double t, int order) -> Vec3 {
@@ -188,7 +190,7 @@ TEST_CASE("given curves that go on share a side, others turn a corner however li
             Approx(1).epsilon(0.1));
 }
 
-TEST_CASE("loops with many corners of a few degrees keep their Jacobian") {
+TEST_CASE("loops with many corners of a few degrees keep their Jacobian", "[skinning][layout]") {
   for (unsigned seed = 0; seed < 40; ++seed) {
     INFO(seed);
     const auto lines = prescribed(kinked_loop(seed, 0.1), 0.15);
@@ -207,7 +209,8 @@ TEST_CASE("loops with many corners of a few degrees keep their Jacobian") {
   }
 }
 
-TEST_CASE("the outline against its first line turns the normal and nothing else") {
+TEST_CASE("reversing the first curve of an outline flips the normal and nothing else",
+          "[skinning][layout]") {
   const auto lines = prescribed(curved_polygon(4, 0.2, 0.1), 0.15);
   SkinOptions options = with_edge(0.15);
   const SkinnedRegion along = skinned(RegionLayout("r", lines, options));
@@ -229,7 +232,7 @@ TEST_CASE("the outline against its first line turns the normal and nothing else"
   }
 }
 
-TEST_CASE("given curves in mm and in m make one mesh") {
+TEST_CASE("given curves in mm and in m make one mesh", "[skinning][layout]") {
   const auto in_m = prescribed(curved_polygon(5, 0.2, 0.1), 0.15, 2.5),
              in_mm = prescribed(curved_polygon(5, 0.2, 0.1, 1000), 150, 2500);
   const RegionLayout a("r", in_m, with_edge(0.15)), b("r", in_mm, with_edge(150));
@@ -239,7 +242,8 @@ TEST_CASE("given curves in mm and in m make one mesh") {
     CHECK((a.mesh()->vertices()[v] - b.mesh()->vertices()[v]).norm() < 1e-14);
 }
 
-TEST_CASE("given curves around a loop without corners enough are embedded as they are") {
+TEST_CASE("given curves around a loop without corners enough are embedded as they are",
+          "[skinning][layout]") {
   // Two arcs that meet smoothly, in the plane's and in the sheet's domain.
   const auto half = [](double from) {
     return curve_from_formula(from, from + pi, [](double t, int order) -> Vec3 {
@@ -265,7 +269,7 @@ TEST_CASE("given curves around a loop without corners enough are embedded as the
   }
 }
 
-TEST_CASE("what is wrong with given curves is said") {
+TEST_CASE("errors in given curves are reported", "[skinning][layout]") {
   const auto lines = prescribed(curved_polygon(4, 0.1, 0.1), 0.2);
   const auto refused = [&](auto&& change) {
     auto wrong = lines;

@@ -112,7 +112,7 @@ HermiteCurve lifted(const HermiteCurve& curve, double height) {
 
 }  // namespace
 
-TEST_CASE("wherever a layout is refined, its lines stay where they are") {
+TEST_CASE("wherever a layout is refined, its curves stay where they are", "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   Random random(3);
   for (const auto& lines : {patch_with_inner_line(), panel(), disc(), ring()}) {
@@ -139,7 +139,7 @@ TEST_CASE("wherever a layout is refined, its lines stay where they are") {
   }
 }
 
-TEST_CASE("no marks change nothing, and wrong counts are said") {
+TEST_CASE("no marks change nothing, and wrong counts are reported", "[skinning][layout]") {
   RegionLayout layout("region", curved_polygon(4, 0.1, 0.1), coarse());
   const auto mesh = layout.mesh();
   CHECK_FALSE(layout.refine(std::vector<char>(mesh->triangle_count(), 0)));
@@ -147,7 +147,7 @@ TEST_CASE("no marks change nothing, and wrong counts are said") {
   CHECK(layout.mesh() == mesh);
 }
 
-TEST_CASE("another shape of a line moves values and leaves coefficients") {
+TEST_CASE("another shape of a curve changes values and keeps coefficients", "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", panel(), coarse());
   for (const std::string name : {"side 1", "hollow", "hole"}) {
@@ -172,7 +172,8 @@ TEST_CASE("another shape of a line moves values and leaves coefficients") {
             .norm() < 1e-14);
 }
 
-TEST_CASE("a surface is on a line that was lifted, before and after refinement") {
+TEST_CASE("a surface is on a curve that was lifted, before and after refinement",
+          "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", panel(), coarse());
   layout.set_line("hollow", lifted(layout.line("hollow"), 0.1));
@@ -187,7 +188,8 @@ TEST_CASE("a surface is on a line that was lifted, before and after refinement")
   }
 }
 
-TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
+TEST_CASE("an inner curve that is added and removed leaves the layout as it was",
+          "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   for (const auto& lines : {panel(), disc(), curved_polygon(5, 0.1, 0.02)}) {
     RegionLayout layout("region", lines, coarse());
@@ -219,7 +221,8 @@ TEST_CASE("an inner line that comes and goes leaves the layout as it was") {
   }
 }
 
-TEST_CASE("an inner line that is taken out from between others leaves the boundary in order") {
+TEST_CASE("an inner curve that is removed from between others leaves the boundary in order",
+          "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", disc(), coarse());
   layout.add_inner_line(straight("second", {-0.7, 0.2, 0}, {-0.4, 0.45, 0}), surface_of(layout));
@@ -235,7 +238,7 @@ TEST_CASE("an inner line that is taken out from between others leaves the bounda
         Approx(pi * (0.8 - 0.03)).epsilon(1e-3));
 }
 
-TEST_CASE("a line with corners comes and goes by its own name") {
+TEST_CASE("a curve with corners is added and removed by its own name", "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", curved_polygon(5, 0.0, 0.02), coarse());
   const ConstraintSet before = layout.line_constraints();
@@ -251,7 +254,8 @@ TEST_CASE("a line with corners comes and goes by its own name") {
   CHECK(same_rows(layout.line_constraints(), before, 1e-13, true));
 }
 
-TEST_CASE("what edits refuse is said in words, and leaves the layout as it was") {
+TEST_CASE("invalid edits are refused with the reason, and leave the layout as it was",
+          "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   RegionLayout layout("region", panel(), coarse());
   const Surface shape = surface_of(layout);

@@ -39,7 +39,8 @@ std::vector<CharacterLine> hull_sections(int count) {
 
 }  // namespace
 
-TEST_CASE("open splines have cubics exactly, parabolas through three points, lines through two") {
+TEST_CASE("open splines reproduce cubics, parabolas through three points, lines through two",
+          "[skinning][layout]") {
   const auto cubic = [](double u) { return Vec3(u, u * u - u, u * u * u - 2 * u + 1); };
   const auto slope = [](double u) { return Vec3(1, 2 * u - 1, 3 * u * u - 2); };
   const std::vector<double> u{0, 0.3, 1.1, 1.5, 2.7};
@@ -61,7 +62,8 @@ TEST_CASE("open splines have cubics exactly, parabolas through three points, lin
   CHECK((straight.row(1) - straight.row(0)).norm() < 1e-14);
 }
 
-TEST_CASE("a hull comes back from five sections in either direction, without rails") {
+TEST_CASE("a hull comes back from five sections in either direction, without rails",
+          "[skinning][layout]") {
   SkinOptions options;
   options.edge_length = 0.12;
   const ModelLayout model(section_region("hull", hull_sections(5), options));
@@ -83,7 +85,8 @@ TEST_CASE("a hull comes back from five sections in either direction, without rai
   CHECK(error(model.minimize_energy({})) > 5 * error(loft));
 }
 
-TEST_CASE("a ring through circles of a sphere is the sphere, also near its rims") {
+TEST_CASE("an annulus through circles of a sphere is the sphere, also near its boundaries",
+          "[skinning][layout]") {
   std::vector<CharacterLine> circles;
   for (const double degrees : {-50, -30, -10, 10, 30, 50}) {
     const double latitude = degrees * std::numbers::pi / 180;
@@ -107,7 +110,7 @@ TEST_CASE("a ring through circles of a sphere is the sphere, also near its rims"
   CHECK(worst < 1e-3);
 }
 
-TEST_CASE("sections that make no region say why") {
+TEST_CASE("sections that form no face are refused with the reason", "[skinning][layout]") {
   CHECK_THROWS_WITH(section_lines({section(1, 0, false)}), Contains("expected two or more"));
   CHECK_THROWS_WITH(section_lines({section(1, 0, false), section(2, 0, true)}),
                     Contains("'section 2' shares an end with the section before it"));

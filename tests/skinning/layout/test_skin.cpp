@@ -33,7 +33,8 @@ void check_skin(const SkinnedRegion& region, double tolerance) {
 
 }  // namespace
 
-TEST_CASE("regions of 3, 4, 5 and 11 sides hold their lines to rounding") {
+TEST_CASE("faces of 3, 4, 5 and 11 sides pass through their curves to rounding",
+          "[skinning][layout]") {
   for (const int sides : {3, 4, 5, 11})
     for (const auto element : {TriangleElement::HCT, TriangleElement::Z12}) {
       INFO(sides << " sides");
@@ -47,20 +48,20 @@ TEST_CASE("regions of 3, 4, 5 and 11 sides hold their lines to rounding") {
     }
 }
 
-TEST_CASE("an L-shaped region with a reflex corner") {
+TEST_CASE("an L-shaped face with a reflex corner", "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   check_skin(
       skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0.4}, {0, 2, 0}})),
       1e-12);
 }
 
-TEST_CASE("a flat outline makes a flat surface without bending energy") {
+TEST_CASE("a flat outline makes a flat surface without bending energy", "[skinning][layout]") {
   const SkinnedRegion region = skinned(polygon_lines({{0, 0, 0}, {3, 0, 0}, {4, 2, 0}, {1, 3, 0}}));
   CHECK(region.surface.dofs().col(2).cwiseAbs().maxCoeff() < 1e-13);
   CHECK(measure(region).area == Approx(0.5 * (3 * 2 - 0 + 4 * 3 - 1 * 2)).epsilon(1e-9));
 }
 
-TEST_CASE("the first line's direction decides the side of the normal") {
+TEST_CASE("the first curve's direction decides the side of the normal", "[skinning][layout]") {
   auto lines = polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   CHECK(skinned(lines).surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(1));
   std::reverse(lines.begin(), lines.end());
@@ -69,7 +70,8 @@ TEST_CASE("the first line's direction decides the side of the normal") {
   CHECK(skinned(lines).surface.jet({0, Vec3::Constant(1.0 / 3)}).normal().z() == Approx(-1));
 }
 
-TEST_CASE("an inner line is held as exactly as the outline") {
+TEST_CASE("the surface passes through an inner curve as exactly as through the outline",
+          "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   const auto lines = patch_with_inner_line();
   const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
@@ -80,7 +82,8 @@ TEST_CASE("an inner line is held as exactly as the outline") {
 }
 
 TEST_CASE(
-    "inner lines that cannot be straight runs are embedded, or refused when they must be runs") {
+    "inner curves that cannot be straight runs are embedded, or refused if they must be aligned",
+    "[skinning][layout]") {
   if (!have_delaunay_mesher()) return;
   auto lines = patch_with_inner_line();
   const auto a = lines[0].curve->evaluate(0.3), b = lines[2].curve->evaluate(0.3);
@@ -128,7 +131,8 @@ TEST_CASE(
                     Contains("'rib'") && Contains("'bent.1'") && Contains("apart"));
 }
 
-TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
+TEST_CASE("curves that are not cubic are met within the tolerance, in both directions",
+          "[skinning][layout]") {
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 4; ++i)
     lines.push_back(
@@ -149,7 +153,7 @@ TEST_CASE("lines that are not cubic come within the tolerance, both ways") {
   }
 }
 
-TEST_CASE("lines that continue each other smoothly share one side") {
+TEST_CASE("curves that continue each other smoothly share one side", "[skinning][layout]") {
   // A square whose lower side is two lines, one of them drawn backwards.
   std::vector<CharacterLine> lines = {
       {"left half", bezier_curve({1, 0, 0.2}, {0.7, 0, 0.2}, {0.3, 0, 0.1}, {0, 0, 0})},
@@ -167,7 +171,7 @@ TEST_CASE("lines that continue each other smoothly share one side") {
   check_skin(region, 1e-4);
 }
 
-TEST_CASE("the same region in mm and in m is the same shape") {
+TEST_CASE("the same face in mm and in m is the same shape", "[skinning][layout]") {
   SkinOptions mm, m;
   mm.edge_length = 150;
   m.edge_length = 0.15;
@@ -179,7 +183,7 @@ TEST_CASE("the same region in mm and in m is the same shape") {
   CHECK((a.surface.dofs() / 1000 - b.surface.dofs()).cwiseAbs().maxCoeff() < 1e-9);
 }
 
-TEST_CASE("one thread and two give the same bits") {
+TEST_CASE("one thread and two give the same bits", "[skinning][layout]") {
   SkinOptions options;
   options.edge_length = 0.08;
   const auto shape = [&] {
@@ -192,7 +196,8 @@ TEST_CASE("one thread and two give the same bits") {
   CHECK((one.array() == two.array()).all());
 }
 
-TEST_CASE("the fan of a pentagon without refinement is the paper's five triangles") {
+TEST_CASE("the fan of a pentagon without refinement is the paper's five triangles",
+          "[skinning][layout]") {
   SkinOptions options;
   options.mesher = SkinOptions::Mesher::Fan;
   options.fan_refinements = 0;

@@ -57,7 +57,8 @@ SkinnedRegion shaped(const RegionLayout& region) {
 
 }  // namespace
 
-TEST_CASE("an inner line ends where a hole begins and goes on behind it", "[skinning][holes]") {
+TEST_CASE("an inner curve ends where a hole begins and continues behind it",
+          "[skinning][layout][holes]") {
   auto lines = sheet();
   lines.push_back(circle("hole", {2, 1, 0}, 0.5));
   SkinOptions options = coarse();
@@ -71,8 +72,8 @@ TEST_CASE("an inner line ends where a hole begins and goes on behind it", "[skin
   }
 }
 
-TEST_CASE("a line that ends in a hole keeps its name, one that touches it stays whole",
-          "[skinning][holes]") {
+TEST_CASE("a curve that ends in a hole keeps its name, one that touches it stays whole",
+          "[skinning][layout][holes]") {
   auto lines = sheet();
   lines[1] = line("middle", Role::Inner, {{0, 1, 0}, {2, 1, 0}});
   lines.push_back(circle("hole", {2, 1, 0}, 0.5));
@@ -82,7 +83,7 @@ TEST_CASE("a line that ends in a hole keeps its name, one that touches it stays 
   CHECK(inner_names({"sheet", lines, coarse()}) == std::vector<std::string>{"middle"});
 }
 
-TEST_CASE("a line through two holes has three pieces", "[skinning][holes]") {
+TEST_CASE("a curve through two holes has three pieces", "[skinning][layout][holes]") {
   auto lines = sheet();
   lines.push_back(circle("one", {1, 1, 0}, 0.3));
   lines.push_back(circle("two", {3, 1.1, 0}, 0.3));
@@ -90,7 +91,8 @@ TEST_CASE("a line through two holes has three pieces", "[skinning][holes]") {
         std::vector<std::string>{"middle.1", "middle.2", "middle.3"});
 }
 
-TEST_CASE("lines that miss a hole's rim are named with place and distance", "[skinning][holes]") {
+TEST_CASE("curves that miss a hole's boundary are named with position and distance",
+          "[skinning][layout][holes]") {
   auto lines = sheet();
   lines.push_back(circle("hole", {2, 1, 0.02}, 0.5));
   const auto make = [&] { RegionLayout("sheet", lines, coarse()); };
@@ -102,7 +104,8 @@ TEST_CASE("lines that miss a hole's rim are named with place and distance", "[sk
              Catch::Contains("'middle' lies completely in a hole"));
 }
 
-TEST_CASE("a hole that does not hold leaves the shape as it is without it", "[skinning][holes]") {
+TEST_CASE("a hole that does not hold leaves the shape as it is without it",
+          "[skinning][layout][holes]") {
   // An arched roof: two arcs over straight sides, with a hole that was drawn flat below it.
   std::vector<CharacterLine> lines = {{"front", arc_through({0, 0, 0}, {1, 0, 0.4}, {2, 0, 0})},
                                       {"right", arc_through({2, 0, 0}, {2, 1.5, 0.3}, {2, 3, 0})},

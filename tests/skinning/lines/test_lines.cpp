@@ -39,7 +39,8 @@ HermiteCurve fit(const std::shared_ptr<const InputCurve>& curve, double toleranc
 
 }  // namespace
 
-TEST_CASE("a curve through points passes them, is C2 between corners and breaks at corners") {
+TEST_CASE("a curve through points passes them, is C2 between corners and breaks at corners",
+          "[skinning][curves]") {
   std::vector<Vec3> points;
   for (int i = 0; i <= 10; ++i) points.emplace_back(i * 0.4, std::sin(0.3 * i), 0.2 * i);
   const auto curve = curve_through_points("line", points);
@@ -68,7 +69,7 @@ TEST_CASE("a curve through points passes them, is C2 between corners and breaks 
         1e-9);
 }
 
-TEST_CASE("points that make no line are refused by name") {
+TEST_CASE("points that form no curve are refused by name", "[skinning][curves]") {
   CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}}),
                     Contains("'rim'") && Contains("two or more"));
   CHECK_THROWS_WITH(curve_through_points("rim", {{0, 0, 0}, {0, 0, 0}}), Contains("zero length"));
@@ -78,7 +79,7 @@ TEST_CASE("points that make no line are refused by name") {
                     Contains("point 2") && Contains("finite"));
 }
 
-TEST_CASE("arc length and its inverse") {
+TEST_CASE("arc length and its inverse", "[skinning][curves]") {
   const ArcLength arc(helix(1));
   const double speed = std::sqrt(1 + 0.09);
   CHECK(arc.total() == Approx(2 * std::numbers::pi * speed).epsilon(1e-13));
@@ -86,7 +87,8 @@ TEST_CASE("arc length and its inverse") {
     CHECK(arc.parameter(s) == Approx(s / speed).epsilon(1e-12));
 }
 
-TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order economy") {
+TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order economy",
+          "[skinning][curves]") {
   const auto curve = helix(1);
   int before = 0;
   for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
@@ -106,7 +108,7 @@ TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order econom
   CHECK_THROWS_WITH(fit(corner, 1e-6), Contains("corner"));
 }
 
-TEST_CASE("piecewise cubics are kept, in their own parameter") {
+TEST_CASE("piecewise cubics are kept, in their own parameter", "[skinning][curves]") {
   const auto curve = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
   const auto exact = reuse_cubic_input({"line", CharacterLine::Role::Outline, curve}, 0.1,
                                        curve->evaluate(0), curve->evaluate(1));
@@ -119,7 +121,7 @@ TEST_CASE("piecewise cubics are kept, in their own parameter") {
                            {1, 0, 1}));
 }
 
-TEST_CASE("a polygon with consistent lengths and angles is found exactly") {
+TEST_CASE("a polygon with consistent lengths and angles is found exactly", "[skinning][curves]") {
   // An L with a reflex corner.
   const std::vector<Vec3> corners = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0},
                                      {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
@@ -132,7 +134,7 @@ TEST_CASE("a polygon with consistent lengths and angles is found exactly") {
             Approx((corners[i] - corners[j]).norm()).epsilon(1e-9));
 }
 
-TEST_CASE("loops that are none are refused in words") {
+TEST_CASE("invalid loops are refused with the reason", "[skinning][curves]") {
   const auto outline = [](std::vector<CharacterLine> lines) {
     SkinOptions options;
     options.mesher = SkinOptions::Mesher::Fan;

@@ -61,7 +61,8 @@ bench::AnalyticShape shape_named(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("boundary lines alone give back cylinders, spheres, tori and rings") {
+TEST_CASE("boundary curves alone give back cylinders, spheres, tori and annuli",
+          "[skinning][model]") {
   struct Expected {
     std::string name;
     double least_before, most_after;  // over the size
@@ -83,7 +84,7 @@ TEST_CASE("boundary lines alone give back cylinders, spheres, tori and rings") {
   }
 }
 
-TEST_CASE("a fair shape does not depend on unit or place") {
+TEST_CASE("a fair shape does not depend on unit or position", "[skinning][model]") {
   const bench::AnalyticShape shape = shape_named("sphere octant");
   const auto dofs = [&](double unit, const Vec3& place) {
     std::vector<CharacterLine> lines;
@@ -109,7 +110,7 @@ TEST_CASE("a fair shape does not depend on unit or place") {
   CHECK((same - other).cwiseAbs().maxCoeff() < 1e-6);
 }
 
-TEST_CASE("a long can between two circles is a cylinder, a frustum a cone") {
+TEST_CASE("a long can between two circles is a cylinder, a frustum a cone", "[skinning][model]") {
   struct Expected {
     double low, high, height;
   };
@@ -136,7 +137,8 @@ TEST_CASE("a long can between two circles is a cylinder, a frustum a cone") {
   }
 }
 
-TEST_CASE("a loft is ruled between two sections, and holds its lines") {
+TEST_CASE("a loft is ruled between two sections, and passes through its curves",
+          "[skinning][model]") {
   // Arches of different heights, not in parallel planes.
   const auto arch = [](const std::string& name, double y, double height, double width) {
     return CharacterLine{name, curve_from_formula(-1, 1, [=](double t, int order) -> Vec3 {
@@ -171,7 +173,8 @@ TEST_CASE("a loft is ruled between two sections, and holds its lines") {
                     Contains("on a side adjacent to the other sections"));
 }
 
-TEST_CASE("joined octants are a sphere whose curvature goes on across the join") {
+TEST_CASE("joined octants are a sphere whose curvature goes on across the join",
+          "[skinning][model]") {
   const batten_test::TestModelBuilder patches = batten_test::octants(0.2);
   const JoinLine line = patches.join_line("zx", 0, 1);
   const ModelLayout model = patches.model({line});
@@ -222,7 +225,8 @@ JoinQuality faired_join(const batten_test::TestModelBuilder& patches, const Join
 
 }  // namespace
 
-TEST_CASE("a cap on a cylinder: the lines across the rim say that curvature jumps by the cap's") {
+TEST_CASE("a cap on a cylinder: the curves across its edge show the cap's curvature jump",
+          "[skinning][model]") {
   const batten_test::TestModelBuilder patches = cap_on_cylinder();
   JoinLine join = patches.join_line("rim", 0, 1);
   CHECK_FALSE(is_curvature_continuous(patches.model({join}), patches.plan({join}).front()));
@@ -237,7 +241,8 @@ TEST_CASE("a cap on a cylinder: the lines across the rim say that curvature jump
   CHECK(requested.median_curvature_jump < 0.1);
 }
 
-TEST_CASE("where curvature goes on, its jump is ten times smaller than where it may jump") {
+TEST_CASE("where curvature goes on, its jump is ten times smaller than where it may jump",
+          "[skinning][model]") {
   // A free form: two wavy strips side by side.
   batten_test::TestModelBuilder p;
   p.options.edge_length = 0.15;
@@ -286,7 +291,8 @@ TEST_CASE("where curvature goes on, its jump is ten times smaller than where it 
   CHECK(goes_on.median_curvature_jump < 0.1 * jumps.median_curvature_jump);
 }
 
-TEST_CASE("strength and largest move stop on the way, where every line holds too") {
+TEST_CASE("strength and maximum displacement stop fairing early, where every curve still holds",
+          "[skinning][model]") {
   const FairedShape made = make(shape_named("cylinder 90"));
   const ConstraintSet rows = made.model.line_constraints();
   MinimumVariationOptions half;

@@ -64,7 +64,8 @@ double wave(const Vec2& p) { return 0.2 * std::sin(2 * p.x() + 0.5) * std::cos(1
 
 }  // namespace
 
-TEST_CASE("octants of a sphere share tangent planes along their line, with h³ between vertices") {
+TEST_CASE("octants of a sphere share tangent planes along their curve, with h³ between vertices",
+          "[skinning][model]") {
   std::vector<double> worst;
   for (const double h : {0.4, 0.2, 0.1}) {
     const TestModelBuilder p = octants(h);
@@ -85,7 +86,8 @@ TEST_CASE("octants of a sphere share tangent planes along their line, with h³ b
   CHECK(std::log2(worst[1] / worst[2]) > 2.5);
 }
 
-TEST_CASE("regions that unfold into one plane are C1 across their line to rounding") {
+TEST_CASE("faces that unfold into one plane are C1 across their curve to rounding",
+          "[skinning][model]") {
   // Two squares of a bent sheet, not plane: right angles, so that γ and δ are constant.
   TestModelBuilder p;
   p.options.edge_length = 0.2;
@@ -108,7 +110,7 @@ TEST_CASE("regions that unfold into one plane are C1 across their line to roundi
   CHECK(result.worst < 1e-5);
 }
 
-TEST_CASE("two joined regions are what one region with an inner line is") {
+TEST_CASE("two joined faces are the same as one face with an inner curve", "[skinning][model]") {
   const double h = 0.1;
   TestModelBuilder p;
   p.options.edge_length = h;
@@ -151,7 +153,8 @@ TEST_CASE("two joined regions are what one region with an inner line is") {
   CHECK(far(crease) > 4 * far(joined.regions[0]));
 }
 
-TEST_CASE("four regions around a crossing, three around a T-junction: smooth along all lines") {
+TEST_CASE("four faces around an intersection, three around a T-junction: smooth along all curves",
+          "[skinning][model]") {
   const double h = 0.15;
   for (const bool tee : {false, true}) {
     TestModelBuilder p;
@@ -224,7 +227,8 @@ TEST_CASE("four regions around a crossing, three around a T-junction: smooth alo
   }
 }
 
-TEST_CASE("a node without a tangent plane stays a crease, the line away from it is smooth") {
+TEST_CASE("a node without a tangent plane stays a crease, the curve away from it is smooth",
+          "[skinning][model]") {
   // The far end of the shared line: its neighbours leave by 10 degrees to either side.
   const double h = 0.1, lift = std::tan(10 * std::numbers::pi / 180);
   TestModelBuilder p;
@@ -253,7 +257,7 @@ TEST_CASE("a node without a tangent plane stays a crease, the line away from it 
   CHECK(angle.max_inside_deg < 0.5);
 }
 
-TEST_CASE("regions that double back on each other are not joined") {
+TEST_CASE("faces that double back on each other are not joined", "[skinning][model]") {
   const double h = 0.2;
   TestModelBuilder p;
   p.options.edge_length = h;
@@ -292,7 +296,7 @@ std::shared_ptr<const InputCurve> bow_on_wave() {
 
 }  // namespace
 
-TEST_CASE("a line that one region has embedded is smooth on averages") {
+TEST_CASE("a curve that one face has embedded is smooth on average", "[skinning][model]") {
   std::vector<double> before, after, rested;
   for (const double h : {0.2, 0.1, 0.05}) {
     TestModelBuilder p;
@@ -348,7 +352,8 @@ void add_bow_and_square(TestModelBuilder& p, const std::shared_ptr<const InputCu
 
 }  // namespace
 
-TEST_CASE("an embedded line ends as a crease where the edge beside its end alone keeps an angle") {
+TEST_CASE("an embedded curve ends as a crease if only the edge beside its end keeps an angle",
+          "[skinning][model]") {
   TestModelBuilder p;
   p.options.edge_length = 0.2;
   add_bow_and_square(p, bow_on_wave());
@@ -391,7 +396,8 @@ TEST_CASE("an embedded line ends as a crease where the edge beside its end alone
 }
 
 TEST_CASE(
-    "refining the joins of one group leaves the model at least energy, and others as they were") {
+    "refining the joins of one group leaves the model at least energy, and others as they were",
+    "[skinning][model]") {
   TestModelBuilder p;
   p.options.edge_length = 0.2;
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {

@@ -64,7 +64,7 @@ double off_axis(const SkinnedRegion& region, const Radius& radius) {
 
 }  // namespace
 
-TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder") {
+TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder", "[skinning][model]") {
   const SurfaceModel model = model_of(quarter(2, 2));
   REQUIRE(model.skinned().size() == 1);
   CHECK(model.regions[0].shape.kind == Kind::Cylinder);
@@ -78,7 +78,7 @@ TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder") {
   CHECK(off_axis(*bent.skinned()[0], [](double) { return 2; }) > 0.02);
 }
 
-TEST_CASE("an angle that smooths points leaves corners between curves") {
+TEST_CASE("an angle that smooths points leaves corners between curves", "[skinning][model]") {
   const double slant = 0.4;  // the straight sides leave the arcs at 53 degrees
   Lines lines = {arc("low", 0, 2, 0, pi / 2), arc("high", 3, 2, slant, slant + pi / 2)};
   for (const auto& [name, turn] : {std::pair("first", 0.0), {"last", pi / 2}})
@@ -96,14 +96,14 @@ TEST_CASE("an angle that smooths points leaves corners between curves") {
   CHECK(shapes[0] == shapes[1]);
 }
 
-TEST_CASE("arcs of two radii about one axis are a piece of a cone") {
+TEST_CASE("arcs of two radii about one axis are a piece of a cone", "[skinning][model]") {
   const SurfaceModel model = model_of(quarter(2, 1));
   REQUIRE(model.skinned().size() == 1);
   CHECK(model.regions[0].shape.kind == Kind::Cone);
   CHECK(off_axis(*model.skinned()[0], [](double z) { return 2 - z / 3; }) < 1e-3);
 }
 
-TEST_CASE("a can between two circles is a cylinder of its volume") {
+TEST_CASE("a can between two circles is a cylinder of its volume", "[skinning][model]") {
   Lines lines = {arc("low", 0, 20, 0, 2 * pi), arc("high", 40, 20, 0, 2 * pi)};
   RegionSearchOptions options;
   for (const char* name : {"low", "high"}) {
@@ -123,7 +123,8 @@ TEST_CASE("a can between two circles is a cylinder of its volume") {
   CHECK(kinds == std::multiset<Kind>{Kind::Plane, Kind::Plane, Kind::Cylinder});
 }
 
-TEST_CASE("arcs about an axis and equal arcs through it are pieces of a torus, smooth all over") {
+TEST_CASE("arcs about an axis and equal arcs through it are pieces of a torus, smooth all over",
+          "[skinning][model]") {
   Lines lines;
   constexpr double far = 100, tube = 30;
   for (int k = 0; k < 4; ++k) {  // around the tube: outside, above, inside, below
@@ -145,7 +146,8 @@ TEST_CASE("arcs about an axis and equal arcs through it are pieces of a torus, s
   CHECK(model.shells[0].volume == Approx(2 * pi * pi * far * tube * tube).epsilon(2e-3));
 }
 
-TEST_CASE("flat walls and round fillets go on smoothly and stay flat and round") {
+TEST_CASE("flat walls and round fillets go on smoothly and stay flat and round",
+          "[skinning][model]") {
   const SurfaceModel model = model_of({
       arc("round low", 0, 1, 0, pi / 2),
       arc("round high", 4, 1, 0, pi / 2),
@@ -206,7 +208,8 @@ double largest(const SurfaceModel& model, const std::function<double(const Vec3&
 
 }  // namespace
 
-TEST_CASE("spheres come from three arcs, from two, and from strips up to the pole") {
+TEST_CASE("spheres come from three arcs, from two, and from strips up to the pole",
+          "[skinning][model]") {
   const auto off = [](const Vec3& p) { return p.norm() - 1; };
   const auto arc_of = [](const std::string& name, double l0, double b0, double l1, double b1) {
     return CharacterLine{
@@ -241,7 +244,8 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
   }
 }
 
-TEST_CASE("a cylinder and a spherical head stay what they are when they are joined smoothly") {
+TEST_CASE("a cylinder and a spherical head keep their shape when they are joined smoothly",
+          "[skinning][model]") {
   // The rows of the join follow the shapes between its ends, too (GluingCorrection).
   const auto meridian = [](double longitude) {
     return arc_through(on_sphere(longitude, 0), on_sphere(longitude, pi / 4),
@@ -263,7 +267,7 @@ TEST_CASE("a cylinder and a spherical head stay what they are when they are join
         }) < 2e-3);
 }
 
-TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
+TEST_CASE("ruled surfaces, saddles and helicoids follow from their sides", "[skinning][model]") {
   SECTION("hyperbolic paraboloid") {
     const SurfaceModel model =
         model_of(piece_of([](double u, double v) { return Vec3(u, v, (u - 0.5) * (v - 0.5)); }));
@@ -287,7 +291,7 @@ TEST_CASE("ruled surfaces, saddles and helicoids are what their sides say") {
   }
 }
 
-TEST_CASE("slopes of a sweep are the derivatives of its points") {
+TEST_CASE("slopes of a sweep are the derivatives of its points", "[skinning][model]") {
   // Four sides; three that bulge unlike, so that the three sweeps differ; two.
   const Lines lemon = {
       {"a", ellipse_arc(level(0), 2, 1, 0, pi)},
@@ -330,7 +334,8 @@ TEST_CASE("slopes of a sweep are the derivatives of its points") {
   }
 }
 
-TEST_CASE("a rest shape has the boundary curves, whatever the unit and the place") {
+TEST_CASE("a rest shape has the boundary curves, whatever the unit and the position",
+          "[skinning][model]") {
   const auto hump = [](double u, double v) {
     return Vec3(u, 1.5 * v, std::sin(pi * u) * (0.3 + 0.2 * v * v));
   };
@@ -349,7 +354,7 @@ TEST_CASE("a rest shape has the boundary curves, whatever the unit and the place
   CHECK(moved.area == Approx(scale * scale * model.area).epsilon(5e-5));
 }
 
-TEST_CASE("surfaces follow their curves without a jump") {
+TEST_CASE("surfaces follow their curves without a jump", "[skinning][model]") {
   // The largest movement of points of the surface is at most three times that of the curve.
   const auto canopy = [](double taller) {
     return model_of(piece_of([taller](double u, double v) {
@@ -364,7 +369,8 @@ TEST_CASE("surfaces follow their curves without a jump") {
   }
 }
 
-TEST_CASE("a straight side and an arc in almost one plane bound an almost flat surface") {
+TEST_CASE("a straight side and an arc in almost one plane bound an almost flat surface",
+          "[skinning][model]") {
   for (const double warp : {0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.03, 0.1}) {
     CAPTURE(warp);
     const auto lifted = [&](double x, double y) {
@@ -389,7 +395,7 @@ TEST_CASE("a straight side and an arc in almost one plane bound an almost flat s
   }
 }
 
-TEST_CASE("half ellipses at right angles bound a quarter of their ellipsoid") {
+TEST_CASE("half ellipses at right angles bound a quarter of their ellipsoid", "[skinning][model]") {
   // Exactly so where they are equal: sections correspond by arc length.
   for (const double height : {0.5, 1.0, 2.0}) {
     CAPTURE(height);
@@ -410,7 +416,8 @@ TEST_CASE("half ellipses at right angles bound a quarter of their ellipsoid") {
   }
 }
 
-TEST_CASE("sections that bulge to opposite sides pass through a straight one") {
+TEST_CASE("sections that bulge to opposite sides pass through a straight one",
+          "[skinning][model]") {
   // The same from both sides: a twist of 180 degrees has no sense of rotation.
   for (const double lean : {0.0, 1e-6, -1e-6}) {
     const SurfaceModel model = model_of(piece_of([lean](double u, double v) {
@@ -422,7 +429,8 @@ TEST_CASE("sections that bulge to opposite sides pass through a straight one") {
   }
 }
 
-TEST_CASE("regions without opposite sides, and plane ones, bend least") {
+TEST_CASE("faces without opposite sides, and planar ones, have least bending",
+          "[skinning][model]") {
   const auto lines_through = [](const std::vector<Vec3>& corners) {
     Lines lines;
     for (size_t i = 0; i < corners.size(); ++i)
@@ -475,7 +483,7 @@ double off_wing(const SkinnedRegion& region) {
 
 }  // namespace
 
-TEST_CASE("elements follow a nose along its whole span, however long it is") {
+TEST_CASE("elements follow a nose along its whole span, however long it is", "[skinning][model]") {
   for (const double span : {1.0, 4.0, 8.0}) {
     const Lines lines = wing(span);
     const CurveNetwork network(lines);
@@ -492,7 +500,8 @@ TEST_CASE("elements follow a nose along its whole span, however long it is") {
   }
 }
 
-TEST_CASE("the lines of a cone are smooth up to its apex, and that is no warning") {
+TEST_CASE("the curves of a cone are smooth up to its apex, without a warning",
+          "[skinning][model]") {
   Lines lines;
   const Vec3 apex(0, 0, 3);
   for (int k = 0; k < 4; ++k) {
@@ -520,7 +529,9 @@ TEST_CASE("the lines of a cone are smooth up to its apex, and that is no warning
     if (join.regions.size() == 2) CHECK(join.kind == ModelJoin::Kind::Crease);
 }
 
-TEST_CASE("a surface that bends from nothing is far from what its curves mean, a sweep is not") {
+TEST_CASE(
+    "a surface that bends without reason is far from the shape its curves suggest, a sweep is not",
+    "[skinning][model]") {
   const SurfaceModel swept = model_of(quarter(2, 2));
   const auto near = rest_shape_deviation(swept.layout->region(0), *swept.skinned()[0]);
   REQUIRE(near);

@@ -173,7 +173,7 @@ void check_invariants(const CurveNetwork& network) {
 
 }  // namespace
 
-TEST_CASE("m by n lines that cross have mn nodes where they do, and ends") {
+TEST_CASE("m by n curves that cross have mn nodes where they do, and ends", "[skinning][network]") {
   for (const auto& [m, n] : {std::pair(2, 2), {3, 5}, {7, 4}}) {
     const CurveNetwork network(bowl(m, n));
     CHECK(network.nodes().size() == static_cast<size_t>(m * n + 2 * (m + n)));
@@ -194,7 +194,8 @@ TEST_CASE("m by n lines that cross have mn nodes where they do, and ends") {
   }
 }
 
-TEST_CASE("An arc lies on its line and its parameter is arc length over size") {
+TEST_CASE("An edge lies on its curve and its parameter is arc length over size",
+          "[skinning][network]") {
   const CurveNetwork network({circle("c", {1, 2, 3}, 1)});
   REQUIRE(network.edges().size() == 1);
   CHECK(network.nodes().size() == 1);
@@ -222,7 +223,7 @@ TEST_CASE("An arc lies on its line and its parameter is arc length over size") {
   CHECK((turned.nodes()[0].position - network.nodes()[0].position).norm() < 1e-12);
 }
 
-TEST_CASE("The fit converges with the fourth power of its segments") {
+TEST_CASE("The fit converges with the fourth power of its segments", "[skinning][network]") {
   const auto error = [](double fit) {
     NetworkOptions options;
     options.fit_tolerance = fit;
@@ -235,7 +236,8 @@ TEST_CASE("The fit converges with the fourth power of its segments") {
   CHECK(std::log(e1 / e2) / std::log(static_cast<double>(n2) / n1) == Approx(4).margin(0.2));
 }
 
-TEST_CASE("The order of lines changes no bit, their direction next to nothing") {
+TEST_CASE("The order of curves changes no bit, their direction next to nothing",
+          "[skinning][network]") {
   auto lines = bowl(4, 5);
   lines.push_back(through("wave", {{0, 0, 0}, {0.3, 0.4, 0.2}, {0.5, 0.2, 0.6}, {1, 1, 1.5}}));
   lines.push_back(circle("ring", {0.5, 0.5, 0.4}, 0.3));
@@ -268,7 +270,8 @@ TEST_CASE("The order of lines changes no bit, their direction next to nothing") 
   CHECK(forth.edges()[0].reversed != back.edges()[0].reversed);
 }
 
-TEST_CASE("Millimetres and metres make the same parameters, far from the origin the same arcs") {
+TEST_CASE("Millimetres and metres make the same parameters, far from the origin the same arcs",
+          "[skinning][network]") {
   auto lines = bowl(3, 4);
   lines.push_back(circle("ring", {0.4, 0.5, 0.4}, 0.3));
   lines.push_back(straight("end", {0.5, 0.5, 2}, {0.3, 0.1, 0.0950001}));
@@ -280,7 +283,8 @@ TEST_CASE("Millimetres and metres make the same parameters, far from the origin 
   CHECK(combinatorics(far) == combinatorics(metres));
 }
 
-TEST_CASE("The size holds what a line does between a few even parameters") {
+TEST_CASE("The size includes the curve between a few evenly spaced parameters",
+          "[skinning][network]") {
   // A straight line with a narrow peak, of one smooth piece, twice as high as it is long.
   const auto peak = [](double t, int order) -> Vec3 {
     const double x = (t - 0.4) / 0.03, e = 2 * std::exp(-x * x);
@@ -296,7 +300,8 @@ TEST_CASE("The size holds what a line does between a few even parameters") {
   CHECK(crossings == 2);
 }
 
-TEST_CASE("Ends within the tolerance become one node, beyond it they are named") {
+TEST_CASE("Ends within the tolerance become one node, beyond it they are named",
+          "[skinning][network]") {
   const auto lines_with = [](double gap) {
     // Three sides of a triangle; the gap at the corner (1, 0, 0).
     return std::vector{straight("a", {0, 0, 0}, {1 - gap, 0, 0}),
@@ -329,7 +334,7 @@ TEST_CASE("Ends within the tolerance become one node, beyond it they are named")
   CHECK(count(CurveNetwork(lines_with(0.1), options), Kind::NearMiss) == 0);
 }
 
-TEST_CASE("A node does not grow along a chain of ends") {
+TEST_CASE("A node does not grow along a chain of ends", "[skinning][network]") {
   // Ends in a row, 0.8 tolerances apart: three of them are within the tolerance of their mean.
   NetworkOptions options;
   options.tolerance = 0.01;
@@ -360,7 +365,7 @@ TEST_CASE("A node does not grow along a chain of ends") {
   CHECK(difference(tangled, CurveNetwork(backwards, options)) < 1e-12);
 }
 
-TEST_CASE("Ends that a third one joins do not miss each other") {
+TEST_CASE("Ends that a third one joins do not miss each other", "[skinning][network]") {
   NetworkOptions options;
   options.tolerance = 0.01;
   const CurveNetwork network(
@@ -374,7 +379,7 @@ TEST_CASE("Ends that a third one joins do not miss each other") {
   check_invariants(network);
 }
 
-TEST_CASE("An end on the middle of a line cuts it there") {
+TEST_CASE("An end on the middle of a curve splits it there", "[skinning][network]") {
   NetworkOptions options;
   options.tolerance = 0.01;
   for (const double short_by : {0.0, 0.006, -0.006, 0.02}) {
@@ -410,7 +415,7 @@ TEST_CASE("An end on the middle of a line cuts it there") {
   }
 }
 
-TEST_CASE("Names number the arcs of a line along it as it was given") {
+TEST_CASE("Names number the edges of a curve in its given direction", "[skinning][network]") {
   std::vector<CharacterLine> lines = {straight("l", {3, 0, 0}, {0, 0, 0})};
   for (const double x : {0.5, 1.2, 2.0})
     lines.push_back(straight("c" + format_number(x), {x, -1, 0}, {x, 1, 0}));
@@ -427,7 +432,7 @@ TEST_CASE("Names number the arcs of a line along it as it was given") {
   CHECK(error_message([&] { network.edges_of("c0.6"); }).find("c0.5") != std::string::npos);
 }
 
-TEST_CASE("Two curves may cross several times, and one itself") {
+TEST_CASE("Two curves may cross several times, and one itself", "[skinning][network]") {
   const auto wave = curve_from_formula(0, 4 * std::numbers::pi, [](double t, int order) -> Vec3 {
     return order == 0   ? Vec3(t, std::sin(t), 0)
            : order == 1 ? Vec3(1, std::cos(t), 0)
@@ -450,7 +455,7 @@ TEST_CASE("Two curves may cross several times, and one itself") {
   check_invariants(bow);
 }
 
-TEST_CASE("Lines are cut at corners, and go on straight within the angle") {
+TEST_CASE("Curves are split at corners, and continue within the angle", "[skinning][network]") {
   const CurveNetwork square(
       {through("square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}})});
   CHECK(square.edges().size() == 4);
@@ -472,7 +477,7 @@ TEST_CASE("Lines are cut at corners, and go on straight within the angle") {
   }
 }
 
-TEST_CASE("A closed line that others meet is cut at them only") {
+TEST_CASE("A closed curve that others meet is split at them only", "[skinning][network]") {
   const CurveNetwork network({circle("c", Vec3::Zero(), 1), straight("l", {-1, 0, 0}, {0, 1, 0}),
                               straight("far", {3, 0, 0}, {4, 0, 0})});
   CHECK(network.edges_of("c").size() == 2);
@@ -490,7 +495,7 @@ TEST_CASE("A closed line that others meet is cut at them only") {
   check_invariants(one);
 }
 
-TEST_CASE("Lines that run along others are kept once, and named") {
+TEST_CASE("Curves that run along others are kept once, and named", "[skinning][network]") {
   const auto base = bowl(3, 3);
   const CurveNetwork single(base);
   auto doubled = base;
@@ -554,7 +559,8 @@ TEST_CASE("Lines that run along others are kept once, and named") {
   CHECK(touch.edges().size() == 3);
 }
 
-TEST_CASE("Lines that pass each other are not joined, but named when near") {
+TEST_CASE("Curves that pass each other are not joined, but named when near",
+          "[skinning][network]") {
   NetworkOptions options;
   options.tolerance = 0.01;
   for (const auto& [height, joined, named] :
@@ -574,7 +580,7 @@ TEST_CASE("Lines that pass each other are not joined, but named when near") {
   }
 }
 
-TEST_CASE("Pieces shorter than the tolerance are left out") {
+TEST_CASE("Pieces shorter than the tolerance are left out", "[skinning][network]") {
   NetworkOptions options;
   options.tolerance = 0.01;
   // A dot near a corner, a crossing just before the end of a line.
@@ -590,7 +596,7 @@ TEST_CASE("Pieces shorter than the tolerance are left out") {
   check_invariants(network);
 }
 
-TEST_CASE("What is no network is refused in words") {
+TEST_CASE("Invalid networks are refused with the reason", "[skinning][network]") {
   const auto line = straight("l", {0, 0, 0}, {1, 0, 0});
   CHECK(error_message([] { CurveNetwork({}); }).find("no") != std::string::npos);
   CHECK(error_message([&] { CurveNetwork({line, line}); }).find("'l'") != std::string::npos);
@@ -616,7 +622,7 @@ TEST_CASE("What is no network is refused in words") {
   CHECK_THROWS_AS(CurveNetwork({line}, {}, progress), CancelledError);
 }
 
-TEST_CASE("Random networks keep the laws, shuffled bit by bit") {
+TEST_CASE("Random networks keep their invariants, shuffled bit by bit", "[skinning][network]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int round = 0; round < 240; ++round) {
@@ -666,7 +672,8 @@ TEST_CASE("Random networks keep the laws, shuffled bit by bit") {
   }
 }
 
-TEST_CASE("lines whose ends stop short of each other get the tolerance that joins them") {
+TEST_CASE("curves whose ends stop short of each other get the tolerance that joins them",
+          "[skinning][network]") {
   // A box drawn by hand: each edge ends beside its corners.
   for (const double gap : {0.0, 0.002, 0.012, 0.05}) {
     std::vector<CharacterLine> lines;
@@ -702,7 +709,8 @@ TEST_CASE("lines whose ends stop short of each other get the tolerance that join
   }
 }
 
-TEST_CASE("lines that cross and run out a little are not drawn by hand") {
+TEST_CASE("curves that cross and extend slightly beyond are not taken as hand-drawn",
+          "[skinning][network]") {
   // A grid whose lines end 1 % of the size beyond the last crossing, and near no other line's end.
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 4; ++i) {
@@ -716,7 +724,8 @@ TEST_CASE("lines that cross and run out a little are not drawn by hand") {
   CHECK(count(network, Kind::Crossing) == 16);
 }
 
-TEST_CASE("lines that cross far more often than they end are not drawn by hand") {
+TEST_CASE("curves that cross far more often than they end are not taken as hand-drawn",
+          "[skinning][network]") {
   // A grid whose outer lines are 1.5 % of the size inside of the others' ends, doubled by
   // neighbours that near: a tolerance of their gaps would join the neighbours.
   std::vector<CharacterLine> lines;
@@ -732,7 +741,8 @@ TEST_CASE("lines that cross far more often than they end are not drawn by hand")
   CHECK(network.tolerance() == Approx(1e-3 * network.size()));
 }
 
-TEST_CASE("the tolerance of a drawing by hand passes over ends that were never to meet") {
+TEST_CASE("the tolerance of a hand-drawn network ignores ends that are not meant to meet",
+          "[skinning][network]") {
   // The sides of a hexagon, short at both ends by 0.4 to 0.6; a whisker that ends 3 below one.
   std::vector<CharacterLine> lines;
   const auto add = [&](const Vec3& a, const Vec3& b) {

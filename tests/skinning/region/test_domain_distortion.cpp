@@ -79,7 +79,8 @@ Settled first_shape(const std::vector<CharacterLine>& lines) {
 
 }  // namespace
 
-TEST_CASE("an affine sheet flattens to its own outline, whatever its domain, size and place") {
+TEST_CASE("an affine surface flattens to its own outline, whatever its domain, size and position",
+          "[skinning][domains]") {
   Mat3 turned = Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   for (const double scale : {1.0, 1e-3, 1e4}) {
     Mat3 A;
@@ -102,7 +103,7 @@ TEST_CASE("an affine sheet flattens to its own outline, whatever its domain, siz
   }
 }
 
-TEST_CASE("what is flat already stays, reflex corners too") {
+TEST_CASE("planar domains stay, reflex corners too", "[skinning][domains]") {
   if (!have_delaunay_mesher()) return;
   const std::vector<Vec2> domain = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {0, 2}};
   const LeastDistortedPolygon f =
@@ -112,7 +113,7 @@ TEST_CASE("what is flat already stays, reflex corners too") {
   for (size_t i = 0; i < domain.size(); ++i) CHECK((f.polygon[i] - domain[i]).norm() < 1e-9);
 }
 
-TEST_CASE("sectors of a cylinder become the rectangle, however far around") {
+TEST_CASE("sectors of a cylinder become the rectangle, however far around", "[skinning][domains]") {
   for (const double degrees : {90, 170, 200, 270, 350}) {
     INFO(degrees << " degrees");
     const double T = degrees * pi / 180;
@@ -132,7 +133,8 @@ TEST_CASE("sectors of a cylinder become the rectangle, however far around") {
   }
 }
 
-TEST_CASE("flattening never distorts more, and knows when there is nothing to gain") {
+TEST_CASE("flattening never distorts more, and knows when there is nothing to gain",
+          "[skinning][domains]") {
   const auto gain = [](const Settled& s) {
     const LeastDistortedPolygon f = find_least_distorted_polygon(s.region.surface, s.polygon);
     CHECK(f.before.rms == Approx(distortion(s.region.surface).rms));
@@ -153,7 +155,8 @@ TEST_CASE("flattening never distorts more, and knows when there is nothing to ga
   CHECK(gain(first_shape(curved_polygon(5, 0.35, 0))) < 0.02);
 }
 
-TEST_CASE("a surface that is a line leaves its domain alone, and wrong polygons are said") {
+TEST_CASE("a degenerate surface keeps its domain, and wrong polygons are reported",
+          "[skinning][domains]") {
   const std::vector<Vec2> domain = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   Mat3 A = Mat3::Zero();
   A(0, 0) = 1;

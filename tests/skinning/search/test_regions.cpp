@@ -176,7 +176,7 @@ Lines stacked_boxes() {
 
 }  // namespace
 
-TEST_CASE("a grid has its cells, plane or curved, and nothing else") {
+TEST_CASE("a grid has its cells, plane or curved, and nothing else", "[skinning][search]") {
   const int m = GENERATE(1, 2, 5), n = GENERATE(1, 3);
   const double lift = GENERATE(0.0, 0.8);
   const NetworkWithRegions found(
@@ -189,14 +189,14 @@ TEST_CASE("a grid has its cells, plane or curved, and nothing else") {
   if (lift == 0) CHECK(found.regions.ambiguous_regions.empty());
 }
 
-TEST_CASE("a grid of a thousand arcs has its cells") {
+TEST_CASE("a grid of a thousand arcs has its cells", "[skinning][search]") {
   const NetworkWithRegions found(
       grid(22, 22, [](double x, double y) { return 0.02 * x * x - 0.03 * x * y; }));
   CHECK(found.sides() == all(22 * 22, 4));
   CHECK(found.regions.optimal);
 }
 
-TEST_CASE("a box has six faces, and five where the lid is said to be open") {
+TEST_CASE("a box has six faces, and five if its lid is specified as open", "[skinning][search]") {
   const Lines lines = box_lines(Vec3::Zero(), Vec3(1, 1.3, 0.7));
   const NetworkWithRegions closed(lines);
   CHECK(closed.sides() == all(6, 4));
@@ -209,7 +209,7 @@ TEST_CASE("a box has six faces, and five where the lid is said to be open") {
   CHECK(without.regions.ambiguous_regions.empty());  // the user has said it
 }
 
-TEST_CASE("closed surfaces of any genus are found closed") {
+TEST_CASE("closed surfaces of any genus are found closed", "[skinning][search]") {
   SECTION("octants of a sphere") {
     const NetworkWithRegions found(sphere_lines());
     CHECK(found.sides() == all(8, 3));
@@ -248,7 +248,7 @@ Lines prism(const Lines& outline) {
   return lines;
 }
 
-TEST_CASE("solids with fillets are closed, cups are not") {
+TEST_CASE("solids with fillets are closed, cups are not", "[skinning][search]") {
   SECTION("a D") {
     const NetworkWithRegions found(
         prism({straight("a", {-2, -1, 0}, {0, -1, 0}),
@@ -282,7 +282,7 @@ TEST_CASE("solids with fillets are closed, cups are not") {
   }
 }
 
-TEST_CASE("a chain with one wall inside of a plane face is a hole of it") {
+TEST_CASE("a chain with one wall inside of a plane face is a hole of it", "[skinning][search]") {
   Lines lines = box_lines({-3, -2, 0}, {6, 4, 1});
   Lines circle;
   for (int k = 0; k < 2; ++k)
@@ -308,7 +308,7 @@ TEST_CASE("a chain with one wall inside of a plane face is a hole of it") {
   CHECK(NetworkWithRegions(lines).sides() == all(6, 4));
 }
 
-TEST_CASE("sections of a wing get its skins, not its ribs") {
+TEST_CASE("sections of a wing get its skins, not its ribs", "[skinning][search]") {
   // Noses are round, trailing edges sharp; ribs lie in planes, skins are twisted.
   Lines lines;
   std::vector<Vec3> front, rear;
@@ -338,7 +338,7 @@ TEST_CASE("sections of a wing get its skins, not its ribs") {
   CHECK(found.regions.unused_edges.empty());
 }
 
-TEST_CASE("two boxes that share a wall have it as a region where three may meet") {
+TEST_CASE("two boxes that share a wall have it as a face if three may meet", "[skinning][search]") {
   const Lines lines = stacked_boxes();
   CHECK(NetworkWithRegions(lines).sides() == all(10, 4));
   RegionSearchOptions options;
@@ -348,7 +348,7 @@ TEST_CASE("two boxes that share a wall have it as a region where three may meet"
   CHECK(found.regions.free_edges.empty());
 }
 
-TEST_CASE("the rim of an open shell is left open, and told") {
+TEST_CASE("the free edges of an open shell are left open, and reported", "[skinning][search]") {
   Lines lines;
   for (int i = 0; i < 4; ++i) {
     const double a = pi / 2 * i;
@@ -375,7 +375,7 @@ TEST_CASE("the rim of an open shell is left open, and told") {
   CHECK(with.regions.free_edges.empty());
 }
 
-TEST_CASE("one loop of many arcs is one region") {
+TEST_CASE("one loop of many edges is one face", "[skinning][search]") {
   const int n = GENERATE(1, 2, 3, 12, 28);
   Lines lines;
   for (int i = 0; i < n; ++i)
@@ -386,7 +386,7 @@ TEST_CASE("one loop of many arcs is one region") {
   CHECK(found.sides() == all(1, static_cast<size_t>(n)));
 }
 
-TEST_CASE("a loop that is alone is a region even where every corner turns inwards") {
+TEST_CASE("a single loop is a face even if every corner is reflex", "[skinning][search]") {
   Lines lines;
   constexpr int lobes = 12;
   for (int i = 0; i < lobes; ++i) {
@@ -400,7 +400,7 @@ TEST_CASE("a loop that is alone is a region even where every corner turns inward
   CHECK(found.regions.regions[0].loops[0].size() == lobes);
 }
 
-TEST_CASE("lines that hang into a region lie in it and others stay bare") {
+TEST_CASE("dangling curves in a face lie in it, and others stay unused", "[skinning][search]") {
   Lines lines = grid(1, 1, [](double, double) { return 0.0; });
   lines.push_back(straight("in", Vec3(0, 0.5, 0), Vec3(0.6, 0.5, 0)));
   lines.push_back(straight("twig", Vec3(0.4, 0.5, 0), Vec3(0.5, 0.8, 0)));
@@ -419,7 +419,8 @@ TEST_CASE("lines that hang into a region lie in it and others stay bare") {
   CHECK(unused_edges == std::set<std::string>{"curl", "out", "up"});
 }
 
-TEST_CASE("a line between two loops is passed on both sides where one lies in the other") {
+TEST_CASE("a curve between two loops is used on both sides if one lies in the other",
+          "[skinning][search]") {
   const auto square = [](const std::string& name, double half) {
     Lines lines;
     const Vec3 p[] = {{half, half, 0}, {-half, half, 0}, {-half, -half, 0}, {half, -half, 0}};
@@ -435,7 +436,7 @@ TEST_CASE("a line between two loops is passed on both sides where one lies in th
   CHECK(found.loops().count({"inner0", "inner1", "inner2", "inner3"}) == 1);
 }
 
-TEST_CASE("two loops alone are a ring where they are like rims") {
+TEST_CASE("two loops alone are an annulus if they resemble its boundaries", "[skinning][search]") {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
   SECTION("of a tube, tilted") {
     const NetworkWithRegions found(
@@ -467,7 +468,7 @@ TEST_CASE("two loops alone are a ring where they are like rims") {
   }
 }
 
-TEST_CASE("a loop on a region is no guess") {
+TEST_CASE("a loop on a face is not ambiguous", "[skinning][search]") {
   Lines lines = grid(2, 1, [](double, double) { return 0.0; });
   lines.push_back(circular_arc("eye", Vec3(0.5, 0.5, 0), Vec3(0.2, 0, 0), Vec3(0, 0.2, 0)));
   const NetworkWithRegions found(lines);
@@ -486,7 +487,7 @@ TEST_CASE("a loop on a region is no guess") {
   CHECK(hole.regions.free_edges.size() == 7);
 }
 
-TEST_CASE("what the user says comes first") {
+TEST_CASE("the user's specifications have priority", "[skinning][search]") {
   const Lines lines = grid(2, 1, [](double, double) { return 0.0; });
   const NetworkWithRegions plain(lines);
   SECTION("one region instead of two: the line between them is inner") {
@@ -509,7 +510,7 @@ TEST_CASE("what the user says comes first") {
   }
 }
 
-TEST_CASE("words that fit nothing are refused in words") {
+TEST_CASE("specifications that match nothing are refused with the reason", "[skinning][search]") {
   const CurveNetwork network(box_lines(Vec3::Zero(), Vec3(1, 1, 1)));
   const auto refused = [&](const std::vector<RegionSpec>& specs, const auto& text, int most = 2) {
     RegionSearchOptions options;
@@ -542,7 +543,8 @@ TEST_CASE("words that fit nothing are refused in words") {
   refused({inner}, Contains("inner curve and a boundary"));
 }
 
-TEST_CASE("regions do not depend on the order or direction of lines, nor on small moves") {
+TEST_CASE("faces do not depend on the order or direction of curves, nor on small moves",
+          "[skinning][search]") {
   Random random(17);
   const auto wavy = [](double x, double y) { return 0.3 * std::sin(2 * x) + 0.1 * y * y; };
   for (const Lines& lines : {grid(4, 3, wavy), sphere_lines(), stacked_boxes(), torus(5, 3)}) {
@@ -583,7 +585,8 @@ TEST_CASE("regions do not depend on the order or direction of lines, nor on smal
   }
 }
 
-TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they meet") {
+TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they meet",
+          "[skinning][search]") {
   const LoopCosts costs;
   const auto network = [](const Lines& lines) { return RegionGraph(CurveNetwork(lines)); };
   SECTION("convex or not") {
@@ -620,7 +623,7 @@ TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they m
   }
 }
 
-TEST_CASE("frames are carried without turning") {
+TEST_CASE("frames are carried without turning", "[skinning][search]") {
   // Around a circle the binormal stays.
   const RegionGraph graph(
       CurveNetwork({circular_arc("c", Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), 0, 1.5)}));
@@ -631,7 +634,7 @@ TEST_CASE("frames are carried without turning") {
             .norm() < 1e-12);
 }
 
-TEST_CASE("the selection is the best one") {
+TEST_CASE("the selection is the best one", "[skinning][search]") {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
     LoopSelectionProblem problem;
@@ -682,7 +685,7 @@ TEST_CASE("the selection is the best one") {
 }
 
 #if BATTEN_TEST_IO
-TEST_CASE("regions of real sketches are those that a designer expects", "[data]") {
+TEST_CASE("faces of real sketches are those that a designer expects", "[skinning][search][data]") {
   const std::string name = GENERATE("computer-mouse", "hat", "shield", "teapot", "vacuum");
   const auto file = optional_data("sketch-cassie/sketch_graph/" + name + ".json");
   if (file.empty()) {
@@ -708,7 +711,7 @@ TEST_CASE("regions of real sketches are those that a designer expects", "[data]"
   CHECK(found.regions.optimal);
 }
 
-TEST_CASE("all sketches are looked through without a crash", "[data]") {
+TEST_CASE("all sketches are looked through without a crash", "[skinning][search][data]") {
   const auto folder = optional_data("sketch-cassie/sketch_graph");
   if (folder.empty()) {
     WARN("no sketches here");

@@ -45,7 +45,8 @@ SurfaceModel model_of(const batten_test::TestModelBuilder& patches, const ModelL
 
 }  // namespace
 
-TEST_CASE("a region that turns over keeps its shape, the others are faired") {
+TEST_CASE("a face that would invert keeps its shape, the others are faired",
+          "[skinning][surfaces]") {
   const batten_test::TestModelBuilder patches = octant_and_bow_tie();
   const auto layout = std::make_shared<const ModelLayout>(patches.model({}));
   const Points start = layout->minimize_energy({});
@@ -63,7 +64,7 @@ TEST_CASE("a region that turns over keeps its shape, the others are faired") {
   CHECK(worst < 1e-3);
 }
 
-TEST_CASE("a model of which every region turns over cannot be faired") {
+TEST_CASE("a model of which every face would invert cannot be faired", "[skinning][surfaces]") {
   batten_test::TestModelBuilder patches = octant_and_bow_tie();
   patches.layouts.erase(patches.layouts.begin());
   patches.first.erase(patches.first.begin());

@@ -65,7 +65,8 @@ Vec3 on_torus(double s, double t) {
 
 }  // namespace
 
-TEST_CASE("primitives are found with their frames, in any place and unit", "[measured_shape]") {
+TEST_CASE("primitives are found with their frames, in any position and unit",
+          "[skinning][surfaces][fitted_primitive]") {
   for (const double unit : {1.0, 1e-3, 1e3}) {
     CAPTURE(unit);
     const double tolerance = 1e-4 * unit, hair = 1e-8 * unit;
@@ -113,7 +114,7 @@ TEST_CASE("primitives are found with their frames, in any place and unit", "[mea
   }
 }
 
-TEST_CASE("surfaces that are no primitive are none", "[measured_shape]") {
+TEST_CASE("surfaces that are no primitive are none", "[skinning][surfaces][fitted_primitive]") {
   const auto kind = [](const std::function<Vec3(double, double)>& x, double s0, double s1,
                        double t0, double t1) {
     const Patch made = patch(x, s0, s1, t0, t1);
@@ -138,7 +139,8 @@ TEST_CASE("surfaces that are no primitive are none", "[measured_shape]") {
              -1, 1) == Kind::Free);
 }
 
-TEST_CASE("a patch that hardly turns is a plane or nothing", "[measured_shape]") {
+TEST_CASE("a patch that hardly turns is a plane or nothing",
+          "[skinning][surfaces][fitted_primitive]") {
   const auto sheet = [](double turn) {
     const double r = 1 / turn;
     return patch(
@@ -156,7 +158,7 @@ TEST_CASE("a patch that hardly turns is a plane or nothing", "[measured_shape]")
 }
 
 TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolerance",
-          "[measured_shape]") {
+          "[skinning][surfaces][fitted_primitive]") {
   const auto band = [](double s, double t) {
     const double r = 38 - 0.3 * t;
     return Vec3(r * std::cos(s), r * std::sin(s), t);
@@ -167,7 +169,8 @@ TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolera
   CHECK(shape.half_angle == Approx(std::atan(0.3)).epsilon(1e-4));
 }
 
-TEST_CASE("what is off a primitive by more than the tolerance is none", "[measured_shape]") {
+TEST_CASE("shapes that deviate from a primitive by more than the tolerance are none",
+          "[skinning][surfaces][fitted_primitive]") {
   Patch dented = patch(on_cylinder, 0, 2, 0, 3);
   dented.x.row(300) += 0.01 * dented.n.row(300);
   CHECK(measured(dented, 0.02).kind == Kind::Cylinder);

@@ -60,7 +60,7 @@ double least_jacobian(const LayoutCandidate& candidate) {
 
 }  // namespace
 
-TEST_CASE("a region that is well is the one that its lines ask for") {
+TEST_CASE("a face without defects is the one that its curves suggest", "[skinning][surfaces]") {
   const RegionRequest w = region_request(square());
   const LayoutCandidate candidate = best_layout(w, metadata(), {});
   const RegionLayout usual("region", w.lines, w.skin);
@@ -69,7 +69,8 @@ TEST_CASE("a region that is well is the one that its lines ask for") {
   CHECK(candidate.warnings.empty());
 }
 
-TEST_CASE("an inner line that leaves the region is left out, with its reason") {
+TEST_CASE("an inner curve that leaves the face is left out, with its reason",
+          "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = square();
   lines.push_back(line("rib", {{0.5, 0.2, 0}, {0.5, 1.7, 0.3}}, Role::Inner));
   const LayoutCandidate candidate = best_layout(region_request(lines, 1), metadata(), {});
@@ -78,7 +79,8 @@ TEST_CASE("an inner line that leaves the region is left out, with its reason") {
   CHECK_THAT(candidate.warnings[0], Contains("inner curves are ignored") && Contains("'rib'"));
 }
 
-TEST_CASE("what no way can make is refused as the first way refuses it") {
+TEST_CASE("a face that no candidate can make is refused with the reason of the first one",
+          "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = square();
   lines.pop_back();
   const RegionRequest w = region_request(lines);
@@ -86,7 +88,8 @@ TEST_CASE("what no way can make is refused as the first way refuses it") {
         error_message([&] { RegionLayout("region", w.lines, w.skin); }));
 }
 
-TEST_CASE("rough outlines: no trial is worse than the usual way, and some are saved by another") {
+TEST_CASE("rough outlines: no trial is worse than the usual way, and some are saved by another",
+          "[skinning][surfaces]") {
   Random random(11);
   int saved = 0, first_failed = 0;
   for (int i = 0; i < 12; ++i) {

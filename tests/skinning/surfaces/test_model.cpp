@@ -23,7 +23,8 @@ SurfaceModel model_of(const std::vector<CharacterLine>& lines, ModelOptions opti
 
 }  // namespace
 
-TEST_CASE("a cube: six creased faces of a closed shell, area 6 and volume 1, normals outwards") {
+TEST_CASE("a cube: six creased faces of a closed shell, area 6 and volume 1, normals outwards",
+          "[skinning][surfaces]") {
   ModelOptions options;
   options.skin.edge_length = 0.3;
   for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(1e4, -2e4, 3e4)}) {
@@ -49,7 +50,8 @@ TEST_CASE("a cube: six creased faces of a closed shell, area 6 and volume 1, nor
   }
 }
 
-TEST_CASE("eight octants of a sphere become one smooth closed shell near it") {
+TEST_CASE("eight octants of a sphere become one smooth closed shell near it",
+          "[skinning][surfaces]") {
   ModelOptions options;
   options.skin.edge_length = 0.2;
   const SurfaceModel model = model_of(sphere_lines(), options);
@@ -72,7 +74,8 @@ TEST_CASE("eight octants of a sphere become one smooth closed shell near it") {
   CHECK(worst < 0.03);
 }
 
-TEST_CASE("the user's word makes a crease of a smooth line and names what cannot be smooth") {
+TEST_CASE("the user's setting makes a crease of a smooth curve and names what cannot be smooth",
+          "[skinning][surfaces]") {
   ModelOptions options;
   options.skin.edge_length = 0.3;
   options.rest = false;  // sweeps are the sphere: nothing of a crease would be seen
@@ -100,7 +103,8 @@ TEST_CASE("the user's word makes a crease of a smooth line and names what cannot
     }
 }
 
-TEST_CASE("regions share the vertices of their lines, positions bit for bit") {
+TEST_CASE("faces share the vertices of their curves, positions bit for bit",
+          "[skinning][surfaces]") {
   const SurfaceModel model = model_of(sphere_lines());
   std::map<std::string, std::vector<Vec3>> seen;
   int shared = 0;
@@ -121,7 +125,7 @@ TEST_CASE("regions share the vertices of their lines, positions bit for bit") {
   CHECK(shared == 12);
 }
 
-TEST_CASE("a one-sided strip is skinned and found not orientable") {
+TEST_CASE("a one-sided strip is skinned and found not orientable", "[skinning][surfaces]") {
   // Three quads around a Möbius strip.
   std::vector<CharacterLine> lines;
   const auto at = [](double turn, double side) {
@@ -146,8 +150,8 @@ TEST_CASE("a one-sided strip is skinned and found not orientable") {
   for (const ModelRegion& r : model.regions) CHECK(r.skinned.has_value());
 }
 
-TEST_CASE(
-    "rims and holes run around their regions: volumes of a can, a torus and a box with a pocket") {
+TEST_CASE("boundaries and holes run around faces: volumes of a can, a torus, a box with a pocket",
+          "[skinning][surfaces]") {
   const double pi = std::numbers::pi;
   const auto circle = [&](const std::string& name, const Vec3& centre, const Vec3& a,
                           const Vec3& b) {
@@ -210,7 +214,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a tube with a cut along it is a ring with a line on it") {
+TEST_CASE("a tube with a cut along it is an annulus with a curve on it", "[skinning][surfaces]") {
   const auto circle = [](const std::string& name, double z) {
     return CharacterLine{
         name, curve_from_formula(0, 2 * std::numbers::pi, [z](double t, int order) -> Vec3 {
@@ -230,7 +234,8 @@ TEST_CASE("a tube with a cut along it is a ring with a line on it") {
   CHECK(model.area == Approx(2 * std::numbers::pi).epsilon(0.05));
 }
 
-TEST_CASE("a model scales: the same network in mm and in m is the same shape") {
+TEST_CASE("a model scales: the same network in mm and in m is the same shape",
+          "[skinning][surfaces]") {
   const auto lines = sphere_lines();
   const auto scaled = sphere_lines(1000);
   ModelOptions options;

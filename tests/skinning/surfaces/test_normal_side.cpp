@@ -96,7 +96,8 @@ void check_normals(const SurfaceModel& model,
 
 }  // namespace
 
-TEST_CASE("a tube's normals point away from its axis, whatever its length") {
+TEST_CASE("a tube's normals point away from its axis, whatever its length",
+          "[skinning][surfaces]") {
   for (const double length : {0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 20.0})
     for (const Lines& lines : drawn_otherwise(tube(length))) {
       INFO("length " << length);
@@ -109,7 +110,8 @@ TEST_CASE("a tube's normals point away from its axis, whatever its length") {
     }
 }
 
-TEST_CASE("half cylinders, domes and canopies show their outside, up or down, however drawn") {
+TEST_CASE("half cylinders, domes and canopies show their outside, up or down, however drawn",
+          "[skinning][surfaces]") {
   for (const double sign : {1.0, -1.0}) {
     INFO("up " << sign);
     for (const auto& shape :
@@ -124,7 +126,7 @@ TEST_CASE("half cylinders, domes and canopies show their outside, up or down, ho
   }
 }
 
-TEST_CASE("creases count: an open box points outwards") {
+TEST_CASE("creases count: an open box points outwards", "[skinning][surfaces]") {
   RegionSearchOptions open;
   RegionSpec nothing;
   nothing.kind = RegionSpec::Kind::NoSurface;
@@ -139,7 +141,8 @@ TEST_CASE("creases count: an open box points outwards") {
   }
 }
 
-TEST_CASE("where curvature decides nothing, normals point up, along x or along y") {
+TEST_CASE("where curvature decides nothing, normals point up, along x or along y",
+          "[skinning][surfaces]") {
   const std::vector<std::pair<Lines, Vec3>> shapes{
       {quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}), Z},
       {quad({0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}), X},
@@ -154,7 +157,8 @@ TEST_CASE("where curvature decides nothing, normals point up, along x or along y
     }
 }
 
-TEST_CASE("the integrals of finished surfaces: M = πL of a tube, 4πR of a sphere") {
+TEST_CASE("the integrals of finished surfaces: M = πL of a tube, 4πR of a sphere",
+          "[skinning][surfaces]") {
   const SurfaceModel can = model_of(tube(2));
   const SideIntegrals of_tube = side_integrals(can.skinned());
   CHECK(of_tube.area == Approx(4 * pi).epsilon(0.02));
@@ -176,7 +180,8 @@ TEST_CASE("the integrals of finished surfaces: M = πL of a tube, 4πR of a sphe
   CHECK(side_integrals(box.skinned()).curvature == Approx(0.25 * pi * 8).epsilon(1e-6));
 }
 
-TEST_CASE("the rule on integrals: its order, its deadband, and both signs") {
+TEST_CASE("the rule on integrals: its order, its deadband, and both signs",
+          "[skinning][surfaces]") {
   SideIntegrals s;
   s.area = 4;
   CHECK(normal_side(s, false).rule == Rule::None);

@@ -32,7 +32,8 @@ std::vector<CharacterLine> wedge_lines(double degrees, bool other_order) {
 
 }  // namespace
 
-TEST_CASE("wedges of nine lines have five faces, no flaw and the volume of the solid") {
+TEST_CASE("wedges of nine curves have five faces, no defect and the volume of the solid",
+          "[skinning][surfaces]") {
   ModelOptions options;
   options.skin.edge_length = 8;
   for (const double degrees : {60.0, 30.0, 16.0, 10.0, 5.0, 2.0})
@@ -51,7 +52,8 @@ TEST_CASE("wedges of nine lines have five faces, no flaw and the volume of the s
     }
 }
 
-TEST_CASE("a square-to-round adapter is the same at both ends, with arcs or one circle") {
+TEST_CASE("a square-to-round adapter is the same at both ends, with arcs or one circle",
+          "[skinning][surfaces]") {
   const double pi = std::numbers::pi;
   // Angles of the joins between its four sides.
   const auto angles = [&](bool flipped, bool one_circle, double radius) {

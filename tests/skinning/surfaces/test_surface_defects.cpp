@@ -103,7 +103,8 @@ std::vector<SkinnedRegion> wedge(double degrees, double second_edge = 0.1) {
 
 }  // namespace
 
-TEST_CASE("a box, flat sheets side by side and strongly curved sheets have no flaws") {
+TEST_CASE("a box, flat faces side by side and strongly curved faces have no defects",
+          "[skinning][surfaces]") {
   const auto p = [](int x, int y, int z) { return Vec3(x, y, z); };
   CHECK(defects_of({quad("bottom", p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)),
                     quad("top", p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)),
@@ -122,7 +123,7 @@ TEST_CASE("a box, flat sheets side by side and strongly curved sheets have no fl
         })}).empty());
 }
 
-TEST_CASE("a surface that turns over is named, with the place") {
+TEST_CASE("an inverted surface is named with the position", "[skinning][surfaces]") {
   const auto defects = defects_of(
       {quad("good", {5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}),
        shaped("bad", [](double u, double v) { return Vec3((u - 0.5) * (u - 0.5), v, 0); })});
@@ -137,7 +138,8 @@ TEST_CASE("a surface that turns over is named, with the place") {
   CHECK(defects[1].regions == std::vector<int>{1});
 }
 
-TEST_CASE("a sharp fold inside is named, a round one of the same angle is not") {
+TEST_CASE("a sharp fold inside is named, a round one of the same angle is not",
+          "[skinning][surfaces]") {
   const auto folded = [](double radius) {
     // A half turn of this radius between two flat parts.
     return [radius](double u, double v) {
@@ -154,7 +156,7 @@ TEST_CASE("a sharp fold inside is named, a round one of the same angle is not") 
   }));
 }
 
-TEST_CASE("an area above twice the plain one is named, with the ratio") {
+TEST_CASE("an area above twice the plain one is named, with the ratio", "[skinning][surfaces]") {
   const auto bump = [](double height) {
     return [height](double u, double v) {
       return Vec3(u, v, height * std::sin(pi * u) * std::sin(pi * v));
@@ -169,7 +171,8 @@ TEST_CASE("an area above twice the plain one is named, with the ratio") {
   CHECK(defects_of({shaped("unknown", bump(1.5))}, {0}).empty());
 }
 
-TEST_CASE("a wedge that the curves at the ends of the common line ask for is no flaw") {
+TEST_CASE("a wedge that the curves at the ends of the common curve require is no defect",
+          "[skinning][surfaces]") {
   for (const double degrees : {180.0, 90.0, 60.0, 35.0, 25.0, 16.0, 10.0, 5.0, 2.0, 0.5}) {
     INFO(degrees);
     CHECK(texts(defects_of(wedge(degrees))) == "");
@@ -182,7 +185,7 @@ TEST_CASE("a wedge that the curves at the ends of the common line ask for is no 
   CHECK(defects[0].value == Approx(180));
 }
 
-TEST_CASE("two regions that double back between ends that are wide apart are named") {
+TEST_CASE("two faces that double back between distant ends are named", "[skinning][surfaces]") {
   // The second leans over the first in the middle of their line, to `least` degrees.
   const auto leaning = [](double ends, double least) {
     return [=](double u, double v) {
@@ -206,7 +209,8 @@ TEST_CASE("two regions that double back between ends that are wide apart are nam
   }
 }
 
-TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets") {
+TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets",
+          "[skinning][surfaces]") {
   // Two sheets of the same curvature, with a wedge between them and other elements.
   const auto sheet = [](double slope, bool mirrored) {
     return [=](double u, double v) {
@@ -230,7 +234,36 @@ TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets"
     }
 }
 
-TEST_CASE("regions that pass through each other, or themselves, are named") {
+TEST_CASE("facets that overlap in one plane intersect, whatever its normal",
+          "[skinning][surfaces][defects]") {
+  // Planes in which all coordinates are exact, so that the facets are exactly coplanar.
+  const std::pair<Vec3, Vec3> planes[] = {{Vec3::UnitX(), Vec3::UnitY()},
+                                          {Vec3::UnitX(), Vec3::UnitZ()},
+                                          {Vec3::UnitY(), Vec3::UnitZ()},
+                                          {Vec3(1, 1, 0), Vec3::UnitZ()},
+                                          {Vec3(1, 0, 1), Vec3::UnitY()},
+                                          {Vec3(1, 0, -1), Vec3(0, 1, -1)}};
+  const auto count = [](const std::pair<Vec3, Vec3>& plane, const std::array<Vec2, 6>& corners) {
+    std::vector<Vec3> points;
+    for (const Vec2& c : corners)
+      points.push_back(Vec3(1, 2, 3) + c.x() * plane.first + c.y() * plane.second);
+    const std::vector<std::array<int, 3>> facets{{0, 1, 2}, {3, 4, 5}};
+    return facet_intersections(points, facets, facets, {0, 1}, 0).size();
+  };
+  for (const auto& plane : planes) {
+    CAPTURE(plane.first, plane.second);
+    // Shifted, one inside the other, and a star of two triangles.
+    CHECK(count(plane, {{{0, 0}, {4, 0}, {0, 4}, {1, 1}, {5, 1}, {1, 5}}}) == 1);
+    CHECK(count(plane, {{{0, 0}, {8, 0}, {0, 8}, {1, 1}, {2, 1}, {1, 2}}}) == 1);
+    CHECK(count(plane, {{{0, 0}, {6, 0}, {3, 6}, {0, 4}, {3, -2}, {6, 4}}}) == 1);
+    // Apart in either direction of the plane, with overlapping bounding boxes.
+    CHECK(count(plane, {{{0, 0}, {4, 0}, {0, 4}, {4, 1}, {4, 4}, {1, 4}}}) == 0);
+    CHECK(count(plane, {{{0, 0}, {1, 0}, {0, 1}, {3, 0}, {4, 0}, {3, 1}}}) == 0);
+    CHECK(count(plane, {{{0, 0}, {1, 0}, {0, 1}, {0, 3}, {1, 3}, {0, 4}}}) == 0);
+  }
+}
+
+TEST_CASE("intersecting and self-intersecting faces are named", "[skinning][surfaces]") {
   const auto cross = defects_of({quad("flat", {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}),
                                  quad("upright", {0.4, 0.2, -0.3}, {0.6, 0.8, -0.3},
                                       {0.6, 0.8, 0.4}, {0.4, 0.2, 0.4}, 0.07)});
@@ -259,7 +292,8 @@ TEST_CASE("regions that pass through each other, or themselves, are named") {
   CHECK(twice[0].kind == Kind::Crossing);
 }
 
-TEST_CASE("regions that share a curved line within a gap, or in other steps, only touch") {
+TEST_CASE("faces that share a curve within a gap, or in other steps, only touch",
+          "[skinning][surfaces]") {
   // Both embedded, on either side of a circle, with triangles of different sizes.
   const auto circle = curve_from_formula(0, 2 * pi, [](double t, int order) -> Vec3 {
     if (order == 0) return {std::cos(t), std::sin(t), 0.2 * std::cos(2 * t)};
@@ -287,7 +321,7 @@ TEST_CASE("regions that share a curved line within a gap, or in other steps, onl
   CHECK(defects[0].kind == Kind::Crossing);
 }
 
-TEST_CASE("crossings of facets are those that a brute search finds") {
+TEST_CASE("intersections of facets are those of an exhaustive search", "[skinning][surfaces]") {
   // Facets thrown at random; each pair tested by its edges against the other's plane.
   unsigned state = 7;
   const auto random = [&] {
@@ -345,7 +379,8 @@ TEST_CASE("crossings of facets are those that a brute search finds") {
   CHECK(found == expected);
 }
 
-TEST_CASE("regions that were not skinned are passed over, wrong counts are said") {
+TEST_CASE("faces that were not skinned are skipped, wrong counts are reported",
+          "[skinning][surfaces]") {
   const SkinnedRegion flat = quad("flat", {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
   CHECK(find_defects({nullptr, &flat, nullptr}, {{}, measure(flat), {}}, {0, 1, 0}).empty());
   CHECK(find_defects({}, {}, {}).empty());

@@ -177,7 +177,8 @@ double residual(const ModelFit& fit) {
 
 }  // namespace
 
-TEST_CASE("a fit comes nearer by four where triangles are halved, and keeps its lines") {
+TEST_CASE("halving triangles makes a fit four times closer, and it passes through its curves",
+          "[skinning][target]") {
   for (const std::string name : {"cylinder 90", "sphere octant", "torus quarter"}) {
     INFO(name);
     const bench::AnalyticShape shape = shape_named(name);
@@ -201,7 +202,7 @@ TEST_CASE("a fit comes nearer by four where triangles are halved, and keeps its 
   }
 }
 
-TEST_CASE("triangles are halved until the tolerance is reached") {
+TEST_CASE("triangles are halved until the tolerance is reached", "[skinning][target]") {
   const bench::AnalyticShape shape = shape_named("torus quarter");
   const FormulaTarget target(shape.surface);
   const auto layout = layout_of(shape, shape.coarse);
@@ -216,7 +217,7 @@ TEST_CASE("triangles are halved until the tolerance is reached") {
   CHECK(residual(fit) < 1e-12);
 }
 
-TEST_CASE("a fit has the same bits on one thread or two") {
+TEST_CASE("a fit has the same bits on one thread or two", "[skinning][target]") {
   const bench::AnalyticShape shape = shape_named("sphere octant");
   const FormulaTarget target(shape.surface);
   const auto layout = layout_of(shape, shape.coarse);
@@ -233,7 +234,8 @@ TEST_CASE("a fit has the same bits on one thread or two") {
   CHECK(found[0] == found[1]);
 }
 
-TEST_CASE("where a target ends nothing pulls, and points there do not count") {
+TEST_CASE("where a target ends no force acts, and points there do not count",
+          "[skinning][target]") {
   const auto layout = unit_square();
   const Points flat = layout->minimize_energy(SurfaceStiffness::isotropic(0, 1));
   ModelFitOptions options;
@@ -250,7 +252,8 @@ TEST_CASE("where a target ends nothing pulls, and points there do not count") {
   CHECK(fit.before.regions[0].excluded > fit.before.regions[0].points / 2);
 }
 
-TEST_CASE("a region whose lines lie on one part of the target is fitted to that part") {
+TEST_CASE("a face whose curves lie on one part of the target is fitted to that part",
+          "[skinning][target]") {
   // Two hills on one outline, up and down: a flat region lies between them.
   const Hill up(0.2), down(-0.2);
   const auto both = std::make_shared<NearerOf>(up, down);
@@ -271,7 +274,7 @@ TEST_CASE("a region whose lines lie on one part of the target is fitted to that 
   }
 }
 
-TEST_CASE("a target deeper than it is wide is reached by its map") {
+TEST_CASE("a target deeper than it is wide is reached by its map", "[skinning][target]") {
   SkinOptions skin;
   skin.edge_length = 0.06;
   const auto layout = std::make_shared<const ModelLayout>(
@@ -296,7 +299,7 @@ TEST_CASE("a target deeper than it is wide is reached by its map") {
   }
 }
 
-TEST_CASE("targets and tolerances that cannot be are refused") {
+TEST_CASE("targets and tolerances that cannot be are refused", "[skinning][target]") {
   class NoSurface : public TargetSurface {
     std::optional<Nearest> nearest(const Vec3&, const Vec3&) const override { return {}; }
     std::vector<Nearest> samples() const override { return {}; }

@@ -1,7 +1,7 @@
-#include "batten/apps/commands/meshes/attached_nodes.h"
+#include "batten/mesh/attached/attached_nodes.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 #include "batten/core/containers.h"
 #include "batten/mesh/element_quality.h"
@@ -9,20 +9,25 @@
 
 namespace batten {
 
-AttachedNodes::AttachedNodes(const MeshFile& file, const TriangleMesh& mesh,
+AttachedNodes::AttachedNodes(std::span<const NonShellElement> elements, const TriangleMesh& mesh,
                              const AttachmentOptions& options)
-    : file_(file), mesh_(mesh), options_(options) {
+    : elements_(elements), mesh_(mesh), options_(options) {
   const MeshTopology& topology = mesh.topology();
   for (int v = 0; v < topology.node_count(); ++v)
     has_face_.push_back(!topology.neighbours(v).empty());
-  connections_ = batten::connections(file.other_elements(), has_face_, options);
+  connections_ = batten::connections(elements, has_face_, options);
   std::vector<char> taken = has_face_;
   for (const FormFeature& c : connections_)
     for (const int v : c.vertices) taken[v] = 1;
-  for (const NonShellElement& e : file.other_elements())
+  for (const NonShellElement& e : elements)
     for (const int v : e.nodes)
       if (!taken[v]) free_nodes_.push_back(v);
   free_nodes_ = sorted_unique(std::move(free_nodes_));
+}
+
+void AttachedNodes::add_to(DeformProblem& problem) const {
+  problem.features.insert(problem.features.end(), connections_.begin(), connections_.end());
+  if (problem.region) extend_region(*problem.region, problem.handles);
 }
 
 void AttachedNodes::extend_region(std::vector<int>& region,
@@ -50,7 +55,7 @@ std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& a
     }
   }
   // Nodes of shells rotate like the ring of faces around them.
-  for (const NonShellElement& e : file_.other_elements())
+  for (const NonShellElement& e : elements_)
     for (const int node : e.nodes) {
       if (known[node] || !has_face_[node]) continue;
       known[node] = 1;
@@ -62,39 +67,33 @@ std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& a
   return rotations;
 }
 
-void AttachedNodes::propagate_to_attached(const Points& before, Points& after,
-                                          const std::vector<FormFeature>& features) const {
+void AttachedNodes::propagate(const Points& before, Points& after,
+                              const std::vector<FormFeature>& features) const {
   if (free_nodes_.empty()) return;
   std::vector<char> placed = has_face_;
   for (const FormFeature& f : features)
     for (const int v : f.vertices) placed[v] = 1;
-  batten::propagate_to_attached(before, after, std::move(placed),
-                                rotations(before, after, features), file_.other_elements(),
-                                options_);
+  propagate_to_attached(before, after, std::move(placed), rotations(before, after, features),
+                        elements_, options_);
 }
 
-void AttachedNodes::measure_into(DeformReport& report, const Points& before,
-                                 const Points& after) const {
-  const auto& other_elements = file_.other_elements();
-  std::map<std::string, int> count;
-  for (const NonShellElement& e : other_elements) ++count[e.name];
-  for (const auto& [name, elements] : count) report.attached.elements.emplace_back(name, elements);
-  report.attached.connections = isize(connections_);
+AttachedMotion AttachedNodes::motion(const Points& before, const Points& after) const {
+  AttachedMotion motion;
+  motion.connections = isize(connections_);
   for (const FormFeature& c : connections_) {
     // Zero-length bushes have no size.
     const Similarity fit = fit_similarity(before, after, c.vertices, 1);
     Box3 box;
     for (const int v : c.vertices) box.extend(before.row(v).transpose());
     const double error = fit.max_error * std::max(box.diagonal().norm(), 0.0);
-    if (error > report.attached.max_rigid_error || std::isnan(error)) {
-      report.attached.max_rigid_error = error;
-      report.attached.worst_connection = c.name;
+    if (error > motion.max_rigid_error || std::isnan(error)) {
+      motion.max_rigid_error = error;
+      motion.worst_connection = c.name;
     }
   }
-  for (const int v : free_nodes_)
-    report.attached.moved_with_shells += before.row(v) != after.row(v);
-  for (const int e : inverted_solids(other_elements, before, after))
-    report.attached.inverted_solids.push_back(other_elements[e].label);
+  for (const int v : free_nodes_) motion.moved_nodes += before.row(v) != after.row(v);
+  motion.inverted_solids = inverted_solids(elements_, before, after);
+  return motion;
 }
 
 }  // namespace batten

@@ -1,0 +1,135 @@
+#include "batten/analysis/models/shell_results.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "batten/fem/surface.h"
+
+namespace batten {
+namespace {
+
+// Visits vertices inside the trim and, in cut triangles, quadrature points of their inside.
+template <class Visit>
+void visit_sample_points(const Surface& surface, const Visit& visit) {
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    if (!trim || trim->side(t) != Trim::Side::Cut) {
+      for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
+      continue;
+    }
+    const TriangleRule rule = trim->rule(t, 1);
+    for (long p = 0; p < rule.weights.size(); ++p) visit(Location{t, rule.L.row(p).transpose()});
+  }
+}
+
+// Edge length √(twice the area) of a triangle.
+double edge_length(const Surface& surface, int t) {
+  const double area =
+      surface.mesh().shape(t).area * surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+  return std::sqrt(2 * area);
+}
+
+void measure_balance(const ShellModel& shell, const Points& load, ShellCaseResult& result) {
+  result.load = resultant(shell.layout(), shell.shape(), load);
+  result.reactions = shell.reactions(result.displacement, load);
+  Vec3 sum = result.load.force;
+  double size = 0;
+  for (const SupportReaction& r : result.reactions) {
+    sum += r.resultant.force;
+    size += r.resultant.force.norm();
+  }
+  size = std::max(size, result.load.force.norm());
+  result.equilibrium_residual = size > 0 ? sum.norm() / size : 0;
+  result.energy = shell.energy(result.displacement);
+}
+
+// Estimates the error of the largest displacement with its adjoint solution. Adds to `indicators`,
+// if there are any, the contribution of each triangle to this error and to the energy error.
+void estimate_displacement_error(const ShellModel& shell, const ShellStresses& stresses,
+                                 MaxDisplacement& largest, VecX* indicators) {
+  const auto add = [&](const VecX& parts) {
+    const double sum = parts.cwiseAbs().sum();
+    if (indicators && sum > 0) *indicators += parts.cwiseAbs() / sum;
+    return std::abs(parts.sum());
+  };
+  if (indicators) add(stresses.goal_error_per_triangle(stresses));
+  if (!(largest.value > 0)) return;
+  const Vec3 direction = largest.vector / largest.value;
+  const Points adjoint =
+      shell.adjoint(point_force(shell.layout(), {{}, largest.where, 0}, direction));
+  largest.error = add(stresses.goal_error_per_triangle(ShellStresses(shell, adjoint)));
+}
+
+void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_points,
+                    const ShellStresses& stresses, ShellCaseResult& result) {
+  const Surface& surface = shell.assembler().surface();
+  const ShellStresses::Peak peak = stresses.peak();
+  result.max_stress = peak;
+  result.max_stress_point = peak.at + 0.5 * peak.height * stresses.at(peak.where).thickness *
+                                          surface.jet(peak.where).normal();
+  result.energy_norm_error = stresses.energy_norm_error();
+  constexpr double near = 3;  // in edge lengths
+  const double reach = near * edge_length(surface, peak.where.triangle);
+  const auto look = [&](const Vec3& p) { result.near_singularity |= (p - peak.at).norm() < reach; };
+  for (const Vec3& p : singular_points) look(p);
+  for (const PointSupport& support : shell.definition().points)
+    look(surface.position(support.position.where));
+}
+
+}  // namespace
+
+MaxDisplacement max_displacement(const ShellModel& shell, const Points& q) {
+  const Surface& surface = shell.assembler().surface();
+  const Surface moved = shell.layout().surface(q);
+  MaxDisplacement largest;
+  visit_sample_points(surface, [&](const Location& where) {
+    const Vec3 u = moved.position(where);
+    if (!(u.norm() > largest.value)) return;
+    largest.value = u.norm();
+    largest.where = where;
+    largest.vector = u;
+    largest.at = surface.position(where);
+  });
+  return largest;
+}
+
+std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
+                                                 const std::vector<ShellLoadCase>& cases,
+                                                 const ShellCaseVisitor& visit,
+                                                 VecX* error_indicators, const Progress& progress) {
+  if (error_indicators) *error_indicators = VecX::Zero(shell.layout().mesh()->triangle_count());
+  std::vector<ShellCaseResult> results;
+  for (const ShellLoadCase& one : cases) {
+    progress.update("stress of " + one.name, 0);
+    ShellCaseResult& result = results.emplace_back();
+    result.name = one.name;
+    result.displacement = shell.solve(one.load);
+    measure_balance(shell, one.load, result);
+    result.max_displacement = max_displacement(shell, result.displacement);
+    const ShellStresses stresses(shell, result.displacement);
+    estimate_displacement_error(shell, stresses, result.max_displacement, error_indicators);
+    measure_stress(shell, one.singular_points, stresses, result);
+    if (visit) visit(result, stresses);
+  }
+  return results;
+}
+
+ThinShellRatios thin_shell_ratios(const ShellModel& shell) {
+  ThinShellRatios ratios;
+  const Surface& surface = shell.assembler().surface();
+  const Trim* trim = surface.trim().get();
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) == Trim::Side::Outside) continue;
+    const Curvatures bend = curvatures(surface.jet({t, Vec3::Constant(1.0 / 3)}));
+    const double k = std::max(std::abs(bend.k1), std::abs(bend.k2));
+    const double thickness = shell.assembler().section(t).thickness;
+    ratios.thickness_over_radius = std::max(ratios.thickness_over_radius, thickness * k);
+    ratios.edge_over_boundary_layer = std::max(ratios.edge_over_boundary_layer,
+                                               edge_length(surface, t) * std::sqrt(k / thickness));
+  }
+  return ratios;
+}
+
+}  // namespace batten

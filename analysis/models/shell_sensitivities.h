@@ -1,0 +1,68 @@
+// Sensitivities: derivatives of displacement and compliance of a shell with respect to its shape.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/analysis/models/shell_results.h"
+
+namespace batten {
+
+/// Sensitivities of the load cases of a shell with respect to changes of its shape, by the adjoint
+/// method: the systems of other shapes are assembled, not factored (ShellModel::goal_change()).
+/// Thickness and material stay the same, and point supports stay at the same material points.
+///
+///     const ShellSensitivities sensitivities(layout, shape, problem, {{"wind", tip, {0, 0, 1}}});
+///     const auto rate = shape_derivative([&](double d) { return shape_for(height + d); }, 0.1);
+///     sensitivities.along(*rate)[0].displacement;   // per unit of the height
+///
+/// Reference: docs/theory/shells.md.
+class ShellSensitivities {
+ public:
+  /// A load case, and a displacement whose derivative is wanted: that of the nearest point of the
+  /// surface to `at`, in a direction of any length except zero.
+  struct Goal {
+    std::string load_case;
+    Vec3 at, direction;
+  };
+  /// Derivatives for one goal.
+  struct Derivatives {
+    double displacement = 0;
+    double compliance = 0;  ///< of the work of the loads, Fᵀu
+  };
+
+  /// Solves the load cases and their adjoint problems. Throws the exceptions of ShellModel and of
+  /// the functions of the problem, and InputError if a load case does not exist or a direction is
+  /// zero. Cost: one factorization, three solves per goal.
+  ShellSensitivities(const ModelLayout& layout, const Points& shape, ShellProblem problem,
+                     const std::vector<Goal>& goals);
+
+  /// Derivatives of all goals for a rate of change of the dofs (n×3), by central differences of the
+  /// system. Throws InputError for a rate of the wrong size. Cost: two stiffness matrices and two
+  /// sets of loads.
+  std::vector<Derivatives> along(const Points& shape_rate) const;
+
+ private:
+  // A goal with its load F, solution u, goal vector G and the adjoint solutions for G and F.
+  struct SolvedGoal {
+    std::string load_case;
+    Points F, u, G, adjoint_of_G, adjoint_of_F;
+  };
+  std::vector<ShellLoadCase> load_cases(const Points& shape) const;
+
+  ShellProblem problem_;
+  ShellModel shell_;
+  std::vector<SolvedGoal> goals_;
+};
+
+/// The dofs of a shape if its parameter changes by an amount; empty if that value is not permitted.
+using ShapeOfChange = std::function<std::optional<Points>(double change)>;
+
+/// Derivative of a shape with respect to a parameter: the central difference of `shape_of(±step)`,
+/// or a one-sided one with `shape_of(0)` if only one direction is permitted. Empty if neither is.
+/// Throws the exceptions of `shape_of`.
+std::optional<Points> shape_derivative(const ShapeOfChange& shape_of, double step);
+
+}  // namespace batten

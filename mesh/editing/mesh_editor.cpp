@@ -1,0 +1,149 @@
+#include "batten/mesh/editing/mesh_editor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+
+namespace batten {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+/// Rotations have converged if they change by less, in degrees; features then move by less than a
+/// thousandth of their size.
+constexpr double kConvergedDegrees = 0.05;
+
+double elapsed_seconds(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Restores coordinates that changed by rounding only, so that their text in the file stays.
+Points restore_unmoved(const Points& before, const Points& after) {
+  const double rounding =
+      16 * std::numeric_limits<double>::epsilon() * before.cwiseAbs().maxCoeff();
+  return ((after - before).array().abs() <= rounding).select(before, after);
+}
+
+bool scales_features(const DeformEdit& edit) {
+  return std::any_of(edit.feature_scales.begin(), edit.feature_scales.end(),
+                     [](double scale) { return scale != 1; });
+}
+
+}  // namespace
+
+MeshEditor::MeshEditor(const PreparedMesh& prepared, const Points& before, DeformProblem problem,
+                       MeshEditorOptions options, const AttachedNodes* attached)
+    : mesh_(prepared.mesh.with_points(before)),
+      attached_(attached),
+      options_(std::move(options)),
+      problem_(std::move(problem)),
+      own_features_(isize(problem_.features) - (attached ? isize(attached->connections()) : 0)),
+      own_rows_(problem_.rows.size()),
+      rotations_(prepared, mesh_, problem_, options_.rotation_mode),
+      shape_(before) {
+  if (options_.centres.empty())
+    for (int f = 0; f < own_features_; ++f)
+      options_.centres.push_back(VertexCombination::mean_of(problem_.features[f].vertices));
+  if (isize(options_.centres) != own_features_)
+    throw InputError("found " + std::to_string(options_.centres.size()) +
+                     " centres of features, expected " + std::to_string(own_features_));
+  set_up();
+}
+
+MeshEditor::~MeshEditor() = default;
+
+// Without constraints on feature centres: these need a solved shape first.
+void MeshEditor::set_up() {
+  const auto start = Clock::now();
+  deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, problem_);
+  centres_kept_ = false;
+  setup_seconds_ += elapsed_seconds(start);
+}
+
+void MeshEditor::set(DeformEdit edit, std::vector<PrescribedRotation> prescribed) {
+  edit_ = std::move(edit);
+  prescribed_ = std::move(prescribed);
+  if (!centres_kept_) return;
+  problem_.rows.erase(problem_.rows.begin() + static_cast<long>(own_rows_), problem_.rows.end());
+  set_up();
+}
+
+/// Fixes the centres of all features at `unscaled`, the positions without any feature scaling.
+void MeshEditor::fix_centres(const Points& unscaled) {
+  DeformProblem fixed = problem_;
+  DeformEdit edit = edit_;
+  for (int f = 0; f < own_features_; ++f) {
+    const VertexCombination& centre = options_.centres[f];
+    fixed.rows.push_back(
+        {"centre of " + fixed.features[f].name, centre, centre.at(unscaled), -1, std::nullopt});
+    if (!edit.targets.empty()) edit.targets.push_back(fixed.rows.back().target);
+  }
+  deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, fixed);
+  problem_ = std::move(fixed);
+  edit_ = std::move(edit);
+  centres_kept_ = true;
+}
+
+const Points& MeshEditor::solve_preview() {
+  at_rest_ = true;
+  const bool uses_adjacent_faces = options_.rotation_mode == RotationMode::Estimated &&
+                                   (!attached_ || attached_->connections().empty());
+  if (live_ && uses_adjacent_faces)
+    at_rest_ = rotations_.update_from_adjacent_faces(edit_, prescribed_, own_features_, shape_,
+                                                     *live_) < kConvergedDegrees;
+  else
+    live_ = rotations_.estimate(edit_, prescribed_);
+  shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
+  return shape_;
+}
+
+const Points& MeshEditor::solve_to_equilibrium() {
+  statistics_ = {};
+  live_.reset();
+  auto start = Clock::now();
+  std::optional<ShapeEstimate> estimate = rotations_.estimate(edit_, prescribed_);
+  statistics_.iterations = rotations_.iterations();
+  statistics_.converged = rotations_.converged();
+  statistics_.setup_seconds = setup_seconds_ + elapsed_seconds(start);
+  start = Clock::now();
+  if (!centres_kept_ && options_.keep_centres && scales_features(edit_)) {
+    DeformEdit unscaled = edit_;
+    unscaled.feature_scales.clear();
+    converge_rotations(unscaled, estimate);
+    fix_centres(deformer_->positions());
+  }
+  converge_rotations(edit_, estimate);
+  statistics_.edit_seconds = elapsed_seconds(start);
+  statistics_.last_correction = deformer_->correct();
+  statistics_.counts = deformer_->counts();
+  statistics_.hard_residual = deformer_->hard_residual();
+  const Points &before = mesh_.points(), &found = deformer_->positions();
+  statistics_.largest_displacement = (found - before).rowwise().norm().maxCoeff();
+  shape_ = restore_unmoved(before, found);
+  if (attached_) attached_->propagate(before, shape_, problem_.features);
+  return shape_;
+}
+
+// Iterates, because features rotate like the adjacent sheet, which they bend themselves.
+void MeshEditor::converge_rotations(const DeformEdit& edit,
+                                    std::optional<ShapeEstimate>& estimate) {
+  estimate ? deformer_->deform(edit, *estimate) : deformer_->deform(edit);
+  constexpr int max_iterations = 20;
+  if (estimate && options_.rotation_mode == RotationMode::Estimated) {
+    statistics_.converged = false;
+    for (statistics_.iterations = 1;
+         statistics_.iterations < max_iterations && !statistics_.converged;
+         ++statistics_.iterations) {
+      statistics_.converged = rotations_.update_from_adjacent_faces(
+                                  edit, prescribed_, own_features_, deformer_->positions(),
+                                  *estimate) < kConvergedDegrees;
+      deformer_->deform(edit, *estimate);
+    }
+  }
+  deformer_->correct();
+}
+
+}  // namespace batten
