@@ -160,7 +160,7 @@ CgalDeform::CgalDeform(CgalEnergy energy, CgalSolver solver, const Points& point
     mesh.add_vertex({points(i, 0), points(i, 1), points(i, 2)});
   for (const auto& [a, b, c] : triangles)
     if (mesh.add_face(Vertex(a), Vertex(b), Vertex(c)) == Mesh::null_face())
-      throw std::runtime_error("CGAL's mesh refuses a triangle");
+      throw std::runtime_error("CGAL's mesh rejects a triangle");
 }
 CgalDeform::~CgalDeform() = default;
 

@@ -128,15 +128,15 @@ void robustness_table(Checks& checks) {
         fair("outliers", off, options);
         options.reject_outliers = false;
         fair("kept", off, options);
-        const Stroke tremor = with_jitter(curve, part, random);
+        const Stroke jittered = with_jitter(curve, part, random);
         options = {};
-        fair("nothing", tremor, options);
+        fair("nothing", jittered, options);
         options.smoothing = FairOptions::Smoothing::Noise;
-        options.noise = real.rms_distance(tremor);
-        fair("size", tremor, options);
+        options.noise = real.rms_distance(jittered);
+        fair("size", jittered, options);
         options.smoothing = FairOptions::Smoothing::Wavelength;
         options.wavelength = length / 8;
-        fair("wavelength", tremor, options);
+        fair("wavelength", jittered, options);
       }
       std::vector<std::string> row = {curve.name, text("%.1f %%", 100 * part)};
       for (const char* kind : {"outliers", "kept", "size", "wavelength", "nothing"}) {

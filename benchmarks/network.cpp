@@ -270,9 +270,9 @@ int main(int argc, char** argv) {
       table.add({name, std::to_string(m.regions), std::to_string(m.triangles), text("%.3f", time),
                  text("%.2g deg", m.model.max_join_deg)});
     };
-    row("200 regions, creases", a, median(many));
-    row("200 regions, smooth", smooth, smooth.total());
-    row("one region", b, median(one));
+    row("200 faces, creases", a, median(many));
+    row("200 faces, smooth", smooth, smooth.total());
+    row("one face", b, median(one));
     table.print();
     const bool correct = a.regions == 200 && a.failed == 0 && b.regions == 1 && b.failed == 0;
     checks.at_most("200 faces with creases over one, 20,000 triangles in total",

@@ -1,7 +1,7 @@
 # SciPy's smoothing splines for the benchmark `curves`.
 #
 #     scipy_curves.py version              prints SciPy's version
-#     scipy_curves.py noise IN OUT         smooths noisy points, writes uniform samples of the curves
+#     scipy_curves.py noise IN OUT         smooths noisy points, writes uniform samples
 #     scipy_curves.py sketch IN OUT        fits strokes to a tolerance, writes counts and times
 #
 # Files are rows of doubles. noise: IN = number of problems, points per problem, requested samples,

@@ -149,7 +149,7 @@ std::vector<std::string> quality_text(const SkinQuality& q, int flipped) {
           text("%.3f", q.min_jacobian_ratio), text("%.2f", q.max_shear),
           text("%.3f", q.rms_strain)};
 }
-const std::vector<std::string> quality_head = {"line residual", "flipped", "min Jacobian",
+const std::vector<std::string> quality_head = {"curve residual", "flipped", "min Jacobian",
                                                "max shear", "rms strain"};
 
 void add(Table& table, std::vector<std::string> row, const std::vector<std::string>& more) {

@@ -77,8 +77,7 @@ SolvePhases path(const std::vector<CharacterLine>& lines, const SkinOptions& opt
   const auto timed = [&](Phase phase, const auto& work) {
     p.seconds[static_cast<size_t>(phase)] += cpu_seconds_of(work);
   };
-  const DomainInput task{options, size, options.tolerance, options.edge_length,
-                         std::max(options.tolerance, 1e-6 * size)};
+  const DomainInput task{options, size, std::max(options.tolerance, 1e-6 * size)};
   timed(Mesh, [&] {
     std::vector<SmoothSegment> around, rims, inner;
     using Role = CharacterLine::Role;
@@ -191,8 +190,9 @@ void time_solve_phases(const Door& door, const std::filesystem::path& folder, Ch
     const int first = last->geometry.mesh->triangle_count(), end = layout->mesh()->triangle_count();
     // Refinement as in the layout, with a counter.
     int halvings = 0;
-    const DomainInput task{scene.skin.options, size, grid.tolerance, grid.edge_length,
-                           std::max(grid.tolerance, 1e-6 * size)};
+    DomainInput task{scene.skin.options, size, std::max(grid.tolerance, 1e-6 * size)};
+    task.options.tolerance = grid.tolerance;
+    task.options.edge_length = grid.edge_length;
     RegionGeometry geometry = last->geometry;
     std::shared_ptr<Surface> shape = last->surface;
     while (halvings < 8 && refine_at_gaps(geometry, *shape, 0.5 * grid.tolerance, task)) {

@@ -134,7 +134,7 @@ class StepFile:
                                        for k in (0, 1)])
 
 
-# ---- splines ---------------------------------------------------------------------------------------
+# ---- splines -------------------------------------------------------------------------------------
 
 def basis(knots, degree, span, x):
     """Values of the non-zero basis functions at x: rows of degree + 1."""

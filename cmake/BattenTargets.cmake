@@ -53,7 +53,8 @@ endfunction()
 function(batten_compile_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   # The precompiled headers are valid with the same definitions only.
-  target_link_libraries(${target} PRIVATE tomlplusplus::tomlplusplus nlohmann_json::nlohmann_json)
+  target_link_libraries(${target} PRIVATE tomlplusplus::tomlplusplus nlohmann_json::nlohmann_json
+                                          ${VTK_LIBRARIES})
   if(TARGET batten_io AND NOT target STREQUAL "batten_io")
     target_precompile_headers(${target} REUSE_FROM batten_io)
   else()

@@ -3,9 +3,9 @@
 
     tests/compare_reports.py BEFORE AFTER [RENAMES.tsv]
 
-BEFORE and AFTER are folders with one folder a run, each with a report.json. Prints every key whose
-value differs, with both values and the relative difference; times and file sizes are passed over.
-Exit code 1 when a run is missing or a key has come or gone, or a number differs by more than 1e-6.
+BEFORE and AFTER are folders with one folder per run, each with a report.json. Prints every key whose
+value differs, with both values and the relative difference; times and file sizes are ignored.
+Exit code 1 if a run is missing, a key was added or removed, or a number differs by more than 1e-6.
 
 RENAMES.tsv maps the keys of BEFORE to those of AFTER: three columns, separated by tabs, with a header.
 The first column is the context, KIND:PATH, with the kind of report (surface, fair, deform, sequence, or
@@ -15,8 +15,8 @@ The first column is the context, KIND:PATH, with the kind of report (surface, fa
     surface:joins[].kind=   crease      G0            a value (true, false: of booleans)
     names                   region (.*) face \\1      a regular expression, for whole strings anywhere
 
-Of texts for people (warnings, reasons, failed checks) only the numbers are then compared; texts with the
-same numbers in other words are counted as reworded.
+Of sentences (warnings, reasons, failed checks) only the numbers are then compared; sentences with the
+same numbers and another wording are counted as reworded.
 """
 import csv
 import json
@@ -90,7 +90,7 @@ def kind_of(report):
 
 
 def flat(value, name=""):
-    """(name, value) of every leaf; rows with a name of their own go by it."""
+    """(name, value) of every leaf; rows with a name are identified by it."""
     if isinstance(value, dict):
         for key, inner in value.items():
             if key not in PASSED_OVER:

@@ -2,6 +2,7 @@
 
 #include "batten/skinning/region/polygon_fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -74,7 +75,7 @@ class PolygonFit {
     for (int step = 0; step < 200 && damping < 1e8; ++step) {
       MatX H = H_;
       H.diagonal().array() += damping * H_.diagonal().maxCoeff();
-      const VecX move = -solve_symmetric(H, g_);
+      const VecX move = -H.ldlt().solve(g_);
       Polygon q = p;
       for (size_t i = 0; i < n_; ++i) q[i] += move.segment<2>(2 * static_cast<long>(i));
       // A step that makes the polygon self-intersect is rejected.
@@ -482,7 +483,7 @@ LeastDistortedPolygon find_least_distorted_polygon(const Surface& surface,
     const MatX J = domain_map.residual_jacobian(D);
     MatX H = J.transpose() * J;
     H.diagonal().array() += damping * H.diagonal().maxCoeff();
-    const VecX move = -solve_symmetric(H, J.transpose() * r);
+    const VecX move = -H.ldlt().solve(J.transpose() * r);
     const Eigen::Matrix2Xd next = q + Eigen::Map<const Eigen::Matrix2Xd>(move.data(), 2, n);
     std::vector<Mat2> changed = domain_map.domain_gradients(next);
     VecX there;

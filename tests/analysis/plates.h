@@ -1,4 +1,4 @@
-// Plates between straight lines, with exact answers of beams.
+// Plates between straight lines, with exact beam solutions.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace batten_test {
 
-/// Plates of width W between straight lines across; lines across are named, from y = 0 to W.
+/// Plates of width W between straight lines in y from 0 to W; these lines have names.
 struct Plates {
   static constexpr double W = 0.5, E = 1000, t = 0.02, q = 1e-4;
   static constexpr double EI = E * t * t * t / 12;
@@ -24,7 +24,7 @@ struct Plates {
     });
     builder.add(prescribed_line(name, curve, 1, h));
   }
-  // A plate between two lines across.
+  // A plate between two of these lines.
   void plate(const std::string& from, const std::string& to) {
     const auto end = [&](const std::string& name, double s) {
       return builder.lines.at(name).curve->evaluate(s);

@@ -1,4 +1,4 @@
-// Kirchhoff-Love shells on C1 triangles: laws of the element, and the obstacle course.
+// Kirchhoff-Love shells on C1 triangles: properties of the element, and the obstacle course.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -65,7 +65,7 @@ struct Part {
         edge(e);
     }
   }
-  // The plane through the side is at right angles to a coordinate.
+  // The plane through the side is perpendicular to a coordinate axis.
   void symmetry(int side, double at, int normal) {
     const DofMap& dofs = surface.dof_map();
     along(
@@ -81,7 +81,7 @@ struct Part {
             if (c != normal) fix(dofs.edge(e), c);
         });
   }
-  // A wall, stiff in its plane and soft across, at right angles to a coordinate.
+  // A diaphragm, rigid in its plane and flexible out of it, perpendicular to a coordinate axis.
   void diaphragm(int side, double at, int normal) {
     const DofMap& dofs = surface.dof_map();
     along(
@@ -208,7 +208,7 @@ TEST_CASE("the matrix is the energy of the strains", "[analysis][shell]") {
         const ShellPoint point = shell.point(at);
         energy += rule.weights[p] * surface.mesh().shape(t).area * point.jacobian() *
                   (s.membrane.dot(r.forces) + s.curvature.dot(r.moments));
-        // Stress through the thickness adds up to them.
+        // The stress integrated through the thickness equals the resultants.
         CHECK((0.5 * 0.08 * (shell.stress(q, at, 0.04) + shell.stress(q, at, -0.04)) - r.forces)
                   .norm() < 1e-12 * r.forces.norm());
         CHECK(std::abs(point.e1().dot(point.normal())) < 1e-14);

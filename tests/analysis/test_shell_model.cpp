@@ -1,4 +1,4 @@
-// A model as a shell: loads, reactions, motions that nothing resists, recovered stresses.
+// A model as a shell: loads, reactions, rigid-body modes, recovered stresses.
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <cmath>
@@ -15,7 +15,7 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-// An arm of two plates around a knee, on a foot.
+// An L of two plates with a common edge ("knee"), on a base ("foot").
 struct Arm {
   Plates plates;
   ModelLayout layout;
@@ -91,7 +91,7 @@ TEST_CASE("loads have the resultants that their definitions state", "[analysis][
         Vec3(L / 2, W / 2, H).cross(weight));
   check(line_force(arm.layout, arm.shape, "tip", {0, 0, 3}), {0, 0, 3 * W},
         Vec3(L, W / 2, H).cross(Vec3(0, 0, 3 * W)));
-  // About the line's direction, +y.
+  // About the direction of the curve, +y.
   check(line_moment(arm.layout, arm.shape, "tip", 5), {0, 0, 0}, {0, 5 * W, 0});
   CHECK_THROWS_WITH(line_force(arm.layout, arm.shape, "tipp", {0, 0, 1}), Contains("'tip'"));
   CHECK_THROWS_AS(surface_traction(arm.layout, arm.shape, downwards, {{2}}), InputError);
@@ -127,7 +127,7 @@ TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tens
   const double sigma = 6 * m / (Plates::t * Plates::t);
   const ShellLocation at = nearest_location(arm.layout, arm.shape, {0.3, 0.2, Arm::H});
   const ShellStress stress = stresses.at(at.where);
-  // The moment presses the tip down: the upper side is stretched, whichever way the normal points.
+  // The moment bends the tip down: the upper side is in tension, whatever the normal.
   const double up = shell.assembler().point(at.where).normal().z();
   CHECK(stress.at(up)(0, 0) == Approx(sigma).epsilon(1e-6));
   CHECK(stress.at(-up)(0, 0) == Approx(-sigma).epsilon(1e-6));
@@ -141,7 +141,7 @@ TEST_CASE("recovered stresses of a bent plate are those of a beam, with the tens
 }
 
 TEST_CASE("the error estimate follows the true error as the mesh gets finer", "[analysis][shell]") {
-  // A strip under its own weight, clamped at one end: its moment is q (L - x)^2 / 2.
+  // A strip under self-weight, clamped at one end: its moment is q (L - x)² / 2.
   const double L = 1, q = Plates::q;
   const double exact = q * q * std::pow(L, 5) / (40 * Plates::EI) * Plates::W;
   double before = 0;
@@ -187,7 +187,7 @@ TEST_CASE("springs give way by force over stiffness, and their reactions balance
           "[analysis][shell]") {
   const Arm arm;
   const double W = Plates::W, L = Arm::L;
-  // Everything rests on one foundation of the shelf and springs along the foot.
+  // Supported only by an elastic foundation of the shelf and springs along the foot.
   const ShellLocation end = nearest_location(arm.layout, arm.shape, {L, W / 2, Arm::H});
   ShellDefinition definition{{{ShellMaterial::isotropic(Plates::E, 0.3), Plates::t}}, {}, {}, {}};
   definition.elastic = {{"floor", {}, "", {{1}}, Vec3::Zero(), 2.0},
@@ -204,7 +204,7 @@ TEST_CASE("springs give way by force over stiffness, and their reactions balance
   }
   CHECK(sum.force.norm() < 1e-10);
   CHECK(sum.moment.norm() < 1e-10);
-  // All weight is on the floor.
+  // All weight is carried by the floor.
   CHECK(reactions[0].resultant.force.z() == Approx(Plates::q * W * (L + Arm::H)));
   CHECK(std::abs(reactions[1].resultant.force.z()) < 1e-12);
 }
@@ -212,7 +212,8 @@ TEST_CASE("springs give way by force over stiffness, and their reactions balance
 TEST_CASE("one adjoint solution gives the same sensitivities of targets as solving again",
           "[analysis][shell]") {
   const Arm arm;
-  // In a thick wall strains are as large as turns: rows that turn with the shape count there.
+  // In a thick wall strains are as large as rotations: constraints that rotate with the shape
+  // matter there.
   for (const auto& [pinned, thickness] :
        {std::pair(false, Plates::t), {true, Plates::t}, {false, 0.4}}) {
     const ShellDefinition definition{
@@ -229,7 +230,7 @@ TEST_CASE("one adjoint solution gives the same sensitivities of targets as solvi
     const ShellLocation middle = nearest_location(arm.layout, arm.shape, {0.4, 0.25, Arm::H});
     const Points G = point_force(arm.layout, middle, {0, 0, 1});
     const Points a = shell.adjoint(G);
-    // The shelf is bent upwards, and everything leans.
+    // The shelf is bent upwards, and everything tilts.
     Points way = Points::Zero(arm.shape.rows(), 3);
     for (long m = 0; m < way.rows(); ++m)
       way.row(m) = Eigen::RowVector3d(0.2 * arm.shape(m, 2), 0, 0.3 * arm.shape(m, 0));
@@ -277,7 +278,7 @@ TEST_CASE("a shell that moves is the shell that is made anew", "[analysis][shell
                              {LineSupport::clamped("foot")},
                              {},
                              {}};
-  // As the arm turns away, the box holds other elements.
+  // As the arm rotates, the box contains other elements.
   definition.areas = {
       {"wall", {{}, Box3(Vec3(0.5, -1, 0), Vec3(1, 1, Arm::H + 0.06))}, {Vec3::UnitX()}}};
   ShellModel moving(arm.layout, arm.shape, definition);

@@ -1,4 +1,4 @@
-// Frequencies and buckling loads against closed forms.
+// Frequencies and buckling loads compared with closed-form solutions.
 #include <cmath>
 #include <numbers>
 
@@ -134,7 +134,8 @@ TEST_CASE("a free ring of two halves has the natural frequencies of Hoppe", "[an
                          ShellModel::RigidBodyHandling::Shifted);
   const ShellModes modes = natural_modes(shell, 4);
   CHECK(modes.rigid_body_count == 6);
-  // Among the first are those of k waves around, in its plane: (2 pi f)^2 = E t^2/(12 rho R^4) ....
+  // The lowest frequencies include those of k circumferential waves in the plane: (2 pi f)^2 = E
+  // t^2/(12 rho R^4) ....
   const auto of = [&](int k) {
     const double k2 = k * k;
     return std::sqrt(E * t * t / (12 * kDensity) * k2 * (k2 - 1) * (k2 - 1) / (k2 + 1)) / (2 * pi);
@@ -193,12 +194,12 @@ struct Sector {
                LineSupport::symmetric("right", {-std::sin(theta), std::cos(theta), 0}),
                held("low", {Vec3::UnitX(), Vec3::UnitY()}),
                held("high", {Vec3::UnitX(), Vec3::UnitY()})};
-    // Waves are still along the axis in the middle.
+    // By symmetry, the waves have no axial displacement in the middle.
     const Vec3 middle(std::cos(theta / 2), std::sin(theta / 2), L / 2);
     d.points = {{"middle", nearest_location(layout, shape, middle), {Vec3::UnitZ()}, Vec3::Zero()}};
     return {layout, shape, d};
   }
-  // Of m half waves along and n across, Donnell: bending and membrane part, with wave numbers.
+  // For m half waves along and n across, Donnell: bending and membrane parts, with wave numbers.
   double stiffness(int m, int n) const {
     const double a2 = std::pow(m * pi / L, 2), b2 = std::pow(n * pi / theta, 2);
     return E * t * t * t / 12 * std::pow(a2 + b2, 2) + E * t * a2 * a2 / std::pow(a2 + b2, 2);
@@ -252,6 +253,6 @@ TEST_CASE("a square plate buckles under the pressure of two sides at the load of
   REQUIRE(found.factors.size() == 2);
   CHECK(found.factors[0] == Approx(4 * unit).epsilon(1e-2));
   CHECK(found.factors[1] == Approx(6.25 * unit).epsilon(1e-2));
-  // Pulled, it does not buckle.
+  // Under tension it does not buckle.
   CHECK(buckling(shell, -q, 1).factors.size() == 0);
 }

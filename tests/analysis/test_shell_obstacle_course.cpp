@@ -1,4 +1,4 @@
-// The obstacle course on models: in one region, cut into two, and as a trimmed one.
+// The shell obstacle course on models: as one face, as two faces, and trimmed.
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
@@ -18,7 +18,7 @@ namespace {
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 enum class Subdivision { One, Two, Trimmed };
 
-// A piece of a surface x(a, b) over the unit square.
+// A part of a surface x(a, b) over the unit square.
 struct Piece {
   std::function<SurfaceJet(double a, double b)> at;
 
@@ -60,7 +60,7 @@ Piece sphere(double R, double top) {
   }};
 }
 
-// Dofs of the piece over a plane domain, which is its projection.
+// Dofs of the part over a planar domain, which is its projection.
 Points parametrize(const RegionLayout& layout, const Piece& piece) {
   MatX x(0, 4), uv(0, 2);
   for (const EmbeddedLine& line : layout.embedded())
@@ -93,8 +93,8 @@ Points parametrize(const RegionLayout& layout, const Piece& piece) {
       .dofs();
 }
 
-// A piece as a model; its sides are "a0", "b1", "a1", "b0" (a = 0, b = 1, …). Those along which b is
-// constant are in two parts, "b0 1" and "b0 2", where it is cut in two along a = middle.
+// A part as a model; its sides are "a0", "b1", "a1", "b0" (a = 0, b = 1, …). Sides with constant b
+// consist of two parts, "b0 1" and "b0 2", if the model is split in two along a = middle.
 struct Course {
   TestModelBuilder builder;
   ModelLayout layout;
@@ -129,7 +129,7 @@ struct Course {
   Course(const Piece& piece, double size, double h, Subdivision cut, double middle)
       : builder(lines(piece, size, h, cut, middle)), layout(builder.model({})) {
     shape = cut == Subdivision::Trimmed ? parametrize(layout.region(0), piece) : rest_dofs(layout);
-    if (shape.rows() == 0) shape = layout.all_dofs(builder.first);  // a plane
+    if (shape.rows() == 0) shape = layout.all_dofs(builder.first);  // planar
   }
   // The parts of a side.
   std::vector<std::string> side(const std::string& name) const {
@@ -139,9 +139,9 @@ struct Course {
   }
 };
 
-// Shells that the course asks for, a part of each between planes of symmetry.
+// The shells of the course, a part of each between planes of symmetry.
 struct ShellResult {
-  double displacement;  ///< of the point that is looked at
+  double displacement;  ///< of the reference point
   double energy, estimate;
 };
 
@@ -158,7 +158,7 @@ struct Shell {
     for (const std::string& line : course.side(side))
       definition.lines.push_back(LineSupport::symmetric(line, normal));
   }
-  // A wall, stiff in its plane and soft across it.
+  // A diaphragm, rigid in its plane and flexible out of it.
   void diaphragm(const std::string& side) {
     for (const std::string& line : course.side(side))
       definition.lines.push_back(

@@ -1,4 +1,4 @@
-// Shells by parts: what acts on boxes and what holds them, thickness that changes from place to place.
+// Loads and supports in boxes, and variable thickness of shells.
 #include <cmath>
 
 #include "batten/analysis/models/shell_model.h"
@@ -48,7 +48,7 @@ Vec3 weight_down(const Vec3&, const Vec3&) { return {0, 0, -Plates::q}; }
 TEST_CASE("loads in a box are those of its part of the surface, or of a curve",
           "[analysis][assemblies]") {
   const Strip strip;
-  // Borders of the box are nowhere near an element's.
+  // The boundaries of the box are not close to element edges.
   for (const auto& [from, to] : {std::pair(0.237, 0.681), {0.51, 0.532}}) {
     const Resultant sum = resultant(
         strip.layout, strip.shape,
@@ -83,7 +83,7 @@ TEST_CASE("a supported part clamps the rest, and follows its prescribed displace
     const Points F =
         surface_traction(strip.layout, strip.shape, weight_down, {{}, between(held, 2)});
     const Points q = shell.solve(F);
-    // Elements that the border cuts follow what is held of them.
+    // Elements cut by the boundary are constrained by the supported part.
     CHECK(strip.moved(q, {Strip::L, 0.25, 0}).z() ==
           Approx(-Plates::q * std::pow(free, 4) / (8 * EI)).epsilon(2e-2));
     const auto reactions = shell.reactions(q, F);
@@ -110,10 +110,10 @@ TEST_CASE("half of a curve is supported in the same way as all of it", "[analysi
         .z();
   };
   const double rows = tip();
-  definition.lines[0].box = between(-1, 2);  // all of it: springs in place of rows
+  definition.lines[0].box = between(-1, 2);  // whole line: springs instead of constraints
   CHECK(tip() == Approx(rows).epsilon(2e-3));
   definition.lines[0].box = Box3(Vec3(-1, 0.1, -1), Vec3(1, 0.4, 1));
-  CHECK(tip() < 1.02 * rows);  // more, downwards
+  CHECK(tip() < 1.02 * rows);  // slightly larger deflection
   CHECK(tip() > 2 * rows);
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("thickness may change from vertex to vertex", "[analysis][assemblies]"
   const ParametricMesh& mesh = *strip.layout.mesh();
   const Surface surface = strip.layout.surface(strip.shape);
   definition.nodal_thickness_offset = VecX::Zero(mesh.vertex_count());
-  for (int v = 0; v < mesh.vertex_count(); ++v)  // twice as thick at the foot
+  for (int v = 0; v < mesh.vertex_count(); ++v)  // double thickness at the foot
     definition.nodal_thickness_offset[v] = Strip::t * (1 - strip.shape(3 * v, 0) / Strip::L);
   const ShellModel shell(strip.layout, strip.shape, definition);
   // Under a moment m at the tip: w'' = 12 m / (E t³), with t = t0 (2 - x/L).

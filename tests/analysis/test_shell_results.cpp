@@ -1,5 +1,5 @@
-// Load cases of a shell: maxima and errors, evaluation while the shape changes, adaptive refinement,
-// sensitivities.
+// Load cases of a shell: maxima and error estimates, evaluation during changes of the shape,
+// adaptive refinement, sensitivities.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -19,7 +19,7 @@ namespace {
 
 // A strip of length L, clamped at one end: a beam, because Poisson's ratio is 0.
 struct Strip {
-  static constexpr double L = 1, force = 1e-4;  // force per length of the tip
+  static constexpr double L = 1, force = 1e-4;  // force per length at the tip
   std::shared_ptr<const ModelLayout> layout;
   Points shape;
 
@@ -35,7 +35,7 @@ struct Strip {
       : layout(std::make_shared<const ModelLayout>(made(h))),
         shape(layout->minimize_energy(SurfaceStiffness::isotropic(0, 1))) {}
 
-  // Its own weight, and a force at the tip; `definitions` counts calls of definition().
+  // Self-weight, and a force at the tip; `definitions` counts calls of definition().
   static ShellProblem problem(int* definitions = nullptr) {
     return {[definitions](const ModelLayout&, const Points&) {
               if (definitions) ++*definitions;
@@ -113,7 +113,7 @@ TEST_CASE("a maximum beside a point force or a point support is near a singulari
   };
   CHECK_FALSE(near(shell, {"far", bent, {at}}));
   CHECK(near(shell, {"at the foot", bent, {Vec3(0.1, 0.25, 0)}}));
-  // Clamped all around, the plate has its largest stress beneath the force.
+  // Clamped all around, the plate has its largest stress at the force.
   ShellDefinition frame = shell.definition();
   for (const char* edge : {"tip", "foottip 0", "foottip W"})
     frame.lines.push_back(LineSupport::clamped(edge));
@@ -207,7 +207,7 @@ TEST_CASE("refinement stops at the accuracy, on the same surface, and errors fal
   const double tip = Strip::tip_deflection();
   CHECK(std::abs(finer.meshes.back().displacement - tip) <=
         std::abs(finer.meshes[0].displacement - tip) + 1e-9 * tip);
-  // The plane stays the plane.
+  // The plane remains planar.
   CHECK(finer.shape.rows() == DofMap(*finer.layout->mesh()).count());
   CHECK(finer.shape.col(2).cwiseAbs().maxCoeff() < 1e-12);
 
@@ -247,7 +247,8 @@ TEST_CASE("a longer cantilever deflects with the third power of its length",
   const double w = Strip::tip_deflection(), F = Strip::force * Plates::W;
   CHECK(derivatives[0].displacement == Approx(3 * w).epsilon(2e-3));
   CHECK(derivatives[0].compliance == Approx(3 * F * w).epsilon(2e-3));
-  // Under its weight, the deflection grows with the fourth power, and the work with the fifth.
+  // Under self-weight, the deflection is proportional to the fourth power, and the work to the
+  // fifth.
   const double p = Plates::t * Plates::q, L = Strip::L;
   CHECK(derivatives[1].displacement ==
         Approx(4 * p * std::pow(L, 4) / (8 * Plates::EI)).epsilon(2e-3));

@@ -1,4 +1,4 @@
-// Shells of several regions: moments go around creases, through smooth lines and T-joints.
+// Shells of several faces: transfer of moments across creases, smooth edges and T-joints.
 #include <cmath>
 
 #include "batten/analysis/models/shell_model.h"
@@ -15,7 +15,7 @@ namespace {
 struct Solved {
   ModelLayout layout;
   Points shape, q;
-  // The displacement in the middle of a line.
+  // The displacement in the middle of a curve.
   Vec3 at(const std::string& name) const {
     const ModelLine& line = layout.model_line(name);
     const EdgeAlignedLine& aligned_line =
@@ -25,7 +25,7 @@ struct Solved {
   }
 };
 
-// Clamped along "foot", loaded by q downwards on one region.
+// Clamped along "foot", with a load q downwards on one face.
 Solved solved(const Plates& plates, int loaded, const std::vector<std::string>& hinges = {}) {
   const ModelLayout layout = plates.builder.model({});
   const Points shape = layout.all_dofs(plates.builder.first);
@@ -69,7 +69,7 @@ TEST_CASE("a crease carries moments around its corner, a hinge does not", "[anal
                       q * L * H / (Plates::E * Plates::t);
   CHECK(-frame.at("tip").z() == Approx(down).epsilon(1e-3));
   CHECK(frame.at("knee").x() == Approx(q * L * L / 2 * H * H / (2 * EI)).epsilon(1e-3));
-  CHECK_THROWS_AS(solved(plates, 1, {"knee"}), NoSolutionError);  // the arm swings
+  CHECK_THROWS_AS(solved(plates, 1, {"knee"}), NoSolutionError);  // the arm is a mechanism
   CHECK_THROWS_WITH(solved(plates, 1, {"foot"}), Contains("'foot' is a free edge"));
   CHECK_THROWS_WITH(solved(plates, 1, {"kne"}), Contains("knee"));
 }
@@ -87,14 +87,15 @@ TEST_CASE("a third plate at a crease goes along, whatever its angle", "[analysis
   const Solved frame = solved(plates, 1);
   const double turn = q * L * L / 2 * H / EI;
   CHECK(frame.at("knee").x() == Approx(turn * H / 2).epsilon(1e-3));
-  // Free, it turns with the knee about y: (x, z) by (z, -x) of the turn.
+  // The free arm rotates with the knee about y: displacement (x, z) = (z, -x) times the rotation.
   const Vec3 moved = frame.at("top") - frame.at("knee");
   CHECK(moved.x() == Approx(turn * 0.3).epsilon(2e-3));
   CHECK(moved.z() == Approx(turn * 0.2).epsilon(2e-3));
 }
 
 TEST_CASE("a box beam in torsion rotates as in Bredt's formula", "[analysis][ties]") {
-  // Four plates around, clamped at one end; a closed rim of moments is a torque at the other.
+  // Four plates around, clamped at one end; moments around the closed free edge at the other are a
+  // torque.
   constexpr double L = 4, a = 0.5, b = 0.3, t = 0.02, E = 1000, nu = 0.3;
   Plates plates;
   plates.h = plates.builder.options.edge_length = 0.1;
@@ -124,7 +125,7 @@ TEST_CASE("a box beam in torsion rotates as in Bredt's formula", "[analysis][tie
   CHECK(torque == Approx(2 * area));
   const Points q = ShellModel(layout, shape, definition).solve(F);
   const Surface moved = layout.surface(q);
-  // The mean of what its sides turn: where the section is distorted they differ.
+  // The mean rotation of its sides: they differ due to distortion of the section.
   const auto turn_at = [&](double x) {
     const auto at = [&](const Vec3& p) {
       return moved.position(nearest_location(layout, shape, p).where);
@@ -134,7 +135,7 @@ TEST_CASE("a box beam in torsion rotates as in Bredt's formula", "[analysis][tie
     return (upright + level) / 2;
   };
   const double G = E / (2 * (1 + nu)), J = 4 * area * area * t / (2 * (a + b));
-  // Away from both ends, where sections warp freely.
+  // Away from both ends, where sections are free to warp.
   CHECK(turn_at(3) - turn_at(1) == Approx(torque * 2 / (G * J)).epsilon(1e-2));
 }
 

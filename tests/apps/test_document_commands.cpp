@@ -111,7 +111,7 @@ points = [[90, 0, 0], [90, 60, 0]]
   document.apply(points_edit("front", {{-10, 0, 0}, {45, 0, 20}, {90, 0, 0}}, LineKey::Arc));
   CHECK(line_key(document.text(), "front") == LineKey::Arc);
   CHECK(document.content().problem().empty());
-  CHECK(split_edits(view_of(document), "front", 1).empty());  // the curve does not interpolate given points
+  CHECK(split_edits(view_of(document), "front", 1).empty());  // no given points
 }
 
 TEST_CASE("a motion oscillates, follows sliders, and ends in the shape at rest",

@@ -57,7 +57,7 @@ MatX stacked(const SparseMatrix& K, bool coupled) {
 
 std::string row_name(int i) { return "row " + std::to_string(i); }
 
-// Random rows, independent because each is dominated by a dof of its own.
+// Random constraint equations, independent because each is dominated by a dof of its own.
 ConstraintSet random_constraints(int n, int rows, int coupled_rows, Draws& random) {
   std::vector<int> own(n);
   std::iota(own.begin(), own.end(), 0);
@@ -79,7 +79,7 @@ ConstraintSet random_constraints(int n, int rows, int coupled_rows, Draws& rando
 
 double difference(const MatX& a, const MatX& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
-// Springs of stiffness 1 between neighbours: nothing holds the chain itself.
+// Springs of stiffness 1 between neighbours: the chain itself is not supported.
 SparseMatrix chain(int n) {
   std::vector<Triplet> entries;
   for (int i = 0; i + 1 < n; ++i) {
@@ -126,7 +126,7 @@ TEST_CASE("elimination has the solution of the saddle point system", "[constrain
       const Points x = solve_constrained(set, K, F);
       CHECK(difference(x, solve_kkt(set, K, F)) < 1e-9);
       CHECK(set.max_residual(x) < 1e-12);
-      // Stationary: the residual force does no work on any motion that the rows allow.
+      // Stationary: the residual force does no work on any admissible displacement.
       const Points r = reaction_forces(K, x, F);
       const MatX work =
           coupled ? MatX(reduction.D().transpose() * Eigen::Map<const VecX>(r.data(), r.size()))
@@ -250,7 +250,7 @@ TEST_CASE("rows that others imply are dropped and counted, and change nothing",
     CHECK(difference(solve_constrained(set, K, F), x) < 1e-11);
   }
 
-  // A coupled row that fixed dofs imply; a row twice; a row of zeros.
+  // A coupled equation implied by fixed dofs; a duplicate; an equation of zeros.
   ConstraintSet set(3);
   set.fix("point", 0, Vec3(1, 2, 3));
   set.add_coupled("plane", {{0, Vec3(1, 1, 1)}}, 6);
@@ -288,7 +288,7 @@ TEST_CASE("a conflict names exactly the constraints that take part, with the amo
     CHECK(conflicts[0].amount == Approx(2));
   }
   {
-    // Two contradictions that have nothing to do with each other: both are reported.
+    // Two independent contradictions: both are reported.
     ConstraintSet set(6);
     set.fix("a", 0, Vec3(0, 0, 1));
     set.fix("b", 0, Vec3(0, 0, 1.25));
@@ -304,7 +304,7 @@ TEST_CASE("a conflict names exactly the constraints that take part, with the amo
     CHECK(conflicts[1].amount == Approx(3));
   }
   {
-    // Coupled against uncoupled; the y of "other" plays no part.
+    // Coupled compared with uncoupled; the y of "other" has no effect.
     ConstraintSet set(3);
     set.fix("point", 0, Vec3(1, 2, 3));
     set.fix("other", 1, Vec3(0, 0, 0));
@@ -333,7 +333,7 @@ TEST_CASE("among many rows, a false combination names the rows it is made of",
     ConstraintSet set = random_constraints(n, rows, 0, random);
     const auto given = set.constraints();
     Entries entries;
-    Vec3 value(0, 0.5, 0);  // what is wrong
+    Vec3 value(0, 0.5, 0);  // the inconsistent value
     Names expected{"false"};
     for (const int r : {2, 5, 11}) {
       const double s = 1 + 0.5 * random();
@@ -374,7 +374,7 @@ TEST_CASE("rows in other units are the same rows", "[constraints][reduction]") {
     CHECK(difference(one.D(), other.D()) < 1e-11 * MatX(one.D()).cwiseAbs().maxCoeff());
     CHECK(difference(one.d0(), other.d0()) < 1e-11 * one.d0().cwiseAbs().maxCoeff());
   }
-  // A conflict is one in any unit, and reported in that of its row.
+  // A conflict is independent of the unit, and is reported in the unit of its equation.
   for (const double s : {1e-8, 1.0, 1e8}) {
     ConstraintSet set(2);
     set.fix("a", 0, Vec3(1, 0, 0));
@@ -409,7 +409,7 @@ TEST_CASE("new right-hand sides keep D, and a kept factor serves every load",
 
 TEST_CASE("reactions balance the load, each with its constraint's name",
           "[constraints][reduction]") {
-  // A chain of 5 nodes held at its ends, pulled at node 1: 3/4 and 1/4 by the lever rule.
+  // A chain of 5 nodes fixed at its ends, pulled at node 1: 3/4 and 1/4 by the lever rule.
   const SparseMatrix K = chain(5);
   Points F = Points::Zero(5, 3);
   F.row(1) << 4, 0, -8;
@@ -433,7 +433,7 @@ TEST_CASE("reactions balance the load, each with its constraint's name",
     CHECK((named[1].forces.row(4) + Eigen::RowVector3d(1, 0, -2)).norm() < 1e-12);
   }
 
-  // Coupled: a plane with normal n carries along n only.
+  // Coupled: a plane with normal n reacts along n only.
   const Vec3 n = Vec3(1, 2, 2) / 3;
   ConstraintSet set(5);
   set.fix("first", 0, Vec3::Zero());
@@ -465,7 +465,7 @@ TEST_CASE("reactions of redundant rows still add up", "[constraints][reduction]"
   Points sum = Points::Zero(n, 3);
   for (const auto& reaction : named) sum += reaction.forces;
   CHECK(difference(sum, r) < 1e-9);
-  CHECK(difference(named[0].forces, named[1].forces) < 1e-3);  // the smallest: shared evenly
+  CHECK(difference(named[0].forces, named[1].forces) < 1e-3);  // minimum norm: shared equally
 }
 
 TEST_CASE("systems without a solution are reported", "[constraints][reduction]") {
@@ -521,7 +521,7 @@ TEST_CASE("constraint sets keep rows and names and refuse wrong numbers",
   CHECK_THROWS_AS(set.add_coupled("x", {{9, Vec3::Ones()}}, 0), InputError);
   CHECK_THROWS_AS(set.add_coupled("x", {{0, Vec3(0, 0, nan)}}, 0), InputError);
   CHECK_THROWS_AS(set.add_coupled("x", {{0, Vec3::Ones()}}, INFINITY), InputError);
-  CHECK(set.constraints().size() == 3);  // what was refused left nothing behind
+  CHECK(set.constraints().size() == 3);  // rejected equations leave no trace
   CHECK(set.coupled_constraints().size() == 1);
 }
 

@@ -16,7 +16,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Springs of weight one from every dof to random goals: any constraint set then has a solution.
+// Unit springs from every dof to random targets: any constraint set then has a solution.
 struct Soft {
   CurveMesh mesh;
   SparseMatrix K;
@@ -109,7 +109,7 @@ TEST_CASE("motion: one long implicit Euler step is the static solution", "[const
     const Points wanted = solve_constrained(set, soft.K, soft.F);
     CHECK((steps.step(soft.F) - wanted).norm() < 1e-7);
     CHECK(set.max_residual(steps.positions()) < 1e-12);
-    // Small steps arrive there too, and never gain energy.
+    // Small steps converge to it, too, and never gain energy.
     ThetaIntegrator slow(set, soft.K, M, {1, 0.5, 0.05, 1});
     double before = slow.kinetic() + slow.potential(soft.F);
     for (int i = 0; i < 4000; ++i) {

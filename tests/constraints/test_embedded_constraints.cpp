@@ -11,7 +11,7 @@ using namespace batten_test;
 
 namespace {
 
-// The unit disc on a grid with legs h, its rim held at points.
+// The unit disc on a grid with legs h, its boundary fixed at points.
 struct Disc {
   double h;
   int points;
@@ -78,8 +78,8 @@ HermiteCurve wavy_rim() {
   });
 }
 
-// The inside of the unit circle by chords: each sub-triangle in 4^level leaves, leaves cut where a
-// bisection finds the circle. Another way to the integrals, of second order.
+// The inside of the unit circle by chords: each sub-triangle in 4^level leaves, which are cut where
+// bisection finds the circle. An independent second-order quadrature.
 TriangleRule chord_rule(const TriangleShape& shape, int level, int degree) {
   using Corners = std::array<Vec2, 3>;
   const auto inside = [](const Vec2& p) { return p.squaredNorm() - 1 - 1e-12 < 0; };
@@ -193,7 +193,7 @@ TEST_CASE("a disc on a grid that ignores its boundary: reference numbers, by cho
 TEST_CASE(
     "a disc on a grid that ignores its boundary: exact cuts, both elements, against the plate",
     "[constraints][embedded]") {
-  // Δ²w = 0 with w = 0.2 cos 3t and w_rr = 0 on the rim.
+  // Δ²w = 0 with w = 0.2 cos 3t and w_rr = 0 on the boundary.
   const auto exact = [](double u, double v) {
     const double r = std::hypot(u, v), t = std::atan2(v, u);
     return 0.2 * (10 * r * r * r - 3 * std::pow(r, 5)) / 7 * std::cos(3 * t);
@@ -274,7 +274,7 @@ TEST_CASE("a boundary with another speed, and a star: gaps decrease, Jacobians s
       for (int k = 0; k < 20 * d.points; ++k) {
         const double u = 2 * pi * k / (20 * d.points);
         const Vec3 p = d.rim.evaluate(u), x = d.at(s, p.x(), p.y());
-        // Of the first, to the circle; of the star, to the same parameter.
+        // Distance from the circle; for the star, at the same parameter.
         gap = std::max(
             gap, c.target == &faster ? std::abs(x.norm() - 1) : (x - c.target->evaluate(u)).norm());
       }
@@ -331,7 +331,7 @@ TEST_CASE("a plate supported at its boundary under a load, stretched too, and cl
       const Surface held(d.grid.mesh, kind, ConstrainedSolver(flat, d.K).solve(F));
       INFO(name(kind) << " h " << h << " error " << d.at(held, 0, 0).z() * 64 - 1);
       CHECK(std::abs(d.at(held, 0, 0).z() * 64 - 1) <= (h > 0.1 ? 4e-4 : 1e-4));
-      // Stretched too: Δ²w - 20 Δw = 1 has w = A + B I0(kr) - r²/80, k² = 20.
+      // With stretching: Δ²w - 20 Δw = 1 has w = A + B I0(kr) - r²/80, k² = 20.
       const double alpha = 20, k = std::sqrt(alpha);
       const double B =
           1 / (2 * alpha * alpha) / (std::cyl_bessel_i(0, k) - std::cyl_bessel_i(1, k) / k);

@@ -16,7 +16,7 @@ struct ConstrainedLine {
   std::vector<double> t;
 };
 
-// A plate on squares (or what they were refined to), cut by loops, held on lines.
+// A plate on squares (possibly refined), trimmed by loops, constrained along curves.
 struct Plate {
   TriangleElement kind;
   EmbeddedGrid grid;
@@ -27,7 +27,7 @@ struct Plate {
         TriangleElement kind_ = TriangleElement::HCT)
       : kind(kind_), grid(mesh, loops), set(DofMap(*grid.mesh).count()) {}
 
-  // x = u, y = v, z = 0 on the mesh's straight sides u, v = ±half; the slope across stays free.
+  // x = u, y = v, z = 0 on the mesh's straight sides u, v = ±half; the slope across is free.
   void constrain_sides(double half) {
     const DofMap dofs(*grid.mesh);
     for (int v = 0; v < grid.mesh->vertex_count(); ++v) {
@@ -60,7 +60,7 @@ struct Plate {
   Vec3 at(const Surface& s, double u, double v) const {
     return s.position(grid.locator->locate({u, v}));
   }
-  // Largest distance between surface and line over a part of it, 20 samples between points.
+  // Largest distance between surface and curve over a part of it, 20 samples between points.
   double gap(const Surface& s, const ConstrainedLine& line, double from = 0, double to = 1) const {
     double largest = 0;
     const int n = 20 * static_cast<int>(line.t.size());
@@ -84,7 +84,7 @@ struct Plate {
     }
     return sum;
   }
-  // Rows that others imply; the largest number of D.
+  // Number of redundant equations; the largest entry of D.
   std::pair<int, double> reduction() const {
     const AffineReduction reduction(set);
     double largest = 0;
@@ -101,7 +101,7 @@ ParametricMesh side_squares(double half, double h) {
   return squares({-half, -half}, h, n, n);
 }
 
-// A curve over its image, at the height z(t).
+// A curve over its pcurve, at the height z(t).
 HermiteCurve lifted(const HermiteCurve& pcurve,
                     const std::function<double(double t, int order)>& z) {
   const CurveMesh& mesh = pcurve.mesh();
@@ -118,7 +118,7 @@ DomainLoops hole(double radius) {
   return DomainLoops({{circle({0, 0}, radius, 720, true)}}, DomainLoops::Background::Inside);
 }
 
-// The rim of a hole around the origin at 0.1 + 0.05 cos 2t.
+// The boundary of a hole around the origin at 0.1 + 0.05 cos 2t.
 HermiteCurve wavy_rim(double radius) {
   return lifted(circle({0, 0}, radius, 720), [](double t, int order) {
     return order == 0 ? 0.1 + 0.05 * std::cos(2 * t) : -0.1 * std::sin(2 * t);
@@ -141,7 +141,7 @@ HermiteCurve straight(const Vec2& p, const Vec2& q) {
   return {{0, (q - p).norm()}, positions, slopes};
 }
 
-// Radius 1.2 around (-0.7, -0.8), both ends inside of [-1, 1]².
+// Radius 1.2 around (-0.7, -0.8), both ends inside [-1, 1]².
 HermiteCurve rib() {
   return hermite(0.1, 1.4, 600, false, [](double t, int order) {
     return order == 0 ? Vec3(-0.7 + 1.2 * std::cos(t), -0.8 + 1.2 * std::sin(t), 0)
@@ -154,7 +154,7 @@ HermiteCurve raised_rib() {
   });
 }
 
-// Halves triangles that a curve passes within `reach` of their own size, so many times.
+// Bisects triangles that a curve passes within `reach` of their own size, repeatedly.
 ParametricMesh refined_at(ParametricMesh mesh, const HermiteCurve& curve, int rounds,
                           double reach = 1) {
   for (int round = 0; round < rounds; ++round) {
@@ -196,7 +196,8 @@ TEST_CASE("a plate with a supported boundary around its hole", "[constraints][em
           jacobian = std::max(jacobian, std::abs(j.area_vector().z() - 1));
         }
       }
-      // x = u, y = v to rounding times the plate's condition, h⁻⁴; without the hole it is the same.
+      // x = u, y = v up to rounding times the plate's condition number, h⁻⁴; the same without the
+      // hole.
       const double rounding = (kind == TriangleElement::HCT ? 3e-12 : 3e-11) * std::pow(4 * h, -4);
       INFO(name(kind) << " h " << h << " xy " << xy << " J " << jacobian);
       CHECK(xy < rounding);
@@ -351,7 +352,7 @@ TEST_CASE("the normal along an inner curve, by hat functions", "[constraints][em
       plate.constrain_sides(1);
       const HermiteCurve pcurve = rib(), curve = raised_rib();
       const ConstrainedLine line = plate.constrain(pcurve, curve);
-      // At right angles to the line, leaning by a tenth to its left.
+      // Perpendicular to the curve, tilted by a tenth to its left.
       const auto wanted = [&](double t) -> Vec3 {
         const Vec3 along = curve.evaluate(t, 1);
         const Vec3 left(-along.y(), along.x(), 0);
@@ -362,7 +363,7 @@ TEST_CASE("the normal along an inner curve, by hat functions", "[constraints][em
       if (by_normal) {
         rows.normal("normal", pcurve, line.t, wanted);
       } else {
-        // x_ν so that it is at right angles to n, with unit shadow.
+        // x_ν perpendicular to n, with a projection of length 1.
         rows.slope("slope", pcurve, line.t, [&](double t) {
           const Vec3 d = pcurve.evaluate(t, 1).normalized(), nu(-d.y(), d.x(), 0), n = wanted(t);
           return Vec3(nu.x(), nu.y(), -n.dot(nu) / n.z());
@@ -433,8 +434,8 @@ TEST_CASE("two curves closer than an element keep their constraint equations and
 }
 
 TEST_CASE("a curve along element edges, and slightly beside them", "[constraints][embedded]") {
-  // An edge has two dofs a vertex for the line: more points than that would contradict each other,
-  // or, a hair beside the edge, hang the slopes across on differences of nearly nothing.
+  // For the curve, an edge has two dofs per vertex: more points would be contradictory or, slightly
+  // beside the edge, determine the slopes across from differences of almost zero.
   for (const int n : {16, 64})
     for (const bool diagonal : {true, false}) {
       double energy = 0;
@@ -492,7 +493,7 @@ TEST_CASE("points of a curve are spaced by the triangles below them", "[constrai
       CHECK(l >= 0.6 * h);
       CHECK(l == Approx(lengths[0]).epsilon(1e-3));
     }
-    // Another step, and places that have to be there.
+    // Another spacing, and prescribed positions.
     const auto wide = embedded_point_parameters(uniform, locator, c, {1.0, 0});
     CHECK(wide.size() < t.size());
     const double forced = c.start() + 0.437 * (c.end() - c.start());
@@ -507,7 +508,7 @@ TEST_CASE("points of a curve are spaced by the triangles below them", "[constrai
     const auto at_ends = embedded_point_parameters(uniform, locator, c, {}, {c.start(), c.end()});
     CHECK(at_ends.size() == t.size());
   }
-  // Half steps at open ends only, as many as asked for.
+  // Half steps at open ends only, with the requested number.
   PointSpacing ends;
   ends.extra_end_points = 3;
   CHECK(embedded_point_parameters(uniform, locator, ring, ends) ==
@@ -517,7 +518,7 @@ TEST_CASE("points of a curve are spaced by the triangles below them", "[constrai
   REQUIRE(halved.size() == plain.size() + 6);
   for (size_t i = 0; i < halved.size(); ++i)
     CHECK(halved[i] / plain[0] == Approx(i < 6 || i + 6 >= halved.size() ? 0.5 : 1).epsilon(0.01));
-  // A line without its own sense of size is spaced by length all the same.
+  // A curve without a length scale is also spaced by length.
   const HermiteCurve uneven = hermite(0, 1, 200, false, [](double s, int order) {
     const double t = s * s + 0.2 * s, slope = 2 * s + 0.2;
     return order == 0 ? Vec3(t - 0.6, 0.3 * t, 0) : Vec3(slope, 0.3 * slope, 0);
@@ -526,7 +527,7 @@ TEST_CASE("points of a curve are spaced by the triangles below them", "[constrai
     CHECK(l <= 0.7 * h * 1.001);
     CHECK(l >= 0.6 * h);
   }
-  // A tiny loop is still a loop.
+  // A tiny loop is still closed.
   CHECK(embedded_point_parameters(uniform, locator, circle({0, 0}, 0.01, 40)).size() >= 6);
   // Graded: by the size of each triangle, from point to point.
   const ParametricMesh graded = refined_at(side_squares(1, 1 / 4.), circle({0.3, 0.2}, 0.1, 40), 6);
@@ -545,7 +546,7 @@ TEST_CASE("points of a curve are spaced by the triangles below them", "[constrai
         finest = std::min(finest, size);
         coarsest = std::max(coarsest, size);
       }
-      // The longest edge of a right triangle, where the line runs along it.
+      // The longest edge of a right triangle where the curve runs along it.
       CHECK(lengths[i] <= 0.73 * std::sqrt(2.0) * coarsest);
       CHECK(lengths[i] >= 0.35 * finest);
       smallest = std::min(smallest, lengths[i]);
@@ -564,8 +565,8 @@ TEST_CASE("hat functions average the cross-boundary slope over both neighbours",
   const std::vector<double> t{0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8};
   EmbeddedLineConstraints(mesh, TriangleElement::HCT, locator, set)
       .slope("slope", line, t, [](double s) { return Vec3(s, s * s, 1); });
-  // w = u² v: the slope to the left of the line is u², its mean under a hat u_k² + step²/6; at the
-  // ends half a hat, whose centroid is step/3 away.
+  // w = u² v: the slope to the left of the curve is u², its mean under a hat function u_k² +
+  // step²/6; half a hat at the ends, whose centroid is step/3 away.
   const VecX q = dofs_of(mesh, [](const Vec2& p) {
     return Vec3(p.x() * p.x() * p.y(), 2 * p.x() * p.y(), p.x() * p.x());
   });
@@ -591,7 +592,7 @@ TEST_CASE("rows off the mesh and sets of another mesh are refused", "[constraint
         std::string::npos);
   CHECK(error_message(
             [&] { EmbeddedLineConstraints(mesh, TriangleElement::HCT, locator, other); }) != "");
-  // On the very edge of the mesh is on it.
+  // The boundary edge belongs to the mesh.
   const HermiteCurve side = straight({-1, -1}, {1, -1});
   rows.points("side", side, side, embedded_point_parameters(mesh, locator, side));
   CHECK(set.constraints().size() == static_cast<size_t>(std::ceil(2 / (0.7 * 0.25))) + 1);

@@ -1,4 +1,5 @@
-// Rows that come and go on a factor that stays: equal to the same rows solved at once.
+// Constraints added and removed with a kept factor: equal to solving with the same constraints at
+// once.
 #include "batten/constraints/reusable_factorization.h"
 
 #include <random>
@@ -81,7 +82,7 @@ TEST_CASE("hard rows on a kept factor equal the saddle point system",
     return list;
   };
   for (int k = 0; k < 6; ++k) rows.push_back({k, p.direction(), size_of(A, k)});
-  // One whose direction differs from dof to dof.
+  // A functional whose direction differs from dof to dof.
   rows.push_back({6, Vec3::UnitX(), 1, false, {{7, Vec3::UnitY()}, {8, p.direction()}}});
   for (size_t r = 0; r < rows.size(); ++r) {
     std::vector<ConstraintSet::CoupledEntry> list;
@@ -190,7 +191,7 @@ TEST_CASE("rows that follow from those before are left out wherever they stand",
   std::uniform_int_distribution<int> one(0, 39);
   std::normal_distribution<double> value;
   for (int k = 0; k < 40; ++k) {
-    // Every third row is a sum of two before it.
+    // Every third equation is a sum of two previous ones.
     if (k >= 5 && k % 3 == 2) {
       const int i = one(p.random) % k, j = (i + 1) % k;
       const double a = value(p.random), b = value(p.random);

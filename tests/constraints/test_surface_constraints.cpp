@@ -13,7 +13,7 @@ using namespace batten_test;
 
 namespace {
 
-// A square sheet with constraints on it, sculpted by a load that pulls everywhere.
+// A square sheet with constraints, under a load that acts everywhere.
 struct Sheet {
   std::shared_ptr<const ParametricMesh> mesh;
   TriangleElement kind;
@@ -108,7 +108,7 @@ TEST_CASE("a tangent and a normal at a vertex are parallel to the given directio
     CHECK(j.area_vector().norm() > 1e-3);
     CHECK(j.normal().cross(n.normalized()).norm() < 1e-12);
   }
-  // The length of the wish does not matter, only its direction.
+  // The length of the prescribed normal does not matter, only its direction.
   const auto height = [&](double scale) {
     Sheet sheet(2, TriangleElement::HCT);
     sheet.fix_corners();
@@ -200,13 +200,13 @@ TEST_CASE("a constant normal along edges is exact between the nodes too",
       }
     CHECK(angle < 1e-12);
     CHECK(off_plane < 1e-13);
-    CHECK(bend > 1e-4);  // the edge moves in its plane: it is not merely held still
+    CHECK(bend > 1e-4);  // the edge moves in its plane: it is not just fixed
     // Elsewhere the surface does not have that normal.
     const SurfaceJet inside = surface.jet(surface.locate({0.5, 0.5}));
     CHECK(inside.normal().cross(normal.normalized()).norm() > 1e-2);
   }
 
-  // Corners that do not lie in one such plane: a conflict with both names.
+  // Corners outside such a plane: a conflict with both names.
   Sheet sheet(n, TriangleElement::HCT);
   sheet.fix_corners();
   sheet.shape.constant_normal("rim", sheet.edges_along(bottom_row(sheet, n)), Vec3(1, 0, 1));
@@ -228,7 +228,7 @@ TEST_CASE("a varying normal is exact at three points of each edge and O(h^3) bet
     double before = 0;
     for (const int n : {8, 16, 32}) {
       Sheet sheet(n, kind);
-      // The bottom side is straight; the surface turns about it by 0.9 rad.
+      // The bottom side is straight; the surface rotates about it by 0.9 rad.
       const std::vector<int> vertices = bottom_row(sheet, n);
       std::vector<double> parameters;
       for (int i = 0; i <= n; ++i) parameters.push_back(static_cast<double>(i) / n);
@@ -274,7 +274,7 @@ TEST_CASE("a varying normal holds the tangent of an edge whose shape is free",
     Sheet sheet(n, kind);
     sheet.fix_corners();
     const std::vector<int> edges = sheet.edges_along(bottom_row(sheet, n));
-    // Normals of the arch z = 0.4 u (1-u), leaning sideways.
+    // Normals of the arch z = 0.4 u (1-u), tilted sideways.
     const auto normal = [&](int edge, double s) {
       const auto& e = sheet.mesh->edges()[edge];
       const double u =

@@ -1,4 +1,4 @@
-// The drag loop allocates nothing.
+// Drags do not allocate.
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/tests/support/allocations.h"
 #include "batten/tests/support/catch.h"
@@ -19,7 +19,7 @@ TEST_CASE("solves allocate nothing: one thread or more, one column or many, whol
     MatX x = random_columns(A.rows(), 9);
     Points points = x.leftCols(3);
     const SolveSubset subset = cholesky.subset(std::vector<int>{1, 2, 3}, std::nullopt);
-    cholesky.solve_in_place(x);  // starts the threads, makes room for eight columns
+    cholesky.solve_in_place(x);  // starts the threads, allocates space for eight columns
     {
       const ScopedOpCount work;
       for (int event = 0; event < 20; ++event) {
@@ -30,7 +30,7 @@ TEST_CASE("solves allocate nothing: one thread or more, one column or many, whol
       }
       CHECK(work.of(OpCounter::Allocation) == 0);
     }
-    const ScopedOpCount work;  // it does count
+    const ScopedOpCount work;  // the counter works
     const MatX copy = cholesky.solve(points);
     CHECK(work.of(OpCounter::Allocation) > 0);
   }

@@ -39,13 +39,13 @@ TEST_CASE("closest_match finds the intended word, and none if no word is similar
           "[core][errors]") {
   const std::vector<std::string> words{"stiffness", "pressure", "point", "uniform"};
   CHECK(closest_match("pressure", words) == "pressure");
-  CHECK(closest_match("presure", words) == "pressure");    // a letter missing
-  CHECK(closest_match("pressurre", words) == "pressure");  // one too many
-  CHECK(closest_match("stifnes", words) == "stiffness");   // two missing
-  CHECK(closest_match("uniporm", words) == "uniform");     // one replaced
+  CHECK(closest_match("presure", words) == "pressure");    // a missing letter
+  CHECK(closest_match("pressurre", words) == "pressure");  // an extra letter
+  CHECK(closest_match("stifnes", words) == "stiffness");   // two missing letters
+  CHECK(closest_match("uniporm", words) == "uniform");     // a replaced letter
   CHECK(closest_match("temperature", words) == "");
   CHECK(closest_match("point", {}) == "");
-  // Of two that are near, the nearer.
+  // The closer one of two similar words.
   CHECK(closest_match("lined", {"limes", "lines", "line"}) == "lines");
 }
 
@@ -66,5 +66,5 @@ TEST_CASE("an empty progress does nothing, a cancelled one stops the computation
 
   progress.cancelled = [] { return true; };
   CHECK_THROWS_AS(progress.update("solve", 1), CancelledError);
-  CHECK(seen == "factor");  // nothing is reported of a stage that was cancelled
+  CHECK(seen == "factor");  // no report from a cancelled stage
 }

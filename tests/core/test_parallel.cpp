@@ -106,7 +106,7 @@ TEST_CASE("threads are used again and again, for calls too short to wake them",
 
 namespace {
 
-// Two parts that wait for each other: true when two threads took them.
+// Two tasks that wait for each other: true if two threads executed them.
 bool two_threads_work() {
   std::atomic<int> started{0};
   std::atomic<bool> together{true};
@@ -212,7 +212,7 @@ TEST_CASE("a forked process works alone and ends", "[core][parallel]") {
   const pid_t child = fork();
   if (child == 0) {
     parallel_for(8, [&](int) { ++parts; });
-    // exit() runs the destructors of statics.
+    // exit() runs the destructors of static objects.
     std::exit(parts == 16 ? 0 : 1);
   }
   int status = -1;

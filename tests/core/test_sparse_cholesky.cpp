@@ -31,7 +31,7 @@ SparseMatrix lower(const MatX& A) {
   return SparseMatrix(MatX(A.triangularView<Eigen::Lower>()).sparseView());
 }
 
-// (-1, 2, -1) of the second difference with n unknowns; both ends held unless `free`.
+// (-1, 2, -1) of the second difference with n unknowns; both ends fixed unless `free`.
 MatX second_difference(int n, bool free) {
   MatX A = MatX::Zero(n, n);
   for (int i = 0; i < n; ++i) {
@@ -63,7 +63,7 @@ TEST_CASE("A x = b is solved to rounding, for one right-hand side and for many",
       REQUIRE(x.rows() == n);
       REQUIRE(x.cols() == columns);
       CHECK(residual(A, x, b) < 1e-14 * (1 + std::sqrt(n)));
-      // Columns do not see one another.
+      // Columns are independent of each other.
       for (int c = 0; c < columns; ++c)
         CHECK((cholesky.solve(b.col(c)) - x.col(c)).cwiseAbs().maxCoeff() < 1e-14);
     }
@@ -119,7 +119,7 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown, and c
     UNSCOPED_INFO(cholesky.message());
     return !ok && cholesky.message().find("not positive definite") != std::string::npos;
   };
-  CHECK(fails(second_difference(40, true)));  // constants cost nothing: singular
+  CHECK(fails(second_difference(40, true)));  // constants have zero energy: singular
   MatX indefinite = second_difference(40, false);
   indefinite(13, 13) = -1;
   CHECK(fails(indefinite));
@@ -131,7 +131,7 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown, and c
   CHECK(fails(isolated));
   CHECK(cholesky.message().find("unknown 5") != std::string::npos);
 
-  // Scaling the unknowns changes nothing of what is singular.
+  // Singularity is invariant under scaling of the unknowns.
   const VecX scale = VecX::NullaryExpr(40, [](auto i) { return i % 2 ? 1e6 : 1e-6; });
   CHECK(fails(scale.asDiagonal() * second_difference(40, true) * scale.asDiagonal()));
   const SparseMatrix stiff =
@@ -139,7 +139,7 @@ TEST_CASE("a matrix that is not positive definite is reported, not thrown, and c
   cholesky.analyze(stiff);
   CHECK(cholesky.factorize(stiff));
 
-  // The same object, the same pattern, good numbers.
+  // The same object and pattern with regular values.
   const SparseMatrix bad = lower(second_difference(40, true));
   const SparseMatrix good = lower(second_difference(40, false));
   cholesky.analyze(bad);
@@ -184,7 +184,7 @@ TEST_CASE("a factor moves with its numbers", "[core][cholesky]") {
 
 TEST_CASE("a factor that memory cannot hold is refused before its numbers", "[core][cholesky]") {
   if (std::string(SparseCholesky::backend()) != "CHOLMOD") return;
-  // All are coupled to the first alone; with that one eliminated first the factor is full.
+  // All are coupled only to the first one; eliminating it first gives a full factor.
   constexpr int n = 6000;
   std::vector<Triplet> entries;
   std::vector<int> order;
@@ -203,7 +203,7 @@ TEST_CASE("a factor that memory cannot hold is refused before its numbers", "[co
   CHECK_THROWS_WITH(
       cholesky.analyze(A, order),
       Catch::Matchers::Contains("the Cholesky factor of 6000 unknowns needs 288 MB of memory"));
-  cholesky.analyze(A);  // the other way round it stays as sparse as A
+  cholesky.analyze(A);  // reversed, it is as sparse as A
   REQUIRE(cholesky.factorize(A));
   set_memory_limit(0);
   CHECK_NOTHROW(cholesky.analyze(A, order));

@@ -1,4 +1,4 @@
-// The numeric factorization behind SparseCholesky: laws of its numbers.
+// The numeric factorization behind SparseCholesky: properties of its values.
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,8 @@ using namespace batten_test;
 
 namespace {
 
-// Lower triangle of a grid of nodes with some unknowns each, which see all nodes so near; the
-// diagonal outweighs its row.
+// Lower triangle of a grid of nodes with some unknowns each, coupled to all nodes within a
+// distance; diagonally dominant.
 SparseMatrix grid(int wide, int high, int dofs, int reach) {
   std::mt19937 random(7);
   std::vector<Triplet> entries;
@@ -36,7 +36,7 @@ SparseMatrix grid(int wide, int high, int dofs, int reach) {
   return A;
 }
 
-// Each row has some entries anywhere.
+// Each row has some entries at random positions.
 SparseMatrix scattered(int n, int a_row) {
   std::mt19937 random(n);
   std::vector<Triplet> entries;
@@ -55,7 +55,7 @@ SparseMatrix scattered(int n, int a_row) {
   return A;
 }
 
-// The last `heads` unknowns see all, the others only themselves.
+// The last `heads` unknowns are coupled to all, the others only to themselves.
 SparseMatrix arrow(int n, int heads) {
   std::mt19937 random(5);
   std::vector<Triplet> entries;

@@ -30,8 +30,8 @@ SparseCholesky factor_of(const BendingMatrix& problem) {
 }
 
 #ifdef BATTEN_TEST_CHOLMOD
-// CHOLMOD's own solve with the numbers of our factor: another factor's rounding, times the condition
-// number, would hide what is compared.
+// CHOLMOD's own solve with the values of our factor: the rounding of another factor, times the
+// condition number, would hide the difference.
 MatX solved_by_cholmod(const BendingMatrix& problem, const MatX& b) {
   SupernodalFactor factor;
   factor.analyze(problem.K, problem.order, FactorReuse::once);
@@ -145,7 +145,7 @@ TEST_CASE("numbers change again and again, the analysis stays", "[core][cholesky
   broken.coeffRef(40, 40) = -1;
   for (int round = 0; round < 3; ++round) {
     REQUIRE(cholesky.factorize(stiffer));
-    CHECK(same(4 * cholesky.solve(b), first));  // the square of a power of two changes no digit
+    CHECK(same(4 * cholesky.solve(b), first));  // multiplication by a power of 4 is exact
     REQUIRE_FALSE(cholesky.factorize(broken));
     CHECK_THROWS_AS(cholesky.solve(b), NoSolutionError);
     REQUIRE(cholesky.factorize(problem.K));
@@ -160,7 +160,7 @@ TEST_CASE("numbers change again and again, the analysis stays", "[core][cholesky
     const MatX c = random_columns(other.K.rows(), 9);
     CHECK(backward_error(other.K, cholesky.solve(c), c) < 1e-14);
   }
-  // An analysis that is refused leaves the old factor.
+  // A rejected analysis keeps the old factor.
   cholesky = factor_of(problem);
   CHECK_THROWS_AS(cholesky.analyze(SparseMatrix(3, 4)), InputError);
   CHECK(same(cholesky.solve(b), first));
@@ -223,7 +223,7 @@ TEST_CASE("a partial solve visits only the supernodes that it needs", "[core][ch
     MatX x = MatX::Zero(A.rows(), 3);
     x.row(unknown).setOnes();
     solve.solve(part, x);
-    // No supernode that is not visited has changed, not even beside visited ones.
+    // Supernodes that are not visited are unchanged, even next to visited ones.
     long unvisited = 0, changed = 0;
     for (int s = 0; s < L.count; ++s)
       for (int i = L.columns[s]; i < L.columns[s + 1] && !part.forward[s]; ++i) {
@@ -257,7 +257,7 @@ TEST_CASE("trees are cut in chunks for threads where that pays, and only there",
   }());
   CHECK(one == 1);
   CHECK(one_thread == 1);
-  // A long strip: one spine, whose pieces would only be handed about.
+  // A long strip: one path of the elimination tree, which cannot be split among threads.
   std::vector<Triplet> entries;
   const int length = 20000, width = 6;
   for (int i = 0; i < length * width; ++i) {
@@ -274,7 +274,7 @@ TEST_CASE("factors made at the same time in two threads have the bits of one mad
           "[core][cholesky]") {
   const SparseMatrix A = holed_sheet(14600).normal;
   const MatX b = random_columns(A.rows(), 1);
-  const auto solution = [&] {  // in any thread: no assertion in here
+  const auto solution = [&] {  // in any thread: no assertions in here
     SparseCholesky cholesky;
     cholesky.analyze(A);
     return cholesky.factorize(A) ? cholesky.solve(b) : MatX();
@@ -297,7 +297,7 @@ TEST_CASE("systems that cannot be solved are refused with the reason", "[core][c
   cholesky = factor_of(problem);
   MatX shorter = b.topRows(5);
   CHECK_THROWS_AS(cholesky.solve_in_place(shorter), InputError);
-  // As many entries, one of them elsewhere.
+  // The same number of entries, one at another position.
   SparseMatrix moved = problem.K;
   moved.prune([&](long row, long column, double) { return row != 40 || column != 39; });
   const bool was_there = moved.nonZeros() < problem.K.nonZeros();
@@ -317,7 +317,7 @@ TEST_CASE("systems that cannot be solved are refused with the reason", "[core][c
   SparseCholesky another = factor_of(other);
   MatX c = MatX::Ones(other.K.rows(), 1);
   CHECK_THROWS_AS(another.solve_in_place(part, c), InputError);
-  another.analyze(problem.K);  // the same matrix, another order
+  another.analyze(problem.K);  // the same matrix, another ordering
   REQUIRE(another.factorize(problem.K));
   CHECK_THROWS_AS(another.solve_in_place(part, b), InputError);
 
@@ -363,7 +363,7 @@ TEST_CASE("a matrix with padding between its columns is the same matrix", "[core
 TEST_CASE("numbers that are not finite are no factor, wherever they are", "[core][cholesky]") {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
     for (const int where : {0, 1, 7, 24, 25, 49}) {
-      // Two chains that know nothing of each other.
+      // Two decoupled chains.
       std::vector<Triplet> entries;
       for (int i = 0; i < 50; ++i) {
         entries.emplace_back(i, i, i == where ? bad : 2.0);
@@ -400,7 +400,7 @@ TEST_CASE("an order for many factorizations has no more entries than AMD's", "[c
   if (SparseCholesky::backend() == std::string("CHOLMOD"))
     CHECK(thorough.factor_entries() < 0.95 * static_cast<double>(quick.factor_entries()));
   const long entries = thorough.factor_entries();
-  thorough.analyze(A);  // the thorough order is not remembered
+  thorough.analyze(A);  // the thorough ordering is not kept
   REQUIRE(thorough.factorize(A));
   CHECK(thorough.factor_entries() == quick.factor_entries());
   thorough.analyze(A, FactorReuse::many);
@@ -433,7 +433,8 @@ TEST_CASE("the least-squares residual corrects what the normal equations lost",
     CHECK(error(refined) > 10 * error(corrected));
     CHECK_THAT(change, Catch::Matchers::WithinRel(error(solved), 0.1));
 
-    // A right-hand side that no x comes near: what is left of it tells nothing about x.
+    // A right-hand side that is far from the range of A: its residual contains no information about
+    // x.
     MatX far = random_columns(sheet.rows.rows(), 3);
     for (int again = 0; again < 3; ++again) {
       MatX near = cholesky.solve(sheet.rows.transpose() * far);

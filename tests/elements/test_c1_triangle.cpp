@@ -23,7 +23,7 @@ struct Draws : Random {
   Vec12 dofs() {
     return Vec12::NullaryExpr([&] { return (*this)(); });
   }
-  /// Barycentric, at least `margin` away from edges and from the spokes of HCT.
+  /// Barycentric coordinates at least `margin` away from edges and from the inner edges of HCT.
   Vec3 inside(double margin = 0.02) {
     for (;;) {
       Vec3 L(between(0, 1), between(0, 1), 0);
@@ -33,7 +33,7 @@ struct Draws : Random {
       if (L.minCoeff() > margin && spokes > margin) return L;
     }
   }
-  /// A triangle of size 1 whose altitudes are not all too small, with any edge signs.
+  /// A triangle of size 1 with altitudes that are not too small, and any edge signs.
   TriangleShape triangle() {
     for (;;) {
       const Vec2 a((*this)(), (*this)()), b((*this)(), (*this)()), c((*this)(), (*this)());
@@ -46,7 +46,7 @@ struct Draws : Random {
   double sign() { return engine() % 2 ? 1 : -1; }
 };
 
-// Unit normal of edge i as the dof w_n means it.
+// Unit normal of edge i, as used by the dof w_n.
 Vec2 edge_normal(const TriangleShape& shape, int i) {
   const Vec2 t =
       shape.edge_sign[i] * (shape.vertex[(i + 2) % 3] - shape.vertex[(i + 1) % 3]).normalized();
@@ -105,12 +105,12 @@ VecX vector(const nlohmann::json& entries) {
   return v;
 }
 
-// A rule that is exact to rounding for products of the functions and a linear weight.
+// A rule that is exact up to rounding for products of the functions and a linear coefficient.
 TriangleRule fine_rule(TriangleElement kind) {
   return kind == TriangleElement::HCT ? split_triangle_rule(8) : six_duffy_rule(11);
 }
 
-// The energy's matrix by quadrature of evaluate(), its definition.
+// The matrix of the energy by quadrature of evaluate(), its definition.
 Mat12 stiffness_by_quadrature(TriangleElement kind, const TriangleShape& shape,
                               const std::function<SurfaceStiffness(const Vec3&)>& material) {
   const TriangleRule rule = fine_rule(kind);
@@ -141,7 +141,7 @@ TriangleShape gold_triangle() { return {{0.1, 0.2}, {1.3, 0.4}, {0.5, 1.1}}; }
 
 }  // namespace
 
-// --- against reference numbers ------------------------------------------------------------------
+// --- compared with reference values --------------------------------------------------------------
 
 TEST_CASE("element matrices, loads and values are the reference numbers",
           "[elements][c1_triangle]") {
@@ -162,7 +162,7 @@ TEST_CASE("element matrices, loads and values are the reference numbers",
     CHECK(relative_error(element.mass(), matrix(gold["mass"])) < 1e-12);
     CHECK(relative_error(element.load(), vector(gold["load_f1"])) < 1e-12);
 
-    // A weight that varies: the gold matrix by a rule that is exact.
+    // Variable coefficient: the reference matrix by an exact rule.
     const MatX varying = matrix(gold["K_linear_coeff alpha=c*I, beta=c*(1,1,1), c=L1+2L2+3L3"]);
     Mat12 K;
     variable_stiffness(
@@ -200,7 +200,8 @@ TEST_CASE("element matrices, loads and values are the reference numbers",
 
 TEST_CASE("Z12's reference tensors are the integrals of the paper's raw functions",
           "[elements][c1_triangle]") {
-  // Row r: the reference dofs of raw function r, by hand. raw = C N̂, so that S_raw = C Ŝ Cᵀ.
+  // Row r: the reference dofs of raw function r, computed analytically. raw = C N̂, so that S_raw =
+  // C Ŝ Cᵀ.
   Mat12 C;
   const auto gradients = [](const Vec3& L) {
     Eigen::Matrix<double, 9, 3> g = Eigen::Matrix<double, 9, 3>::Zero();
@@ -228,7 +229,7 @@ TEST_CASE("Z12's reference tensors are the integrals of the paper's raw function
     C.block<9, 1>(0, 3 * i + 2) = at_vertex.col(k) - at_vertex.col(i);
     const auto at_middle = gradients(middle_of_edge(i));
     C.block<9, 1>(0, 9 + i) = at_middle * (Vec3::Unit(i) - middle_of_edge(i));
-    C(9 + i, 9 + i) = 0.25;  // ∂e_i/∂L_i = L_j L_k on edge i, and zero on the two others
+    C(9 + i, 9 + i) = 0.25;  // ∂e_i/∂L_i = L_j L_k on edge i, and zero on the other two
   }
   const auto gold = batten_test::reference("z12_reference_tensors.json");
   const ReferenceTensors& T = reference_tensors(TriangleElement::Z12);
@@ -347,7 +348,7 @@ TEST_CASE("two triangles join with one tangent plane, whatever their kinds and v
   Draws random(4);
   double worst = 0, smallest_with_wrong_sign = 1;
   for (int trial = 0; trial < 50; ++trial) {
-    // A convex quadrilateral around the origin, cut along 0-2, with vertices numbered at random.
+    // A convex quadrilateral around the origin, cut along 0-2, with random vertex numbers.
     std::vector<Vec2> corners;
     for (int k = 0; k < 4; ++k) {
       const double angle = 1.57 * k + random.between(-0.3, 0.3), r = random.between(0.6, 1.4);
@@ -397,7 +398,7 @@ TEST_CASE("two triangles join with one tangent plane, whatever their kinds and v
       }
   }
   CHECK(worst < 1e-12);
-  CHECK(smallest_with_wrong_sign > 1e-3);  // the law has teeth
+  CHECK(smallest_with_wrong_sign > 1e-3);  // the property fails with the wrong sign
 }
 
 TEST_CASE("HCT and Z12 have the same value and gradient on all three edges",
@@ -421,7 +422,7 @@ TEST_CASE("HCT and Z12 have the same value and gradient on all three edges",
     interior = std::max(interior, difference(random.inside()));
   }
   CHECK(edges < 1e-12);
-  CHECK(interior > 1e-4);  // they are two elements
+  CHECK(interior > 1e-4);  // the two elements differ
 }
 
 TEST_CASE("HCT is C1 across its spokes", "[elements][c1_triangle]") {
@@ -441,7 +442,7 @@ TEST_CASE("HCT is C1 across its spokes", "[elements][c1_triangle]") {
       worst = std::max(worst, (one - other).head<3>().cwiseAbs().maxCoeff());
     }
   }
-  CHECK(worst < 1e-7);  // the distance of the two points times second derivatives of about 100
+  CHECK(worst < 1e-7);  // distance of the two points times second derivatives of about 100
 }
 
 TEST_CASE("Z12 at its vertices is finite, continuous and has the limit along the bisector",
@@ -497,7 +498,7 @@ TEST_CASE("the Bezier ordinates of HCT are the same surface", "[elements][c1_tri
       const Vec3 expected = q.transpose() * element.evaluate(L).col(kW);
       CHECK((x - expected).cwiseAbs().maxCoeff() < 1e-14);
     }
-    // The nets of two sub-triangles share the row along their spoke, bit for bit.
+    // The control nets of two sub-triangles have the same bits in the row along their inner edge.
     for (int s = 0; s < 3; ++s) {
       const auto here = element.bezier(s, q), next = element.bezier((s + 1) % 3, q);
       const std::pair<int, int> shared[] = {{1, 0}, {5, 8}, {6, 7}, {2, 2}};
@@ -609,7 +610,7 @@ TEST_CASE("both triangles carry a constant load in the same way", "[elements][c1
   }
 }
 
-// --- frames, scales, mistakes -------------------------------------------------------------------
+// --- frames, scales, errors ---------------------------------------------------------------------
 
 TEST_CASE("a rigid motion of the triangle moves the surface with it", "[elements][c1_triangle]") {
   Draws random(12);

@@ -37,7 +37,7 @@ void check_is_a_rule(const TriangleRule& rule) {
   REQUIRE(rule.L.rows() == rule.weights.size());
   CHECK(std::abs(rule.weights.sum() - 1) < 1e-15 * std::sqrt(rule.weights.size()) + 1e-15);
   CHECK(rule.weights.minCoeff() > 0);
-  CHECK(rule.L.minCoeff() >= 0);  // inside or on the triangle
+  CHECK(rule.L.minCoeff() >= 0);  // inside the triangle or on its boundary
   CHECK((rule.L.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-15);
 }
 
@@ -117,8 +117,8 @@ TEST_CASE("split rules integrate piecewise polynomials on the three sub-triangle
     check_is_a_rule(rule);
     const long n = symmetric_triangle_rule(degree).weights.size();
     REQUIRE(rule.weights.size() == 3 * n);
-    // λ1^a λ2^b λ3^c on sub-triangle s and 0 on the two others; (λ1, λ2, λ3) are its own
-    // barycentric coordinates, λ3 at the centroid.
+    // λ1^a λ2^b λ3^c on sub-triangle s and 0 on the other two; (λ1, λ2, λ3) are its own barycentric
+    // coordinates, λ3 at the centroid.
     for (int s = 0; s < 3; ++s)
       for (int a = 0; a <= degree; ++a)
         for (int b = 0; a + b <= degree; ++b)
@@ -150,8 +150,8 @@ TEST_CASE("the six-Duffy rule is exact to degree 2m-2 and resolves the rational 
     CHECK(error_at_degree(rule, 2 * m) > 1e-14);
   }
 
-  // Bounded, but with another limit for each direction at two vertices, as the second derivatives
-  // of Z12 are. The integral is 1/9.
+  // Bounded, but with a different limit for each direction at two vertices, as the second
+  // derivatives of Z12. The integral is 1/9.
   const auto error = [](const TriangleRule& rule) {
     double sum = 0;
     for (long p = 0; p < rule.weights.size(); ++p) {

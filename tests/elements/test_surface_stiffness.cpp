@@ -35,7 +35,7 @@ struct Cubic {
   }
 };
 
-// Dofs of w(R p) on a triangle, for a turn R of the plane.
+// Dofs of w(R p) on a triangle, for a rotation R of the plane.
 template <class Function>
 Vec12 dofs_on(const TriangleShape& shape, const Function& w, const Mat2& R) {
   Vec12 q;
@@ -157,7 +157,8 @@ TEST_CASE("materials that add up have energies that add up, and zero mixed terms
     const Mat12 sum = element.stiffness(a + 0.5 * b),
                 parts = element.stiffness(a) + 0.5 * element.stiffness(b);
     CHECK((sum - parts).norm() < 1e-13 * sum.norm());
-    // Mixed terms so small that they vanish beside the others: the other path, the same numbers.
+    // Mixed terms that are negligible relative to the others: the other code path, the same
+    // numbers.
     SurfaceStiffness nearly = b;
     nearly.beta_mixed.setConstant(1e-300);
     CHECK(element.stiffness(nearly) == element.stiffness(b));

@@ -22,7 +22,7 @@ std::vector<Vec3> arc(int points, double degrees) {
   return all;
 }
 
-// A path of straight sides, so many chords each, that turns at its corners.
+// A path of straight sides with given numbers of chords, which turns at its corners.
 std::vector<Vec3> path(const std::vector<double>& turning_angles, int chords, double step = 1) {
   std::vector<Vec3> all{Vec3::Zero()};
   double heading = 0;
@@ -60,7 +60,7 @@ TEST_CASE("corners stand out, between straight sides and at the ends of arcs",
   CHECK(find_corners(path({30, -45, 120}, 4), false, 20) == Numbers{4, 8, 12});
   CHECK(find_corners(path({10}, 8), false, 8) == Numbers{8});
   CHECK(find_corners(path({10}, 8), false, 20).empty());
-  // Polygons are given by their corners, chamfered ones too.
+  // Polygons given by their corners, including chamfered ones.
   CHECK(find_corners({{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0, 3, 0}}, true, 20) ==
         Numbers{0, 1, 2, 3});
   CHECK(find_corners({{1, 0, 0},
@@ -73,7 +73,7 @@ TEST_CASE("corners stand out, between straight sides and at the ends of arcs",
                       {0, 1, 0}},
                      true, 20)
             .size() == 8);
-  // A D: an arc and the line that closes it.
+  // A D shape: an arc and the line that closes it.
   std::vector<Vec3> d = arc(17, 180);
   CHECK(find_corners(d, true, 20) == Numbers{0, 16});
 }
@@ -99,10 +99,10 @@ TEST_CASE("rounded corners and noses are none", "[fairing][corners]") {
   wing.emplace_back(0, 0, 0);
   for (int i = 16; i >= 0; --i) wing.emplace_back(stations[i], -half(stations[i]), 0);
   CHECK(find_corners(wing, false, 8).empty());
-  // Either side of it, given by itself.
+  // Each half of it as a separate curve.
   CHECK(find_corners({wing.begin(), wing.begin() + 18}, false, 8).empty());
   CHECK(find_corners({wing.begin() + 17, wing.end()}, false, 8).empty());
-  // A kink before the last chord stays one.
+  // A kink before the last chord is still detected.
   std::vector<Vec3> hook(wing.begin(), wing.begin() + 12);
   hook.push_back(hook.back() + Vec3(-0.04, -0.03, 0));
   CHECK(find_corners(hook, false, 8) == Numbers{11});
@@ -117,7 +117,7 @@ TEST_CASE("noise makes no corners, and hides none that stand far above it", "[fa
     REQUIRE(found.size() == 1);
     CHECK(std::abs(found[0] - 40) <= 2);
   }
-  // Thousands of points are looked at through means.
+  // Thousands of points are examined by local means.
   const Numbers many = find_corners(noisy(path({60}, 2000, 0.01), 0.05, 3), false, 20);
   REQUIRE(many.size() == 1);
   CHECK(std::abs(many[0] - 2000) < 60);

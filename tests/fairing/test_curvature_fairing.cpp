@@ -1,5 +1,5 @@
-// Least curvature: circles come out of points, elasticas out of clamped ends, spheres out of three
-// arcs, and neither unit nor place nor parameter matters.
+// Minimum curvature: points give circles, clamped ends give elasticas, three arcs give spheres, and
+// the result is independent of unit, position and parameter.
 #include "batten/fairing/curvature/curvature_fairing.h"
 
 #include <Eigen/LU>
@@ -38,7 +38,7 @@ Vec3 direction(double degrees) {
   return {std::cos(degrees * pi / 180), std::sin(degrees * pi / 180), 0};
 }
 
-// `count` points every quarter of a circle in a plane that M turns.
+// `count` points per quarter of a circle in a plane, mapped by M.
 std::vector<CurveThroughPoint> on_circle(int count, bool tangents, double radius = 1,
                                          const Vec3& centre = Vec3::Zero(),
                                          const Mat3& M = Mat3::Identity()) {
@@ -63,7 +63,7 @@ Mat3 some_rotation() {
   return Eigen::AngleAxisd(1.1, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
 }
 
-// A plane curve by its angle: θ' = κ, κ'' = -κ³/2 (a rod of free length), from 0 over length L.
+// A planar curve by its angle: θ' = κ, κ'' = -κ³/2 (a rod of free length), from 0 over length L.
 struct Elastica {
   Vec3 end;  // x, y, θ
   double energy = 0;
@@ -92,7 +92,7 @@ Elastica elastica(double angle, double kappa, double slope, double L) {
   return result;
 }
 
-// Shoots from (0, 0) at angle `from` to `end` (x, y, θ), by Newton's method.
+// Shooting method from (0, 0) at angle `from` to `end` (x, y, θ), with Newton's method.
 Elastica shot(double from, const Vec3& end, Vec3 guess) {
   for (int step = 0; step < 30; ++step) {
     const Vec3 miss = elastica(from, guess[0], guess[1], guess[2]).end - end;
@@ -132,7 +132,7 @@ TEST_CASE("quintic segments hold fifth degrees, and cubics follow them within a 
       error = std::max(error, (cubics.evaluate(at) - p(at, 0)).norm());
     }
     CHECK(error <= tolerance);
-    CHECK(error > 0.05 * tolerance);  // no more pieces than it takes
+    CHECK(error > 0.05 * tolerance);  // no more segments than necessary
   }
   CHECK_THROWS_AS(curve.cubics(0), InputError);
   CHECK_THROWS_AS(QuinticCurve(u, dofs.topRows(11)), InputError);
@@ -230,7 +230,7 @@ TEST_CASE("a rod clamped at both ends is the elastica that shooting finds", "[fa
 
 TEST_CASE("half of the rectangular elastica", "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
-  // Of width 1, from where it starts upright to its top: height √2/c, energy c².
+  // Width 1, from its vertical start to its top: height √2/c, energy c².
   const double k = std::sqrt(0.5), c = 2 * (2 * std::comp_ellint_2(k) - std::comp_ellint_1(k));
   const auto half = minimum_curvature_curve(
       {{Vec3(0, 0, 0), direction(90)}, {Vec3(0.5, std::sqrt(2.0) / c, 0), direction(0)}}, false,
@@ -269,7 +269,7 @@ TEST_CASE("ends of a helix give a space curve that varies no more than the helix
   CHECK(c.functional < own);
   CHECK(c.functional > 0.1 * own);
 
-  // No free dof changes the functional in first order.
+  // The first variation is zero for every free dof.
   const auto slopes = [](const QuinticCurve& curve) {
     double sum = 0;
     for (int node = 0; node < curve.node_count(); ++node)
@@ -347,7 +347,7 @@ TEST_CASE("a wavy curve is faired between its constraints", "[fairing][curves]")
     CHECK(away > nearer);
     nearer = away;
   }
-  // Held points alone: what is between is forgotten.
+  // Only the fixed points matter: the shape between them is discarded.
   const auto free = fair_curvature(wavy, holds, {}, options_of(CurveFunctional::Energy, 16, 1e-6));
   CHECK(free.functional < fairer);
 }
@@ -397,7 +397,7 @@ TEST_CASE("curvature fairing refuses invalid input", "[fairing][curves]") {
 namespace {
 
 // n² triangles of an equilateral domain, as the octant of the unit sphere between three quarter
-// circles, with the rows that hold these and the normals along them.
+// circles, with constraints on these and on the normals along them.
 struct Octant {
   std::shared_ptr<const ParametricMesh> mesh;
   ConstraintSet rows{0};
@@ -453,7 +453,7 @@ double sphere_error(const Surface& surface) {
   return error;
 }
 
-// A bent surface without symmetry.
+// An asymmetric bent surface.
 Surface bent_surface(TriangleElement kind, double unit = 1, const Mat3& M = Mat3::Identity(),
                      const Vec3& by = Vec3::Zero()) {
   return interpolated(std::make_shared<ParametricMesh>(perturbed_square(3, 5)), kind,
@@ -479,7 +479,7 @@ TEST_CASE("three quarter circles with their normals give the sphere, with order 
     const Surface start = octant.least_bending(TriangleElement::HCT);
     const SurfaceCurvatureResult result = fair_curvature(start, octant.rows, options);
     const double error = sphere_error({octant.mesh, TriangleElement::HCT, result.dofs});
-    const double functional = std::abs(result.functional - pi);  // 2 × the octant's area
+    const double functional = std::abs(result.functional - pi);  // twice the octant's area
     INFO(n << ": distance " << error << ", functional " << functional << ", iterations "
            << result.iterations);
     CHECK(result.max_residual < 1e-14);
@@ -542,7 +542,7 @@ TEST_CASE("the functional of a surface depends neither on position nor on size n
     CHECK(curvature_functional(bent_surface(kind, 1000)) == Approx(here).epsilon(1e-12));
     CHECK(curvature_functional(bent_surface(kind, 1, -Mat3::Identity())) ==
           Approx(here).epsilon(1e-12));
-    // As Surface and Curvatures have it, at the same points.
+    // As Surface and Curvatures compute it at the same points.
     const Surface surface = bent_surface(kind);
     const TriangleRule& rule = C1Triangle::default_quadrature(kind);
     double sum = 0;

@@ -1,4 +1,4 @@
-// The curve fit: few segments, within the tolerance both ways; exact where the input is cubic.
+// Curve fit: few segments, within the tolerance in both directions; exact if the input is cubic.
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -35,14 +35,14 @@ FitOptions within(double tolerance) {
   return options;
 }
 
-// Largest distance of points from a curve, by its own closest points.
+// Largest distance of points from a curve, by its own closest-point search.
 double farthest(const HermiteCurve& curve, const std::vector<Vec3>& points) {
   double worst = 0;
   for (const Vec3& p : points) worst = std::max(worst, curve.closest_point(p).distance);
   return worst;
 }
 
-// Largest jump of the tangent direction over all nodes but corners, radians.
+// Largest jump of the tangent direction over all nodes except corners, radians.
 double largest_kink(const HermiteCurve& curve) {
   double worst = 0;
   const int n = curve.segment_count();
@@ -71,12 +71,12 @@ TEST_CASE("a fit keeps its tolerance both ways, with fewer segments than points,
     CHECK(fit.deviation.max <= tolerance);
     CHECK(fit.deviation.between <= tolerance);
     CHECK(farthest(fit.curve, points) <= fit.deviation.max * (1 + 1e-9));
-    for (int i = 0; i < 200; ++i)  // between the points too: the helix itself
+    for (int i = 0; i < 200; ++i)  // between the points, too: distance from the helix itself
       CHECK(fit.curve.closest_point(helix((i + 0.5) / 200)).distance <= tolerance + 1e-6);
     CHECK(largest_kink(fit.curve) < 1e-12);
     CHECK((fit.curve.position(0) - points.front()).norm() < 1e-15);
     CHECK((fit.curve.position(fit.curve.node_count() - 1) - points.back()).norm() < 1e-15);
-    // Fourth order: a hundredth of the tolerance takes 3.2 times the segments.
+    // Fourth order: 1/100 of the tolerance needs 3.2 times as many segments.
     const int segments = fit.curve.segment_count();
     INFO(tolerance << ": " << segments);
     CHECK(segments <= (tolerance > 5e-3 ? 4 : tolerance > 5e-5 ? 11 : 36));
@@ -113,14 +113,14 @@ TEST_CASE("a closed fit is C1 across its seam", "[fairing][curve_fit]") {
   CHECK(fit.deviation.max <= 1e-3);
   CHECK(fit.deviation.between <= 1e-3);
   CHECK(fit.curve.segment_count() <= 12);
-  options.closed = true;  // said, without repeating the point
+  options.closed = true;  // explicitly closed, without repeating the point
   CHECK(fit_points("loop", points, options).curve.segment_count() == fit.curve.segment_count());
   options.closed = false;
   CHECK_FALSE(fit_points("loop", repeated, options).curve.closed());
 }
 
 TEST_CASE("corners are found, kept exactly, and no more than there are", "[fairing][curve_fit]") {
-  // A house: five corners, 20 points a side.
+  // A house: five corners, 20 points per side.
   const std::vector<Vec3> corner = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 5, 0}, {0, 3, 0}};
   std::vector<Vec3> points;
   for (int c = 0; c < 5; ++c)
@@ -133,7 +133,7 @@ TEST_CASE("corners are found, kept exactly, and no more than there are", "[fairi
   CHECK(fit.curve.mesh().corners().size() == 5);
   CHECK(fit.curve.segment_count() == 5);
   for (const Vec3& c : corner) CHECK(fit.curve.closest_point(c).distance < 1e-14);
-  // Noise of a tenth of the spacing makes no corners, and hides none.
+  // Noise of a tenth of the spacing neither creates corners nor hides them.
   Random random(3);
   for (Vec3& p : points) p += 0.02 * random.point();
   CHECK(find_corners(points, true, 40) == std::vector<int>{0, 20, 40, 60, 80});
@@ -142,7 +142,7 @@ TEST_CASE("corners are found, kept exactly, and no more than there are", "[fairi
     for (Vec3& p : smooth) p += noise * random.point();
     CHECK(find_corners(smooth, false, 50).empty());
   }
-  // Given corners count instead.
+  // Given corners are used instead.
   options.corners = {{0, 40}};
   CHECK(fit_points("house", points, within(0.1)).curve.mesh().corners().size() <= 5);
   options.tolerance = 0.05;
@@ -153,7 +153,8 @@ TEST_CASE("corners are found, kept exactly, and no more than there are", "[fairi
 
 TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces",
           "[fairing][curve_fit]") {
-  // Two Bézier pieces that meet with one direction and different speeds, then a corner.
+  // Two Bézier segments with the same direction and different speeds at their junction, then a
+  // corner.
   const auto first = bezier_curve({0, 0, 0}, {1, 0, 1}, {2, 1, 1}, {3, 1, 0});
   const HermiteCurve one = *exact_curve(*first, 50);
   REQUIRE(one.segment_count() == 1);
@@ -170,7 +171,7 @@ TEST_CASE("a cubic input is converted exactly, whatever the speeds of its pieces
     CHECK(cornered.closest_point(house->evaluate(t)).distance < 1e-14);
   }
   CHECK_FALSE(exact_curve(*ellipse(), 50));
-  // A Hermite curve comes back as it is, closed and with uneven parameters.
+  // A Hermite curve is reproduced, also closed and with uneven parameters.
   Random random(5);
   Points dofs(10, 3);
   for (int i = 0; i < 5; ++i) {
@@ -255,7 +256,7 @@ TEST_CASE("points that cannot be fitted are refused by name, unusual ones are fi
              }),
              Contains("three or more"));
 
-  // Two points, repeated points, all on a line, there and back, a crossing.
+  // Two points, repeated points, collinear points, back and forth, a self-intersection.
   CHECK(fit({{0, 0, 0}, {1, 1, 1}}).curve.segment_count() == 1);
   CHECK(fit({{0, 0, 0}, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}}).parameters.size() == 4);
   const CurveFit straight = fit(points_of(50, [](double s) { return Vec3(s, 2 * s, 3 * s); }));
@@ -265,7 +266,7 @@ TEST_CASE("points that cannot be fitted are refused by name, unusual ones are fi
   for (int i = 29; i-- > 0;) doubled.push_back(doubled[i]);
   const CurveFit back = fit(doubled);
   CHECK(back.deviation.max <= 0.01);
-  CHECK(back.curve.mesh().corners().size() == 2);  // closed: where it turns, and where it ends
+  CHECK(back.curve.mesh().corners().size() == 2);  // closed: at the turning point and at the end
   CHECK(back.curve.length() == Approx(2).epsilon(0.02));
   const auto eight = points_of(
       60, [](double s) { return Vec3(std::sin(2 * pi * s), std::sin(4 * pi * s), 0); }, true);
@@ -273,8 +274,8 @@ TEST_CASE("points that cannot be fitted are refused by name, unusual ones are fi
   corner.closed = true;
   const CurveFit crossing = fit_points("eight", eight, corner);
   CHECK(crossing.deviation.max <= 0.01);
-  CHECK(crossing.curve.length() == Approx(9.43).epsilon(0.01));  // passes the crossing twice
-  // A smooth curve cannot turn back: the points are still kept.
+  CHECK(crossing.curve.length() == Approx(9.43).epsilon(0.01));  // passes it twice
+  // A smooth curve cannot reverse its direction: the points are still within the tolerance.
   corner.closed = false;
   corner.corner_angle = 180;
   CHECK(fit_points("back", doubled, corner).deviation.max <= 0.01);
@@ -308,7 +309,7 @@ TEST_CASE("fuzz: whatever the points, the fit keeps its tolerance at them",
     }
     CHECK(fit.deviation.max <= options.tolerance);
     CHECK(farthest(fit.curve, points) <= options.tolerance * (1 + 1e-9));
-    CHECK(fit.deviation.between < 0.5 * scale);  // no loops, however wild the points
+    CHECK(fit.deviation.between < 0.5 * scale);  // no loops, even for irregular points
     CHECK(fit.curve.segment_count() <= 2 * static_cast<int>(points.size()) + 4);
     CHECK(largest_kink(fit.curve) < 1e-9);
   }
@@ -356,14 +357,14 @@ TEST_CASE("points that all but repeat their neighbour are no corners", "[fairing
     CHECK(fit.deviation.max <= 1e-3);
     CHECK(fit.parameters.size() == arc.size());
   }
-  // Short lists have their corners all the same.
+  // Corners are also found in short lists.
   CHECK(find_corners({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}}, false, 50) ==
         std::vector<int>{2});
 }
 
 TEST_CASE("a curve does not race through the hooks of a stroke, nor stray between its points",
           "[fairing][curve_fit]") {
-  // Drawn by hand; hooks at both ends, where the pen came down and was lifted.
+  // Hand-drawn; hooks at both ends, where the pen was set down and lifted.
   const std::vector<Vec3> stroke = {
       {0.1019, 0.9136, 0.4299}, {0.0987, 0.9116, 0.4319}, {0.1155, 0.9114, 0.4798},
       {0.1246, 0.9125, 0.5308}, {0.1278, 0.9135, 0.5723}, {0.1262, 0.9156, 0.6244},
@@ -418,7 +419,7 @@ TEST_CASE("rounds that cannot reach the tolerance are not begun, and move no par
   CHECK(often.worst() > 1e-3);
   CHECK(often.dofs == once.dofs);
   for (int i = 0; i <= 20; ++i) CHECK(often.points[i].t == i / 20.0);
-  // Near enough: more rounds come nearer, and move them.
+  // Outside the tolerance: more iterations come closer, and move the points.
   often.tolerance = once.tolerance = 0.8 * once.worst();
   once.iterate(1);
   often.iterate(30);

@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-// Largest difference between the derivatives and differences of the curve.
+// Largest difference between the derivatives and finite differences of the curve.
 double error_of_derivatives(const InputCurve& curve) {
   double most = 0;
   const double h = 1e-5 * (curve.end() - curve.start());
@@ -43,7 +43,7 @@ TEST_CASE("arcs, ellipses and helices are their formulas", "[fairing][curve_shap
   for (int k = 0; k <= 20; ++k) {
     const Vec3 d = ellipse->evaluate(ellipse->end() * k / 20) - plane.centre;
     CHECK(std::pow(d.dot(plane.x) / 3, 2) + std::pow(d.dot(plane.y) / 2, 2) == Approx(1));
-    CHECK(d.dot(plane.y) < 1e-12);  // backwards
+    CHECK(d.dot(plane.y) < 1e-12);  // reversed
     CHECK(std::abs(d.dot(plane.normal())) < 1e-12);
   }
   const auto screw = helix(plane, 2, 3, 2.5);

@@ -1,4 +1,5 @@
-// Fairing: springs to the data against bending, whole and in a stretch, under conditions.
+// Smoothing splines: springs to the data and bending energy, for a whole curve and a part, with
+// conditions.
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -35,7 +36,7 @@ Vec3 loop(double s) {
 
 struct Noisy {
   std::vector<Vec3> points;
-  double noise = 0;  // rms distance from the true curve
+  double noise = 0;  // rms distance from the exact curve
 };
 
 double distance_to(const std::function<Vec3(double)>& x, const Vec3& p) {
@@ -123,8 +124,8 @@ TEST_CASE("automatic fairing takes more than half of the noise, never adds to it
 
 namespace {
 
-// NACA's four-digit section with its chord of 1, points crowding at both edges, from the trailing
-// edge over the upper side and back.
+// NACA's four-digit section of chord 1 with points clustered at both edges, from the trailing edge
+// over the upper side and back.
 std::vector<Vec3> airfoil(double camber, double at, double thickness, int side) {
   std::vector<Vec3> upper, lower;
   for (int i = 0; i <= side; ++i) {
@@ -251,7 +252,7 @@ TEST_CASE("outliers of a noisy curve are ignored, corners and bends are none",
 
 namespace {
 
-// Eight waves in each coordinate, a fortieth to a twentieth of the roof line long.
+// Eight waves per coordinate, with wavelengths of 1/40 to 1/20 of the roof line's length.
 std::vector<Vec3> jittered_roof(unsigned seed, double height, const std::vector<int>& axes) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform;
@@ -296,7 +297,7 @@ TEST_CASE("points that a tremor moves to and fro have no corners where that is s
     const std::vector<Vec3> points = jittered_roof(seed, 0.02, {0, 1, 2});
     const double before = error(points, roof);
     FairOptions options;
-    // Nothing is known: its kinks are taken for corners.
+    // Without any given parameter, its kinks are taken for corners.
     CHECK(fair_points("roof", points, options).curve.mesh().corners().size() > 5);
     options.smoothing = FairOptions::Smoothing::Wavelength;
     options.wavelength = roof_length() / 6;
@@ -319,7 +320,7 @@ TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps
   const FairCurve fair = fair_points("roof", data.points, options);
   const Fairness f = fairness(fair.curve);
   CHECK(f.largest_jump < 1e-3 * f.largest_curvature);
-  // Any other curve on the same nodes costs more; points belong to their shares of the chords.
+  // Any other curve on the same nodes costs more; points are weighted by their part of the chords.
   std::vector<double> u = {0};
   for (size_t i = 1; i < data.points.size(); ++i)
     u.push_back(u.back() + (data.points[i] - data.points[i - 1]).norm());
@@ -347,7 +348,7 @@ TEST_CASE("the smoothing spline: its energy is least, its curvature hardly jumps
     Points dofs = fair.curve.dofs();
     for (long d = 0; d < dofs.rows(); ++d) dofs.row(d) += 1e-4 * random.point().transpose();
     CHECK(cost(HermiteCurve(fair.curve.mesh(), dofs)) > least);
-    // At the least the cost has no slope.
+    // At the minimum, the gradient of the cost is zero.
     const Points step = 0.01 * (dofs - fair.curve.dofs());
     const double rise = cost(HermiteCurve(fair.curve.mesh(), fair.curve.dofs() + step)) - least,
                  fall = cost(HermiteCurve(fair.curve.mesh(), fair.curve.dofs() - step)) - least;
@@ -452,7 +453,7 @@ TEST_CASE("conditions hold exactly after fairing, alone and together, open and c
   CHECK((held.curve.evaluate(0) - data.points.front()).norm() < 1e-15);
   CHECK((held.curve.evaluate(held.curve.end()) - data.points.back()).norm() < 1e-15);
 
-  // A closed loop, symmetric about the plane x = 0 turned by noise.
+  // A closed loop, symmetric about the plane x = 0 except for noise.
   const Noisy ring = noisy(
       90, 3, 0.01,
       [](double s) { return Vec3(2 * std::cos(2 * pi * s), std::sin(2 * pi * s), 0.1); }, true);
@@ -515,7 +516,7 @@ TEST_CASE("a closed curve under a given wavelength keeps the longer waves", "[fa
     const FairCurve fair = fair_points("circle", circle, options);
     // The circle is one wave around its length 2π.
     const double a = wavelength / (2 * pi);
-    const double b = 1 / (1 + std::pow(pi / wavelength, 2));  // of the length 2π
+    const double b = 1 / (1 + std::pow(pi / wavelength, 2));  // of length 2π
     const double kept = 1 / (1 + (1 - b) * std::pow(a, 6) + b * std::pow(a, 4));
     CHECK(fair.curve.length() / (2 * pi) == Approx(kept).epsilon(0.01));
     CHECK(fair.curve.end() == Approx(fair.curve.length()).epsilon(1e-3));
@@ -564,13 +565,13 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit",
   }
   CHECK(changed > 10);
   CHECK(same > 100);
-  // Evaluations of untouched segments have the same bits too.
+  // The bits of unchanged segments are the same.
   for (const double u : {0.1, 0.333, 0.7, 1.8, 2.1}) {
     if ((before.evaluate(u) - centre).norm() < 0.32) continue;
     CHECK(same_bits(before.evaluate(u), after.evaluate(u)));
     CHECK(same_bits(before.evaluate(u, 2), after.evaluate(u, 2)));
   }
-  // Fairer inside, and not far away.
+  // Fairer inside, and close to the original.
   const auto waviness = [&](const HermiteCurve& curve) {
     double sum = 0;
     for (int k = 0; k < 200; ++k) {
@@ -583,7 +584,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit",
   for (int k = 0; k <= 100; ++k)
     CHECK(before.closest_point(after.evaluate(after.end() * k / 100)).distance < 0.02);
 
-  // A stretch by parameters, also across the seam of a closed curve.
+  // A part by parameters, also across the seam of a closed curve.
   const HermiteCurve middle = fair_interval(before, 0.5, 1, 0.5);
   CHECK(same_bits(middle.evaluate(1.5), before.evaluate(1.5)));
   CHECK((middle.evaluate(0.75) - before.evaluate(0.75)).norm() > 1e-6);
@@ -597,19 +598,19 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit",
   CHECK((seam.evaluate(0) - ring.evaluate(0)).norm() > 1e-6);
   CHECK(same_bits(seam.evaluate(0.5 * end), ring.evaluate(0.5 * end)));
   CHECK((seam.slope_in(0) - seam.slope_out(0)).norm() == 0);
-  // However narrow, and however long the segments.
+  // However short the part, and however long the segments.
   const HermiteCurve beam({0, 10}, (Points(2, 3) << 0, 0, 0, 10, 0, 0).finished(),
                           (Points(2, 3) << 1, 1, 0, 1, 1, 0).finished());
   CHECK((fair_interval(beam, 4.0, 4.3, 100).evaluate(4.15) - beam.evaluate(4.15)).norm() > 1e-6);
   CHECK((fair_brush(beam, beam.evaluate(7.77), 0.1, 100).evaluate(7.77) - beam.evaluate(7.77))
             .norm() > 1e-7);
   CHECK_THAT(error_message([&] { fair_interval(beam, 20, 30, 1); }), Contains("from 20 to 30"));
-  // Less bent than before by the dense minimum: no node may improve it.
+  // Less bending by a dense minimisation: no node can improve it.
   const HermiteCurve corner =
       interpolating_spline("corner", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0}});
   REQUIRE(corner.mesh().corners().size() == 1);
   CHECK(fair_brush(corner, {2, 0, 0}, 1, 1).mesh().corners().size() == 1);
-  // The parameter's unit is no part of the shape.
+  // The shape does not depend on the unit of the parameter.
   std::vector<double> slower = before.parameters();
   for (double& u : slower) u *= 3;
   Points dofs = before.dofs();
@@ -619,7 +620,7 @@ TEST_CASE("local fairing changes its stretch only, joined C1, to the last bit",
     const double u = 0.5 + 0.5 * k / 50;
     CHECK((tripled.evaluate(3 * u) - middle.evaluate(u)).norm() < 1e-9);
   }
-  // Everything: still a curve.
+  // Extreme settings: still a curve.
   CHECK(fair_brush(ring, Vec3::Zero(), 10, 1).closed());
   CHECK(fair_brush(before, centre, 10, 0.5).length() == Approx(before.length()).epsilon(0.05));
 }
@@ -713,7 +714,7 @@ TEST_CASE("every stroke of the hand-drawn sketches goes through fit and fair",
         high = high.cwiseMax(p);
       }
       const double size = (high - low).norm();
-      CHECK(fair.deviation.rms <= 0.06 * size);  // 2.5 %, and what moving parameters adds
+      CHECK(fair.deviation.rms <= 0.06 * size);  // 2.5 %, plus the effect of moving parameters
       CHECK(fair.curve.length() <= 1.05 * interpolating_spline("stroke", points).length());
       ++strokes;
     }

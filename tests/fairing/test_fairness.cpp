@@ -1,4 +1,4 @@
-// The fairness report and combs against curves whose curvature is known.
+// The fairness report and curvature combs for curves with known curvature.
 #include <cmath>
 #include <numbers>
 
@@ -80,7 +80,7 @@ TEST_CASE("an ellipse has four extrema, a figure of eight two inflections", "[fa
   };
   const Fairness g = fairness(sampled(200, 0.1, 0.1 + 2 * pi, eight, true));
   CHECK(g.inflections == 2);
-  // In space too: the counts do not know the plane.
+  // Also in space: the counts do not depend on the plane.
   const Mat3 rotation = Eigen::AngleAxisd(2, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   const Fairness turned = fairness(sampled(
       200, 0.1, 0.1 + 2 * pi, [&](double t, int o) { return Vec3(rotation * eight(t, o)); }, true));
@@ -113,7 +113,8 @@ TEST_CASE("a straight line is fair, a wavy one is counted wave by wave, corners 
 
 TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no inflections",
           "[fairing][fairness]") {
-  // Arcs that bulge outwards, or inwards: the curvature vector turns at every corner.
+  // Arcs that bulge outwards, or inwards: the curvature vector changes its direction at every
+  // corner.
   for (const double bulge : {0.3, -0.3}) {
     std::vector<double> u;
     const int per_side = 8;
@@ -133,7 +134,7 @@ TEST_CASE("corners cut the counts: a square of four arcs has no extrema and no i
     }
     const Fairness f = fairness({mesh, dofs});
     CHECK(f.inflections == 0);
-    CHECK(f.extrema == 4);  // the top of each parabola
+    CHECK(f.extrema == 4);  // the vertex of each parabola
     CHECK(f.largest_jump < 1e-9);
   }
 }

@@ -1,4 +1,4 @@
-// Curves through points: lines and arcs among them, corners stated.
+// Curves through points: detected lines and arcs, explicit corners.
 #include <cmath>
 #include <numbers>
 
@@ -24,7 +24,7 @@ std::vector<Vec3> arc_at_seven(int points, double degrees) {
   return all;
 }
 
-// Rounded rectangle of 100 by 60 with radius 8, closed, `per` chords for each corner.
+// Rounded rectangle of 100 by 60 with radius 8, closed, with `per` chords per corner.
 std::vector<Vec3> rounded(int per) {
   std::vector<Vec3> all;
   for (int k = 0; k < 4; ++k)
@@ -99,7 +99,7 @@ TEST_CASE("a straight stretch stays straight beside a bow, symmetric curves are 
   const auto curve = curve_through_points("sheer", points);
   for (int k = 0; k <= 100; ++k) CHECK(std::abs(curve->evaluate(0.4 * k).y()) < 1e-12);
   CHECK(jumps(*curve).first < 1e-6);
-  // Three points at an inflection are on a line by symmetry, four around a vertex on a circle.
+  // Three points at an inflection are collinear by symmetry, four around a vertex are concyclic.
   std::vector<Vec3> wave, bowl;
   for (int i = -4; i <= 4; ++i) wave.emplace_back(0.5 * i, std::sin(0.5 * i), 0);
   for (int i = -4; i < 4; ++i) bowl.emplace_back(i + 0.5, 0.1 * std::pow(i + 0.5, 2), 0);

@@ -44,7 +44,7 @@ bool equal(const HermiteCurve& a, const HermiteCurve& b) {
 
 }  // namespace
 
-TEST_CASE("without stages the result is the interpolating spline") {
+TEST_CASE("without stages the result is the interpolating spline", "[fairing][curves]") {
   const CurveSamples samples = wave("w", 0);
   const auto results = fair_in_stages({samples}, {});
   REQUIRE(results.size() == 1);
@@ -55,7 +55,8 @@ TEST_CASE("without stages the result is the interpolating spline") {
   CHECK(results[0].report.points == 81);
 }
 
-TEST_CASE("a stage for whole curves is fair_points(), and leaves the other curves") {
+TEST_CASE("a stage for whole curves is fair_points(), and leaves the other curves",
+          "[fairing][curves]") {
   const std::vector<CurveSamples> curves = {wave("a", 0), wave("b", 2)};
   FairStage stage = smoothing(0.8);
   stage.curves = {1};
@@ -71,7 +72,7 @@ TEST_CASE("a stage for whole curves is fair_points(), and leaves the other curve
   CHECK_FALSE(results[0].report.was_noisy(true));
 }
 
-TEST_CASE("a brush changes only what is inside of its sphere") {
+TEST_CASE("a brush changes only what is inside of its sphere", "[fairing][curves]") {
   const std::vector<CurveSamples> curves = {wave("a", 0), wave("b", 5)};
   FairStage brush = smoothing(0.8);
   brush.brush = {{2, 0.45, 0}, 0.5};
@@ -87,7 +88,7 @@ TEST_CASE("a brush changes only what is inside of its sphere") {
              Contains("scene.toml:3:1: found a brush that meets none"));
 }
 
-TEST_CASE("a segment belongs to the nearest curve") {
+TEST_CASE("a segment belongs to the nearest curve", "[fairing][curves]") {
   const std::vector<CurveSamples> curves = {wave("a", 0), wave("b", 2)};
   FairStage stage = smoothing(0.8);
   stage.segment = {{1, 2.4, 0}, {2.5, 2.3, 0}};
@@ -98,14 +99,14 @@ TEST_CASE("a segment belongs to the nearest curve") {
   CHECK_THAT(error_message([&] { fair_in_stages(curves, {stage}); }), Contains("zero length"));
 }
 
-TEST_CASE("corners of a stage split the curve at the nearest points") {
+TEST_CASE("corners of a stage split the curve at the nearest points", "[fairing][curves]") {
   FairStage stage = smoothing(0.8);
   stage.corners = {{2, 0.5, 0}};
   const auto results = fair_in_stages({wave("a", 0)}, {stage});
   CHECK(results[0].states[1].mesh().corners().size() == 1);
 }
 
-TEST_CASE("fewer segments stay within the tolerance of the faired curve") {
+TEST_CASE("fewer segments stay within the tolerance of the faired curve", "[fairing][curves]") {
   const auto fine = fair_in_stages({wave("a", 0)}, {smoothing(0.8)});
   const auto few = fair_in_stages({wave("a", 0)}, {smoothing(0.8)}, 1e-3);
   const HermiteCurve &curve = few[0].states.back(), &faired = fine[0].states.back();
@@ -116,7 +117,7 @@ TEST_CASE("fewer segments stay within the tolerance of the faired curve") {
   }
 }
 
-TEST_CASE("curves that cannot be faired have a reason and no states") {
+TEST_CASE("curves that cannot be faired have a reason and no states", "[fairing][curves]") {
   CurveSamples point{"p"}, same{"s"}, two{"t"};
   point.points = {{1, 2, 3}};
   same.points = {{1, 2, 3}, {1, 2, 3}};
@@ -133,7 +134,8 @@ TEST_CASE("curves that cannot be faired have a reason and no states") {
   CHECK_THAT(error_message([&] { fair_in_stages({two}, {closed}); }), Contains("curve number 3"));
 }
 
-TEST_CASE("the curve of minimum variation through points of a circle is the circle") {
+TEST_CASE("the curve of minimum variation through points of a circle is the circle",
+          "[fairing][curves]") {
   if (!have_curvature_fairing()) return;
   CurveSamples samples{"c"};
   for (int i = 0; i <= 8; ++i)
@@ -154,7 +156,7 @@ TEST_CASE("the curve of minimum variation through points of a circle is the circ
              Contains("201 points of 'c'"));
 }
 
-TEST_CASE("samples of given curves are even, closed and have the corners") {
+TEST_CASE("samples of given curves are even, closed and have the corners", "[fairing][curves]") {
   const CurvePlane plane = curve_plane(Vec3::Zero(), Vec3::UnitZ(), Vec3::UnitX());
   const CurveSamples circle = sample_line({"c", ellipse_arc(plane, 2, 2, 0, 2 * pi)}, 50);
   CHECK(circle.closed == true);

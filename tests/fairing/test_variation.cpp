@@ -1,4 +1,5 @@
-// The change of curvature: zero on cyclides, geometric, with derivatives that differences confirm.
+// Curvature variation: zero on cyclides, independent of the parametrisation, with derivatives
+// checked by finite differences.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <random>
@@ -27,13 +28,13 @@ Jet3 random_jet(std::mt19937& generator) {
   return jet;
 }
 
-// Derivatives of x(u, v) by differences in long double.
+// Derivatives of x(u, v) by finite differences in long double.
 template <class Place>
 Jet3 jet_of(const Place& place, long double u, long double v) {
   const long double h = 2e-3L;
   using Row = std::array<long double, 3>;
   const auto at = [&](int i, int j) -> Row { return place(u + i * h, v + j * h); };
-  // Central differences of fourth order on five points.
+  // Fourth-order central differences on five points.
   const long double d0[5] = {0, 0, 1, 0, 0},
                     d1[5] = {1 / 12.0L, -2 / 3.0L, 0, 2 / 3.0L, -1 / 12.0L},
                     d2[5] = {-1 / 12.0L, 4 / 3.0L, -2.5L, 4 / 3.0L, -1 / 12.0L},
@@ -56,7 +57,7 @@ Jet3 jet_of(const Place& place, long double u, long double v) {
 
 CurvatureTensors forms_of(const Jet3& jet) { return curvature_tensors(jet, principal_frame(jet)); }
 
-// A graph of degree three over the unit square: C1 elements have it exactly.
+// A cubic graph over the unit square, which C1 elements represent exactly.
 Surface cubic_graph(int n, double tilt = 0.3) {
   auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
   const DofMap map(*mesh);
@@ -108,7 +109,7 @@ Points gradient_of(const CurvatureVariationTerms& terms, const Surface& s) {
   return g;
 }
 
-// The surface with its vertices moved up and down at random.
+// The surface with random vertical displacements of its vertices.
 Surface bumped(const Surface& s) {
   Points q = s.dofs();
   std::mt19937 generator(2);
@@ -260,8 +261,8 @@ TEST_CASE(
     "jumps of curvature and tangent plane between two parts have the derivatives that differences "
     "show",
     "[fairing][variation]") {
-  // z = x²: places of equal x have equal forms, so that the jumps between them are zero, and the
-  // dofs beside one are not those beside the other.
+  // z = x²: points of equal x have equal second fundamental forms, so that the jumps between them
+  // are zero, and the dofs on the two sides of an edge differ.
   const Surface s = cubic_graph(3, 0);
   JoinPoint point;
   point.weight = 0.7;
@@ -281,7 +282,7 @@ TEST_CASE(
     for (size_t k = 0; k < 3 * dofs.size(); ++k)
       exact[r](dofs[k % dofs.size()], static_cast<long>(k / dofs.size())) += rows.J[k][r];
   }
-  // Steps that keep the lines where they are: the slope along them does not change.
+  // Variations that keep the curves fixed: the slope along them does not change.
   std::mt19937 generator(8);
   std::normal_distribution<double> normal;
   for (int round = 0; round < 20; ++round) {
@@ -290,7 +291,7 @@ TEST_CASE(
       const Surface change(s.shared_mesh(), s.kind(), step);
       const SurfaceJet jet = change.jet(point.at[side]);
       const Vec3 along = jet.x_u * point.direction[side].x() + jet.x_v * point.direction[side].y();
-      // The dof with the largest share of that slope takes it back.
+      // The dof with the largest contribution to that slope compensates it.
       const auto own = s.dof_map().triangle(s.mesh(), point.at[side].triangle);
       double most = 0;
       int taker = 0;
@@ -361,7 +362,7 @@ TEST_CASE("constraint equations of many dofs by Lagrange multipliers equal elimi
     shape.point("line", at, start.position(at));
   }
   REQUIRE(AugmentedLagrangianConstraints::dense_rows(rows).constraints().size() == 8);
-  // A row that couples coordinates has all rows eliminated.
+  // With a constraint that couples coordinates, all constraints are eliminated.
   ConstraintSet eliminated = rows;
   eliminated.add_coupled("again", {{s.dof_map().vertex(0), Vec3::UnitX()}},
                          start.dofs()(s.dof_map().vertex(0), 0));
@@ -370,7 +371,7 @@ TEST_CASE("constraint equations of many dofs by Lagrange multipliers equal elimi
                                 without = minimize_curvature_variation(start, eliminated);
   CHECK(held.max_residual < 1e-12);
   CHECK(held.functional == Approx(without.functional).epsilon(0.02));
-  double apart = 0;  // along the normal: along the surface (u, v) may run otherwise
+  double apart = 0;  // along the normal: tangentially (u, v) may differ
   for (int v = 0; v < s.mesh().vertex_count(); ++v) {
     const int d = s.dof_map().vertex(v);
     const Vec3 u = held.dofs.row(d + 1), w = held.dofs.row(d + 2);
@@ -475,7 +476,7 @@ TEST_CASE("steps along the normals keep the rows and go along the normals",
 
 TEST_CASE("the same amount everywhere makes the parallel surface of a sphere",
           "[fairing][variation]") {
-  // Dofs of a piece of the unit sphere, over (u, v) in [0, 0.5]².
+  // Dofs of a part of the unit sphere, over (u, v) in [0, 0.5]².
   auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(6));
   const DofMap map(*mesh);
   const auto at = [](const Vec2& p) -> Vec3 {

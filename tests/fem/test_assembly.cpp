@@ -18,7 +18,7 @@ using namespace batten_test;
 
 namespace {
 
-// A square mesh with inner vertices moved by up to 20 % and everything in random order.
+// A square mesh with inner vertices moved by up to 20 %, and random numbering.
 ParametricMesh shuffled_square(int n, unsigned seed) {
   const ParametricMesh square = ParametricMesh::unit_square(n);
   Random random(seed);
@@ -105,7 +105,7 @@ TEST_CASE("an assembled matrix is the sum of its elements' matrices, in the lowe
     CHECK(same_bits(K, assembler.stiffness(anisotropic())));
     for (int j = 0; j < K.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(K, j); it; ++it) CHECK(it.row() >= j);
-    assembler.stiffness(materials, K);  // over old numbers
+    assembler.stiffness(materials, K);  // overwrites old values
     CHECK(relative_error(dense(K), varying) < 1e-14);
     CHECK(relative_error(dense(assembler.mass()), mass) < 1e-14);
     CHECK(relative_error(assembler.load(f), load) < 1e-14);
@@ -211,7 +211,7 @@ TEST_CASE("a varying load is evaluated at its position, and acts on the surface 
     CHECK(u3.dot(F.col(1)) == Approx(1.0 / 12).epsilon(tolerance));
     CHECK(u3.dot(F.col(2)) == Approx(1.0 / 4).epsilon(tolerance));
 
-    // A force at a point does the work force · displacement there.
+    // The work of a point force is force · displacement at its point.
     const Location where{7, Vec3(0.2, 0.5, 0.3)};
     const Vec2 p = mesh.shape(7).point(where.L);
     const Points P = assembler.point_load(where, Vec3(2, 0, -1));
@@ -300,7 +300,7 @@ TEST_CASE("wrong counts and foreign matrices are input errors", "[fem][assembly]
 
 namespace {
 
-// Solves K q = F with some dofs held at zero.
+// Solves K q = F with some dofs fixed at zero.
 VecX solve_with_fixed(const SparseMatrix& K, const VecX& F, const std::vector<int>& fixed) {
   std::vector<int> free;
   for (int d = 0; d < K.rows(); ++d)
@@ -342,7 +342,7 @@ TEST_CASE("an assembled curve is the sum of its segments, with coefficients line
   CHECK(relative_error(dense(K), expected) < 1e-15);
   CHECK(relative_error(dense(assembler.mass()), mass) < 1e-15);
   CHECK(relative_error(assembler.load(f), load) < 1e-15);
-  // One value stands for the same value in every segment.
+  // One value is used for every segment.
   assembler.stiffness(CurveAssembler::Coefficient(3, 2.0), CurveAssembler::Coefficient(3, 0.5), K);
   CHECK(relative_error(dense(assembler.stiffness({2}, {0.5})), dense(K)) < 1e-15);
 }

@@ -49,10 +49,10 @@ Corners corners(const TriangleShape& shape) {
   return found;
 }
 
-// What holds of every bisection.
+// Invariants of every bisection.
 void check_bisection(const ParametricMesh& mesh, const std::vector<char>& marked,
                      const Bisection& b) {
-  // Conforming: the boundary is as long as before, so no side of an element hangs.
+  // Conforming: the length of the boundary is unchanged, so there are no hanging nodes.
   CHECK(area(b.mesh) == Approx(area(mesh)).epsilon(1e-13));
   CHECK(boundary_length(b.mesh) == Approx(boundary_length(mesh)).epsilon(1e-13));
   CHECK(b.mesh.vertex_count() - b.mesh.edge_count() + b.mesh.triangle_count() ==
@@ -78,7 +78,7 @@ void check_bisection(const ParametricMesh& mesh, const std::vector<char>& marked
     CHECK((b.mesh.vertices()[m] - middle).norm() < 1e-15);
   }
   CHECK(next == b.mesh.vertex_count());
-  // Marked triangles are gone, others stand where they stood, in the old order.
+  // Marked triangles are bisected, others keep their positions and order.
   int at = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     const TriangleShape whole = mesh.shape(t);
@@ -169,7 +169,7 @@ TEST_CASE("right isosceles triangles stay so, and a point draws few triangles a 
         CHECK(a[2] == Approx(pi / 2).epsilon(1e-9));
       }
     }
-    // 12 halvings of 1/32, close to the point only: O(log of the size).
+    // 12 bisections of 1/32, only close to the point: O(log of the size).
     CHECK(mesh.triangle_count() <= 128 + 12 * 16);
     const TriangleLocator locator(mesh);
     CHECK(mesh.shape(locator.locate(p).triangle).area == Approx(std::ldexp(1, -17)).epsilon(1e-9));
@@ -199,7 +199,7 @@ TEST_CASE("angles stay above half of the smallest, however often", "[fem][bisect
 }
 
 TEST_CASE("equal lengths: neighbours agree, whatever the rounding", "[fem][bisection]") {
-  // Equilateral triangles turned and moved, so that lengths differ in their last bits only.
+  // Equilateral triangles rotated and translated, so that lengths differ only in their last bits.
   std::vector<int> first;
   for (const double angle : {0., 0.3, 1.1}) {
     const double c = std::cos(angle), s = std::sin(angle);

@@ -1,4 +1,4 @@
-// Whole problems with known solutions: what the elements promise to their user.
+// Whole problems with known solutions.
 #include <cmath>
 #include <numbers>
 
@@ -31,7 +31,7 @@ std::vector<char> fixed_dofs(const ParametricMesh& mesh, bool clamped) {
   return fixed;
 }
 
-// K q = F with the held dofs at their values in q.
+// K q = F with the fixed dofs at their values in q.
 VecX solve(const SparseMatrix& K, VecX F, VecX q, const std::vector<char>& fixed) {
   std::vector<int> free_of(q.size(), -1), free;
   for (int d = 0; d < q.size(); ++d)
@@ -127,7 +127,7 @@ TEST_CASE("the clamped biharmonic problem converges with orders 4, 3, 2 on pertu
 TEST_CASE("the clamped biharmonic problem has the reference errors on the regular meshes",
           "[fem][convergence]") {
   const auto gold = batten_test::reference("convergence.json")["biharmonic"]["results"];
-  // The reference integrated the errors of Z12 by this rule, which moves its H2 by 2 %.
+  // The reference integrated the errors of Z12 by this rule, which changes its H2 error by 2 %.
   const auto entries = batten_test::reference("triangle_rules.json")["rules"]["10"];
   const auto points = entries["npts"].get<long>();
   TriangleRule rule25{Points(points, 3), VecX(points)};

@@ -1,4 +1,4 @@
-// Curve meshes: dofs of open and closed curves, corners, and the laws of the deformable curve.
+// Curve meshes: dofs of open and closed curves, corners, and properties of the deformable curve.
 #include <cmath>
 #include <set>
 
@@ -111,7 +111,7 @@ TEST_CASE("energies of any mesh equal quadrature of the curve, with weights line
     CHECK(energy(assembler.stiffness(alpha, {0})) == Approx(stretching).epsilon(1e-13));
     CHECK(energy(assembler.stiffness({0}, beta)) == Approx(bending).epsilon(1e-13));
     CHECK(energy(assembler.mass(weight)) == Approx(mass).epsilon(1e-13));
-    // A constant load: the area under the functions, by sums of the virtual work.
+    // A constant load: the integrals of the shape functions, by sums of the virtual work.
     Points f(mesh.segment_count() + 1, 3);
     for (long i = 0; i < f.rows(); ++i) f.row(i) = random.point();
     double work = 0;
@@ -244,7 +244,7 @@ TEST_CASE("a band matrix is added, solved, fixed and inverted like a dense one",
     for (int i = 0; i < n; ++i)
       for (int j = std::max(0, i - band); j <= i; ++j) {
         const double value = i == j ? 3 * band + random() : random();
-        cholesky.add(j, i, value);  // either triangle
+        cholesky.add(j, i, value);  // both triangles
         A(i, j) = A(j, i) = value;
       }
     MatX B = MatX::Zero(n, n);

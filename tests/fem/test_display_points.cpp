@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// A wavy sheet with rough edge slopes, so that every dof counts.
+// A wavy sheet with random edge slopes, so that every dof matters.
 Surface wavy(int n, TriangleElement kind, unsigned seed) {
   Random random(seed);
   return interpolated(std::make_shared<ParametricMesh>(perturbed_square(n, seed)), kind,
@@ -83,7 +83,7 @@ TEST_CASE("display points and normals are those of the surface", "[fem][display]
 }
 
 TEST_CASE("display points of a tube go around its seam", "[fem][display]") {
-  // Twelve columns around, two rows, one diagonal a cell.
+  // Twelve columns around, two rows, one diagonal per cell.
   std::vector<Vec2> vertices;
   std::vector<ParametricMesh::Triangle> triangles;
   constexpr int columns = 12, rows = 2;
@@ -114,7 +114,7 @@ TEST_CASE("display points ask for no memory and give the same bits on one thread
   const auto where = places(surface.mesh(), 2);
   const DisplayPoints display(surface.mesh(), surface.kind(), where);
   REQUIRE(where.size() > 20000);
-  const Shown shown(display, surface.dofs());  // wakes the threads
+  const Shown shown(display, surface.dofs());  // starts the threads
   Shown again = shown;
   if (counts_allocations()) {
     const ScopedOpCount work;

@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-// Nodes on a function u → (X, X').
+// Nodes from a function u → (X, X').
 template <class Function>
 HermiteCurve interpolate(const std::vector<double>& u, const Function& f) {
   Points X(u.size(), 3), D(u.size(), 3);
@@ -49,7 +49,7 @@ HermiteCurve random_curve(unsigned seed, int nodes) {
   return {u, X, D};
 }
 
-// Smallest distance by dense samples and golden-section search around each of the best.
+// Smallest distance by dense samples and golden-section search around each of the best ones.
 double distance_by_search(const HermiteCurve& curve, const Vec3& p) {
   const int samples = 400 * (curve.node_count() - 1);
   const double step = (curve.end() - curve.start()) / samples;
@@ -84,12 +84,12 @@ TEST_CASE("a curve takes its nodes' positions and derivatives, and is C1 at them
     CHECK((curve.evaluate(below) - curve.evaluate(u)).norm() < 1e-13);
     CHECK((curve.evaluate(below, 1) - curve.evaluate(u, 1)).norm() < 1e-12);
   }
-  // At a node the segment that begins there answers; at the last one, the last segment.
+  // At a node the segment that starts there is evaluated; at the last one, the last segment.
   const double u2 = curve.parameters()[2];
   CHECK((curve.evaluate(u2, 2) - curve.evaluate(u2 + 1e-9, 2)).norm() < 1e-6);
   CHECK((curve.evaluate(u2, 2) - curve.evaluate(u2 - 1e-9, 2)).norm() > 1e-2);
   CHECK((curve.evaluate(curve.end(), 3) - curve.evaluate(curve.end() - 1e-3, 3)).norm() < 1e-12);
-  // Outside it stays at its ends.
+  // Outside, parameters are clamped to the ends.
   CHECK(curve.evaluate(curve.start() - 5) == curve.evaluate(curve.start()));
   CHECK(curve.evaluate(curve.end() + 5) == curve.evaluate(curve.end()));
 }
@@ -135,7 +135,7 @@ TEST_CASE("length and curvature are those of straight lines and circles", "[fem]
   });
   CHECK(line.length() == Approx(15).epsilon(1e-14));
   CHECK(line.curvature(0.4) < 1e-14);
-  // Not by arc length: the same line with an uneven parameter.
+  // Not parametrised by arc length: the same line with an uneven parameter.
   const HermiteCurve uneven = interpolate(
       {0, 1}, [](double u) { return std::pair(Vec3(u + u * u, 0, 0), Vec3(1 + 2 * u, 0, 0)); });
   CHECK(uneven.length() == Approx(2).epsilon(1e-14));
@@ -155,7 +155,7 @@ TEST_CASE("length and curvature are those of straight lines and circles", "[fem]
     curvature_before = curvature;
   }
   CHECK(length_before < 1e-4);
-  // The parameter's unit is no part of a curvature.
+  // Curvature does not depend on the unit of the parameter.
   const HermiteCurve circle = arc(3, 1.5 * pi, 32);
   std::vector<double> faster = circle.parameters();
   for (double& u : faster) u /= 5;
@@ -164,7 +164,7 @@ TEST_CASE("length and curvature are those of straight lines and circles", "[fem]
   const HermiteCurve other(CurveMesh(faster), dofs);
   CHECK(other.curvature(0.3) == Approx(circle.curvature(1.5)).epsilon(1e-12));
   CHECK(other.length() == Approx(circle.length()).epsilon(1e-12));
-  // A point that does not move has no curvature rather than an infinite one.
+  // A constant curve has no curvature, instead of an infinite one.
   const HermiteCurve still({0, 1}, Points::Ones(2, 3), Points::Zero(2, 3));
   CHECK(still.length() == 0);
   CHECK(still.curvature(0.5) == 0);

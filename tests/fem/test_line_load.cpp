@@ -72,7 +72,7 @@ TEST_CASE("a line load on any surface is the integral along the curve, to 1e-8",
     const TriangleLocator locator(mesh);
     const HermiteCurve pcurve = circle({0.52, 0.5}, 0.37, 9), curve = in_space(pcurve);
     const VecX q = VecX::NullaryExpr(DofMap(mesh).count(), [&] { return random(); });
-    // Many points, each on its own: the midpoint rule on a closed line.
+    // Many single points: the midpoint rule on a closed curve.
     const int n = 200000;
     double sum = 0;
     for (int i = 0; i < n; ++i) {
@@ -131,7 +131,7 @@ TEST_CASE("weights of triangles: 1 everywhere is the constant load, and parts ad
       CHECK(assembler.load(w).dot(ones(*mesh)) == Approx(sum).epsilon(1e-12));
       CHECK_THROWS_AS(assembler.load(VecX(VecX::Ones(3))), InputError);
 
-      // Of the surface: on a plane that is sheared and scaled by 6, six times as much.
+      // Measured on the surface: on a plane that is sheared and scaled by 6, six times as much.
       const auto plane = [](const Vec2& p) {
         return SurfaceJet{{2 * p.x() + p.y(), 3 * p.y(), 0}, {2, 0, 0}, {1, 3, 0}, {}, {}, {}};
       };

@@ -1,4 +1,4 @@
-// Nested dissection: an order of all dofs that keeps the factor small.
+// Nested dissection: an ordering of all dofs that keeps the factor sparse.
 #include "batten/fem/parametric_mesh.h"
 
 #include <algorithm>
@@ -80,7 +80,7 @@ TEST_CASE("pressure on a plane is a uniform load along its normal, on any surfac
     const Points q = interpolated(mesh, kind, plane).dofs();
     const Vec3 area_vector = Vec3(2, 0, 1).cross(Vec3(0, 3, 0));
     CHECK((assembler.pressure_load(q) - assembler.load(area_vector)).cwiseAbs().maxCoeff() < 1e-8);
-    // The resultant depends on the rim alone: bumps inside do not change it.
+    // The resultant depends only on the boundary: bumps inside do not change it.
     Points bumpy = q;
     Random random(8);
     std::vector<char> rim(mesh->vertex_count(), 0);

@@ -19,7 +19,7 @@ namespace {
 
 using Triangle = ParametricMesh::Triangle;
 
-// True when making the mesh is an InputError whose message has these words.
+// True if the construction of the mesh throws an InputError whose message contains this text.
 bool rejected(const std::vector<Vec2>& vertices, const std::vector<Triangle>& triangles,
               const std::string& words) {
   try {
@@ -37,7 +37,7 @@ double total_area(const ParametricMesh& mesh) {
   return sum;
 }
 
-// Four triangles around vertex 0, which is not in the middle.
+// Four triangles around vertex 0, which is not in the centre.
 ParametricMesh fan() {
   return {{{0.2, 0.1}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}},
           {{0, 1, 2}, {0, 2, 3}, {3, 4, 0}, {4, 1, 0}}};
@@ -45,7 +45,7 @@ ParametricMesh fan() {
 
 constexpr double around = 2.5;  // a period
 
-// A strip that is periodic in u, of uneven columns; the seam is `shift` away from a column.
+// A strip that is periodic in u, with uneven columns; the seam is `shift` away from a column.
 ParametricMesh strip(int columns, int rows, double shift) {
   std::vector<Vec2> vertices;
   for (int j = 0; j <= rows; ++j)
@@ -189,10 +189,10 @@ TEST_CASE("invalid meshes are input errors that state the reason", "[fem][parame
   CHECK(rejected({{0, 0}, {1, 0}, {2, 0}}, {{0, 1, 2}}, "area 0"));
   CHECK(rejected({{0, 0}, {1, 0}, {0, NAN}}, {{0, 1, 2}}, "vertex 2 is not finite"));
   CHECK(rejected({{0, 0}, {INFINITY, 0}, {0, 1}}, {{0, 1, 2}}, "vertex 1 is not finite"));
-  // Folded over: both triangles on the same side of edge 0-1.
+  // Folded: both triangles are on the same side of edge 0-1.
   CHECK(rejected({{0, 0}, {1, 0}, {0, 1}, {1, 1}}, {{0, 1, 2}, {0, 1, 3}},
                  "edge 0-1 are wound in opposite directions"));
-  // A fin: three triangles at edge 0-1.
+  // Non-manifold: three triangles at edge 0-1.
   CHECK(rejected({{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, -1}}, {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}},
                  "edge 0-1 has more than two triangles"));
   CHECK_THROWS_AS(ParametricMesh(square, {{0, 1, 1}, {0, 2, 3}}), InputError);

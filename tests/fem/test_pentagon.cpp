@@ -1,4 +1,4 @@
-// The pentagon: five triangles around a vertex, corners held, a uniform load that lifts it.
+// The pentagon: five triangles around a vertex, fixed corners, a uniform load.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -43,7 +43,7 @@ Vec3 vector(const nlohmann::json& v) {
   return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
 }
 
-// Twice the energy, qᵀK q - 2 Fᵀq, of some columns.
+// Twice the energy, qᵀK q - 2 Fᵀq, for some columns.
 double energy(const SparseMatrix& K, const MatX& q, const MatX& F) {
   const MatX Kq = K.selfadjointView<Eigen::Lower>() * q;
   return q.cwiseProduct(Kq - 2 * F).sum();

@@ -64,7 +64,7 @@ TEST_CASE("the operator's load is the quadrature's, whole and trimmed", "[fem][l
     const VecX w = random_weights(*square.mesh, 6);
     const Surface surface(square.mesh, TriangleElement::HCT, q);
     CHECK(difference(force(pressure, q, w, -3), -3 * by_quadrature(assembler, surface, w)) < 1e-13);
-    // Z12: as well as the rule of the quadrature.
+    // Z12: with the accuracy of the quadrature rule.
     const SurfaceAssembler rational(*square.mesh, TriangleElement::Z12, trim);
     const PressureOperator of_z12(*square.mesh, TriangleElement::Z12, trim);
     CHECK(difference(force(of_z12, q), rational.pressure_load(q)) < 2e-6);
@@ -147,7 +147,7 @@ TEST_CASE("volumes in closed form, of sheets and of a sector of a tube", "[fem][
   }
   CHECK(pressure.volume(sheet(0, 0.7), half) == Approx(0.7 * area / 3).epsilon(1e-14));
 
-  // A circle of area πr² in the trim: the cone over it at height h.
+  // A circle of area πr² in the trim: the cone over it with height h.
   const TrimmedSquare square;
   const PressureOperator trimmed(*square.mesh, TriangleElement::HCT, square.trim);
   const Points flat = interpolated(square.mesh, TriangleElement::HCT, [](const Vec2& p) {

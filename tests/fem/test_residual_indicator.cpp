@@ -74,7 +74,7 @@ TEST_CASE("jumps fall as the energy's error, and are as large as it", "[fem][err
 }
 
 TEST_CASE("the jumps are those of the second normal derivative", "[fem][error_indicator]") {
-  // One coordinate, one inner edge: against the definition by jets from either side.
+  // One coordinate, one inner edge: compared with the definition by jets from both sides.
   Random random(8);
   const auto mesh =
       std::make_shared<ParametricMesh>(std::vector<Vec2>{{0, 0}, {1, 0.1}, {0.2, 0.9}, {1.1, 1}},
@@ -86,7 +86,7 @@ TEST_CASE("the jumps are those of the second normal derivative", "[fem][error_in
     const SurfaceJet j = surface.jet({t, L});
     return n.x() * n.x() * j.x_uu + 2 * n.x() * n.y() * j.x_uv + n.y() * n.y() * j.x_vv;
   };
-  // h ∫ |jump|² between two points of the plane, seen from a hair to either side.
+  // h ∫ |jump|² between two points of the plane, evaluated at a tiny distance on both sides.
   const SegmentRule gauss = gauss_legendre(4);
   const auto across = [&](int left, int right, const Vec2& a, const Vec2& b) {
     const Vec2 d = b - a, n = Vec2(-d.y(), d.x()).normalized();
@@ -146,7 +146,7 @@ TEST_CASE("triangles outside of a trim have no jumps", "[fem][error_indicator]")
       if (!inside[static_cast<size_t>(d)]) q.row(d) = random.point();
     CHECK(residual_indicator(Surface(mesh, kind, q)).maxCoeff() > 1);
     CHECK(residual_indicator(Surface(mesh, kind, q, trim)).maxCoeff() < 1e-20);
-    // A wave: inside as without the trim, a share of it where the trim cuts.
+    // A wave: inside as without the trim; in cut triangles, a part of it.
     const Surface waved = interpolated(mesh, kind, wave);
     const VecX all = residual_indicator(waved),
                part = residual_indicator(Surface(mesh, kind, waved.dofs(), trim));

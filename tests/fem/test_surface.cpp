@@ -46,7 +46,7 @@ Patch sphere(const Vec2& p) {
           2.4 * Vec3(-ca * sb, -sa * sb, cb)};
 }
 
-// A saddle that is a polynomial of the space.
+// A saddle that is a polynomial in the space of the elements.
 Patch saddle(const Vec2& p) {
   const double u = p.x(), v = p.y();
   return {{u, v, u * u - u * v * v}, {1, 0, 2 * u - v * v}, {0, 1, -2 * u * v}};
@@ -184,7 +184,7 @@ TEST_CASE("curvatures are those of the second fundamental form, with the sign of
   std::swap(other.x_uu, other.x_vv);
   CHECK(curvatures(other).mean == Approx(-1.25));
   CHECK(curvatures(other).gauss == Approx(1));
-  // A singular point has none, and no NaN either.
+  // At a singular point there is no curvature, and no NaN.
   const SurfaceJet singular{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
   CHECK(curvatures(singular).mean == 0);
   CHECK(singular.normal() == Vec3::Zero());
@@ -255,7 +255,7 @@ TEST_CASE("locate finds every point of the domain, and the nearest triangle outs
   for (const Vec2& uv : mesh->vertices())
     CHECK((mesh->shape(surface.locate(uv).triangle).point(surface.locate(uv).L) - uv).norm() <
           1e-14);
-  // Outside: the triangle that holds the nearest point of the (convex) domain.
+  // Outside: the triangle with the closest point of the (convex) domain.
   int wrong = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const Vec2 uv(random.between(-0.5, 1.5), random.between(-0.5, 1.5));
@@ -288,7 +288,7 @@ double distance_by_search(const Surface& surface, const Vec3& p) {
             [](const auto& a, const auto& b) { return a.first < b.first; });
   const size_t count = std::min<size_t>(10, starts.size());
   for (size_t s = 0; s < count; ++s) {
-    // Pattern search over the triangle's six directions.
+    // Pattern search along the triangle's six directions.
     auto [distance, where] = starts[s];
     for (double step = 1.0 / 8; step > 1e-9;) {
       bool moved = false;
@@ -314,7 +314,7 @@ double distance_by_search(const Surface& surface, const Vec3& p) {
 
 }  // namespace
 
-// A sheet with random bumps of a fifth of its size, that fold nowhere within an element.
+// A sheet with random bumps of a fifth of its size, without folds inside elements.
 Surface bumpy_surface(int n, TriangleElement kind, unsigned seed) {
   const Surface random = random_surface(n, kind, seed);
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
@@ -483,8 +483,8 @@ TEST_CASE("a surface shares its mesh with its copies and refuses dofs of another
 
 namespace {
 
-// The disc of radius 0.4 around (0.5, 0.5) without a smaller one, cut from n×n squares: a part of
-// the surface over them. The same disc twice as fine is its reference.
+// The disc of radius 0.4 around (0.5, 0.5) with an eccentric hole, cut from n×n squares: a part of
+// the surface over them. The reference is the same disc on a grid twice as fine.
 Surface cut_disc(int n, Patch (*patch)(const Vec2&)) {
   const DomainLoops loops({{circle({0.5, 0.5}, 0.4, 32)}, {circle({0.6, 0.45}, 0.1, 16, true)}});
   const EmbeddedGrid grid(squares({0.01, -0.02}, 1.0 / n, n, n + 1), loops);
@@ -498,7 +498,8 @@ TEST_CASE("the area of a trimmed surface is that inside of its loops", "[fem][su
   const auto flat = [](const Vec2& p) { return Patch{{p.x(), p.y(), 0}, {1, 0, 0}, {0, 1, 0}}; };
   const Surface plane = cut_disc(9, flat);
   CHECK(plane.area() == Approx(plane.trim()->loops().area()).epsilon(1e-12));
-  // The cylinder's area is 7.2 times that in (u, v), the sphere's follows cos of the latitude.
+  // The cylinder's area is 7.2 times that in (u, v); the sphere's is proportional to the cosine of
+  // the latitude.
   const auto error = [](int n) {
     const Surface surface = cut_disc(n, cylinder);
     return std::abs(surface.area() - 7.2 * surface.trim()->loops().area());
@@ -516,7 +517,7 @@ TEST_CASE("the closest point of a trimmed surface lies inside or on its loops", 
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 p(random.between(0, 1.1), random.between(0, 1.1), 0.3 * random());
     const Vec2 q = p.head<2>();
-    // Cubics are circles up to 1e-7.
+    // Cubics approximate circles to 1e-7.
     double in_plane = std::max(0.0, (q - Vec2(0.5, 0.5)).norm() - 0.4);
     in_plane = std::max(in_plane, 0.1 - (q - Vec2(0.6, 0.45)).norm());
     const auto closest = plane.closest_point(p);
@@ -526,7 +527,7 @@ TEST_CASE("the closest point of a trimmed surface lies inside or on its loops", 
   }
   CHECK(worst < 2e-6);
 
-  // A curved one: no sample inside is nearer, and points of it are found.
+  // A curved one: no inner sample is closer, and its own points are found.
   const Surface bent = cut_disc(6, cylinder);
   double excess = -1, on_surface = 0;
   std::vector<Vec3> samples;
@@ -553,7 +554,7 @@ TEST_CASE("the closest point of a trimmed surface lies inside or on its loops", 
 TEST_CASE("elements outside of a trim do not reach the recovered curvatures inside",
           "[fem][surface]") {
   const Surface plain = cut_disc(16, sphere);
-  // What the surface does where only slivers are inside: nonsense.
+  // Values where only slivers are inside are meaningless.
   std::vector<double> share(plain.mesh().vertex_count(), 0);
   for (int t = 0; t < plain.mesh().triangle_count(); ++t)
     for (const int v : plain.mesh().triangles()[t])

@@ -57,7 +57,7 @@ TEST_CASE("surfaces transferred to the same mesh, and cubics, stay unchanged", "
     const SurfaceTransfer same = interpolate_onto(any, *mesh);
     CHECK(same.dofs == any.dofs());
     CHECK(same.max_displacement == 0);
-    // The same triangles with other numbers: edge normals may turn.
+    // The same triangles with other numbers: edge normals may change their sign.
     std::vector<Vec2> vertices(mesh->vertices().rbegin(), mesh->vertices().rend());
     auto triangles = mesh->triangles();
     for (auto& t : triangles)

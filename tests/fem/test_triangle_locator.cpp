@@ -19,7 +19,7 @@ double distance(const TriangleShape& shape, const Vec2& p) {
   return nearest;
 }
 
-// All triangles looked at: the first that holds p, or the nearest.
+// Brute force over all triangles: the first one that contains p, or the closest one.
 void check_located(const ParametricMesh& mesh, const TriangleLocator& locator, const Vec2& p) {
   double nearest = 1e300;
   for (int t = 0; t < mesh.triangle_count(); ++t)
@@ -34,13 +34,13 @@ void check_located(const ParametricMesh& mesh, const TriangleLocator& locator, c
   CHECK(away <= nearest * (1 + 1e-12) + 1e-13);
   if (nearest == 0)
     for (int t = 0; t < where.triangle; ++t)
-      CHECK(mesh.shape(t).barycentric(p).minCoeff() < 0);  // none of lower number holds it
+      CHECK(mesh.shape(t).barycentric(p).minCoeff() < 0);  // none with a lower number contains it
 }
 
 std::vector<ParametricMesh> meshes() {
   std::vector<ParametricMesh> all{ParametricMesh::unit_square(1), ParametricMesh::unit_square(7),
                                   perturbed_square(9, 3)};
-  // Graded a thousandfold, and with a hole.
+  // Graded by a factor of a thousand, and with a hole.
   ParametricMesh graded = perturbed_square(4, 5);
   for (int round = 0; round < 18; ++round) {
     std::vector<char> marked;
@@ -60,7 +60,7 @@ std::vector<ParametricMesh> meshes() {
   const ParametricMesh six = perturbed_square(6, 2);
   for (const Vec2& p : six.vertices()) strip.emplace_back(-3 + p.x(), 40 + 0.01 * p.y());
   all.emplace_back(strip, six.triangles());
-  // Its ends alone: nothing in the middle.
+  // Only its ends: nothing in the middle.
   std::vector<int> ends;
   for (int t = 0; t < six.triangle_count(); ++t)
     if (std::abs(six.shape(t).point(Vec3::Constant(1 / 3.)).x() - 0.5) > 0.35) ends.push_back(t);
@@ -116,7 +116,7 @@ TEST_CASE("on an edge or vertex the triangle of lowest number is returned", "[fe
         const Location where = locator.locate(p);
         const int first =
             edge.boundary() ? edge.triangle[0] : std::min(edge.triangle[0], edge.triangle[1]);
-        // Rounding may put p a hair outside of one of them, or of both.
+        // Rounding may put p slightly outside one of them, or both.
         if (mesh.shape(first).barycentric(p).minCoeff() >= -5e-14)
           CHECK(where.triangle == first);
         else
@@ -155,7 +155,7 @@ TEST_CASE("on a tube u comes around, whichever side of the seam an element is pl
           "[fem][locator]") {
   const int n = 6;
   const double period = 2;
-  // The seam on a line of edges, and through elements, whose first vertex is left or right of it.
+  // The seam on a line of edges, and through elements whose first vertex is left or right of it.
   for (const double start : {0.0, 0.1, 0.3})
     for (const bool left_first : {true, false}) {
       std::vector<Vec2> vertices;

@@ -30,7 +30,7 @@ Loop box(const Vec2& low, const Vec2& high) {
   return polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}});
 }
 
-// r = size (1 + waves), a smooth loop around the centre that does not cross itself.
+// r = size (1 + waves), a smooth loop around the centre without self-intersections.
 HermiteCurve wavy(Random& random, const Vec2& centre, double size, int segments,
                   bool clockwise = false) {
   std::vector<double> a, phase;
@@ -51,7 +51,7 @@ HermiteCurve wavy(Random& random, const Vec2& centre, double size, int segments,
   });
 }
 
-// ∫ u^i v^j over the inside: by the divergence theorem on the loops alone, and by the cut mesh.
+// ∫ u^i v^j over the inside: by the divergence theorem on the loops alone, and by the trimmed mesh.
 double moment(const DomainLoops& loops, int i, int j) {
   static const SegmentRule gauss = gauss_legendre(20);
   double sum = 0;
@@ -86,7 +86,7 @@ double sum_of_fractions(const ParametricMesh& mesh, const Trim& trim) {
   return sum;
 }
 
-// What must hold of every cut of a mesh that covers the loops.
+// Invariants of every trim of a mesh that covers the loops.
 void check_cut(const ParametricMesh& mesh, const DomainLoops& loops, double tolerance = 1e-12) {
   const Trim trim(mesh, loops);
   CHECK(std::abs(sum_of_fractions(mesh, trim) - loops.area()) <= tolerance);
@@ -107,7 +107,7 @@ void check_cut(const ParametricMesh& mesh, const DomainLoops& loops, double tole
   CHECK(worst_moment(mesh, trim, 4) <= tolerance);
 }
 
-// Times around p, of a polygon through many points of the arcs.
+// Winding number around p, of a polygon through many points of the arcs.
 int winding_number(const DomainLoops& loops, const Vec2& p, int samples, double& clearance) {
   double turned = 0;
   for (const PlanarCubic& arc : loops.segments())
@@ -172,7 +172,7 @@ TEST_CASE("a cubic's zeros are found where its sign changes", "[fem][trim]") {
               1e-12 * std::abs(f.b[3] - f.b[0] + f.b[1]) + 1e-11 * Vec2(f.b[0], f.b[3]).norm());
     }
   }
-  // Twice the same root: touched, or (by rounding) two crossings beside each other.
+  // A double root: a tangent point, or (by rounding) two adjacent intersections.
   for (const double a : {0.1, 0.25, 0.5, 0.7, 1 / 3.}) {
     const auto found = from_roots(1, a, a, 1.7).zeros();
     CHECK(found.size() % 2 == 0);
@@ -181,7 +181,8 @@ TEST_CASE("a cubic's zeros are found where its sign changes", "[fem][trim]") {
     REQUIRE(triple.size() % 2 == 1);
     for (const double z : triple) CHECK(std::abs(z - a) < 2e-5);
   }
-  // Roots at the ends: 0 counts as positive, so a chain of cubics sees a crossing once.
+  // Roots at the ends: 0 counts as positive, so that a chain of cubics detects an intersection
+  // once.
   CHECK(BernsteinCubic{{0, 1, 2, 3}}.zeros().empty());
   CHECK(BernsteinCubic{{-3, -2, -1, 0}}.zeros() == std::vector<double>{1});
   REQUIRE(BernsteinCubic{{0, -1, -2, -3}}.zeros().size() == 1);
@@ -211,14 +212,14 @@ TEST_CASE("inside is where loops turn around: random cubics, also level with nod
   Random random(17);
   int compared = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    // Positions and slopes at random: loops that cross themselves have a winding number too.
+    // Random positions and slopes: self-intersecting loops also have a winding number.
     const int nodes = 3 + trial % 5;
     std::vector<double> u;
     for (int i = 0; i <= nodes; ++i) u.push_back(i);
     const CurveMesh mesh(u, true);
     Points dofs(mesh.dof_count(), 3);
     for (long i = 0; i < dofs.rows(); ++i) dofs.row(i) << 2 * random(), 2 * random(), 0;
-    if (trial % 3 == 0) dofs.col(1) = (2 * dofs.col(1)).array().round() / 2;  // level nodes
+    if (trial % 3 == 0) dofs.col(1) = (2 * dofs.col(1)).array().round() / 2;  // horizontal nodes
     const auto around =
         trial % 2 ? DomainLoops::Background::Inside : DomainLoops::Background::Outside;
     const DomainLoops loops({{HermiteCurve(mesh, dofs)}}, around);
@@ -306,7 +307,7 @@ TEST_CASE("corners of one closed curve, and pieces that meet nearly, close the l
     CHECK(square.contains({0.999, v}));
     CHECK(!square.contains({1.001, v}));
   }
-  // A ray through the hair between two pieces.
+  // A ray through the tiny gap between two segments.
   const double hair = 5e-10;
   Loop loop;
   const Vec2 corner[] = {{0, 0}, {1, 0.5}, {0, 1}, {-1, 0.5}};
@@ -367,7 +368,7 @@ TEST_CASE("rules over the inside are exact for polynomials of their degree", "[f
       INFO("trial " << trial << " degree " << degree);
       CHECK(worst_moment(mesh, trim, degree) < 1e-12);
     }
-    // Where an arc bends towards the apex of its cone weights are negative: few.
+    // If an arc bends towards the apex of its cone, weights are negative: this is rare.
     double lowest = 0, negative = 0;
     for (int t = 0; t < mesh.triangle_count(); ++t) {
       const TriangleRule rule = trim.rule(t, 6);
@@ -461,7 +462,7 @@ TEST_CASE("outlines along grid lines, exactly and nearly", "[fem][trim]") {
 }
 
 TEST_CASE("loops that touch element edges", "[fem][trim]") {
-  // Four arcs: turned by 45° it is the arcs' middles that touch.
+  // Four arcs: rotated by 45°, the midpoints of the arcs are tangent.
   const auto round = [](const Vec2& centre, double radius, double turn, int n, bool clockwise) {
     return hermite(0, 2 * pi, n, true, [=](double t, int order) {
       const double a = (clockwise ? -1 : 1) * t + turn, s = clockwise ? -1 : 1;
@@ -475,7 +476,7 @@ TEST_CASE("loops that touch element edges", "[fem][trim]") {
     for (const double turn : {0., pi / 4, 0.3})
       for (const double off : {0., 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5})
         for (const double sign : {-1., 1.}) {
-          // How far the curve itself reaches to the right.
+          // The extent of the curve itself to the right.
           HermiteCurve unit = round({0, 0}, 1, turn, n, false);
           double reach = 0;
           for (const PlanarCubic& arc : planar_cubics(unit)) {
@@ -560,7 +561,7 @@ TEST_CASE("matrices and loads of a trimmed part and of the rest sum to those of 
   Mat2 alpha;
   alpha << 3, 0.5, 0.5, 2;
   const SurfaceStiffness bending{}, stretching{alpha, Vec3::Zero()};
-  // What HCT functions integrate to exactly; those of Z12 are rational.
+  // Exact integrals for HCT functions; those of Z12 are rational.
   for (const TriangleElement kind : kBothElements) {
     const SurfaceAssembler whole(mesh, kind), a(mesh, kind, inside, 0), b(mesh, kind, rest, 0);
     const double tolerance = kind == TriangleElement::HCT ? 1e-11 : 3e-2;
@@ -579,7 +580,7 @@ TEST_CASE("matrices and loads of a trimmed part and of the rest sum to those of 
     };
     CHECK(misfit(a.load(wind), b.load(wind), whole.load(wind)) < tolerance);
     CHECK(misfit(a.pressure_load(q), b.pressure_load(q), whole.pressure_load(q)) < tolerance);
-    // Stiffness that varies: as much as the rule of the whole integrates.
+    // Variable stiffness: as accurate as the rule for the whole element.
     const auto field = [](const Vec2& uv) {
       SurfaceStiffness m;
       m.beta = Vec3(1 + uv.x() * uv.y(), 1 + uv.x(), 2);
@@ -592,7 +593,7 @@ TEST_CASE("matrices and loads of a trimmed part and of the rest sum to those of 
     whole.stiffness(field, of_whole);
     CHECK(misfit(of_a, of_b, of_whole) < tolerance);
   }
-  // The part outside counts a little, so that no cut is too small.
+  // The part outside has a small weight, so that no cut cell is too small.
   const SurfaceAssembler a(mesh, TriangleElement::HCT, inside, 0),
       little(mesh, TriangleElement::HCT, inside, 0.25), whole(mesh, TriangleElement::HCT);
   CHECK((MatX(little.stiffness(bending)) - 0.75 * MatX(a.stiffness(bending)) -
@@ -608,7 +609,7 @@ TEST_CASE("no loops: all of the mesh, or nothing", "[fem][trim]") {
   CHECK(all.cut_triangles().empty());
   CHECK(none.rule(0, 4).weights.size() == 0);
   CHECK(all.rule(0, 4).weights.sum() == Approx(1).epsilon(1e-14));
-  // Holes alone take their area from the mesh.
+  // Holes alone remove their area from the mesh.
   const DomainLoops hole({{circle({0.5, 0.5}, 0.2, 30, true)}}, DomainLoops::Background::Inside);
   CHECK(Trim(mesh, hole).area() == Approx(1 + hole.area()).epsilon(1e-13));
 }

@@ -1,4 +1,4 @@
-"""Laws of FreeCAD's workbench, run by freecadcmd; the process ends with their result."""
+"""Tests of FreeCAD's workbench, run by freecadcmd; the exit code is their result."""
 import json
 import os
 import sys
@@ -17,14 +17,14 @@ SKETCHES = Path(os.environ.get("BATTEN_SKETCH_FOLDER", ""))
 
 
 def arch(a, b, up):
-    """An edge from a to b whose middle is raised."""
+    """An edge from a to b with its middle raised."""
     curve = Part.BSplineCurve()
     curve.interpolate([a, (a + b) * 0.5 + up, b])
     return curve.toShape()
 
 
 def four_arches(document, height=20):
-    """Four splines around a rectangle, each an object."""
+    """Four splines around a rectangle, one object each."""
     corners = [V(0, 0, 0), V(200, 0, 0), V(200, 120, 0), V(0, 120, 0)]
     lines = []
     for i in range(4):
@@ -50,12 +50,12 @@ class Workbench(unittest.TestCase):
             for p in line.Shape.Edges[0].discretize(20):
                 self.assertLess(obj.Shape.distToShape(Part.Vertex(p))[0], 0.03)
         area = obj.Shape.Area
-        # A line changes: the surface is made again.
+        # A curve changes: the surface is computed again.
         lines[0][0].Shape = arch(V(0, 0, 0), V(200, 0, 0), V(0, 0, 60))
         self.document.recompute()
         self.assertGreater(obj.Shape.Area, area * 1.02)
         self.assertLess(obj.Shape.distToShape(Part.Vertex(V(100, 0, 60)))[0], 0.03)
-        # Pressure and pushes move it, and its lines stay.
+        # Pressure and point loads move it, and its curves do not change.
         def height():
             upright = Part.LineSegment(V(100, 70, -500), V(100, 70, 500)).toShape()
             return obj.Shape.distToShape(upright)[1][0][0].z
@@ -72,7 +72,7 @@ class Workbench(unittest.TestCase):
         self.assertLess(obj.Shape.distToShape(Part.Vertex(V(100, 0, 60)))[0], 0.03)
 
     def test_edges_are_creases_or_smooth(self):
-        # Two halves of a vault, whose sides go on over the ridge.
+        # Two halves of a vault; their sides continue across the ridge.
         def side(x, y, way):
             curve = Part.BezierCurve()
             curve.setPoles([V(x, y, 0), V(x, y + (20 + x / 5) * way, 30), V(x, 80 - 40 * way, 40), V(x, 80, 40)])
@@ -186,7 +186,7 @@ def main():
         code = 1
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code)  # FreeCAD would wait for commands
+    os._exit(code)  # otherwise FreeCAD would wait for commands
 
 
 main()

@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
-"""Runs the batten program on damaged files and says what should not have happened.
+"""Runs the batten program on damaged files and reports unexpected results.
 
-    fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
-            [--slow SECONDS] [--seeds FOLDER …]
+fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
+        [--slow SECONDS] [--seeds FOLDER …]
 
-SERVER is what server.cpp was built to. TARGET is one of the folders in seeds/, or "all" (SECONDS are
-then for each); more files to begin with come from the FOLDERs. Run K of a target always makes the
-same file: a seed is damaged or, now and then, a file that it names. What counts as a finding: an end by a signal, an exit code outside the
-list of docs/conventions.md, an error that nobody expected, more than 2 GB, a report that is no JSON or
-holds numbers that are not finite, files beside a refusal, hidden files that are left. "sketches" are
-damaged as a hand would: strokes are dropped, moved, drawn twice, cut, and tremble; what turns over and
-is not named is a finding there, and so is no model at all. A run of more
-than 10 s is asked to stop: it is a finding unless it does within 2 s, with exit code 130 and nothing
-left; then it is counted and told as a long one, since much work may have been asked for. What is
-found and what was long is kept, and the exit code is 1 after findings. Needs Python 3 only.
+SERVER is the executable of server.cpp. TARGET is one of the folders in seeds/, or "all" (SECONDS are
+then per target); the FOLDERs contain additional seeds. Run K of a target always produces the same
+file: a damaged seed or, sometimes, a damaged file to which it refers.
+
+Findings are: termination by a signal, an exit code outside the list in docs/conventions.md, an
+unexpected error, more than 2 GB, a report that is not valid JSON or contains numbers that are not
+finite, output files after a rejection, and remaining hidden files. "sketches" have errors of hand
+drawings: strokes are removed, moved, duplicated, split and jittered; inverted faces that are not
+reported, and a missing model, are findings there. A run of more than 10 s is asked to stop. It is a
+finding unless it stops within 2 s, with exit code 130 and no remaining files; otherwise it is
+counted and listed as long, since the input may require much work. Files of findings and of long
+runs are kept. The exit code is 1 after findings. Needs Python 3 only.
 """
 import argparse
 import json
@@ -31,10 +33,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-MEMORY, MOST_MEGABYTES = "2", 2048  # gigabytes that a run is told to keep to, and that it may take
+MEMORY, MOST_MEGABYTES = "2", 2048  # memory limit of a run, GB; finding, MB
 EXIT_CODES = {0, 1, 2, 3, 4, 130}
 
-# What is run on a file of each target; "@" is the file, "OUT" a folder that is not there yet.
+# The command for a file of each target; "@" is the file, "OUT" a folder that does not exist yet.
 COMMANDS = {
     "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"]],
     "cad": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
@@ -50,7 +52,7 @@ COMMANDS = {
     "sculpting": [["sculpt", "@", "--out", "OUT"]],
     "logs": [["sculpt", "scene.toml", "--replay", "@", "--out", "OUT"]],
 }
-# Endings of further seeds.
+# Extensions of further seeds.
 ENDINGS = {
     "lines": {".csv", ".txt", ".dat", ".xyz", ".json", ".curves"},
     "cad": {".step", ".stp", ".igs", ".iges", ".brep"},
@@ -63,17 +65,17 @@ ENDINGS = {
     "sculpting": {".toml"},
     "logs": set(),
 }
-MOST_BYTES = 1 << 20  # of a further seed, and of all that lies beside it
+MOST_BYTES = 1 << 20  # of a further seed including the files beside it
 NUMBERS = [b"0", b"-1", b"1", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"-inf", b"1e9",
            b"4294967296", b"2147483648", b"-2147483649", b"9223372036854775807", b"65536",
            b"1e-9", b"1e400", b"0x10", b"1,5", b"--3", b""]
-NOT_FINITE = {  # by ending; a name may be "inf"
+NOT_FINITE = {  # by extension; a name may be "inf"
     ".csv": re.compile(rb"(?i),[-+]?(?:nan|inf)[\s,]"),
     ".obj": re.compile(rb"(?i) [-+]?(?:nan|inf)\s"),
     ".inp": re.compile(rb"(?i),\s*[-+]?(?:nan|inf)[\s,]"),
     ".step": re.compile(rb"(?i)[(,][-+]?(?:nan|inf)[,)]"),
 }
-LONG = "long"  # a run that was asked to stop and did
+LONG = "long"  # a run that stopped on request
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
@@ -107,7 +109,7 @@ def number(data, rng, _):
 
 
 def other_number(data, rng, _):
-    """A number that the format allows: what is read then, and computed, is unusual."""
+    """An unusual number that the format allows: it is read and leads to unusual computations."""
     places = list(NUMBER.finditer(data))
     for place in sorted(rng.sample(places, min(len(places), rng.choice([1, 1, 2, 5]))),
                         key=lambda p: -p.start()):
@@ -162,7 +164,7 @@ def splice(data, rng, others):
 
 
 def sketched(data, rng):
-    """The strokes of a sketch graph as another hand might have drawn them."""
+    """The strokes of a sketch graph with errors of hand drawings."""
     graph = json.loads(data)
     segments = {s["id"]: s for s in graph["segments"]}
     points = [p for s in segments.values() for piece in s["ctrl_pts"] for p in piece]
@@ -221,7 +223,7 @@ def finite(value):
 
 
 def not_named(report):
-    """An inverted face that no defect names."""
+    """An inverted face that no defect reports."""
     said = {name for defect in report["defects"] for name in defect["faces"]}
     for face in report.get("faces", []):
         if face["skinned"] and not face["min_jacobian_ratio"] > 0 and face["name"] not in said:
@@ -230,14 +232,14 @@ def not_named(report):
 
 
 class Server:
-    """The program in server.cpp, one for each thread."""
+    """The program in server.cpp, one per thread."""
 
     def __init__(self, path):
         self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         text=True)
 
     def run(self, command, folder):
-        """Exit code (negative: a signal), what was printed, seconds, megabytes."""
+        """Exit code (negative: a signal), output, seconds, megabytes."""
         print("\t".join([str(folder), *command]), file=self.process.stdin, flush=True)
         code, seconds, megabytes = self.process.stdout.readline().split()
         text = (folder / "printed").read_bytes()[:100000].decode("utf-8", "replace")
@@ -245,7 +247,7 @@ class Server:
 
 
 def not_finite(out):
-    """A text file of results that holds nan or inf where a number belongs."""
+    """A text file of results that contains nan or inf in place of a number."""
     for path in [out] if out.is_file() else sorted(out.rglob("*")):
         if path.suffix in NOT_FINITE and NOT_FINITE[path.suffix].search(path.read_bytes()):
             return path.name
@@ -253,7 +255,7 @@ def not_finite(out):
 
 
 def wrong(code, text, seconds, megabytes, folder, names):
-    """What should not have happened, or an empty text."""
+    """The finding of a run, or an empty text."""
     if seconds > float(os.environ["BATTEN_FUZZ_SECONDS"]) and code == -9:
         return f"no answer to SIGTERM after {seconds:.1f} s"
     if code < 0:
@@ -291,7 +293,7 @@ def wrong(code, text, seconds, megabytes, folder, names):
 
 
 class Seed:
-    """A file, and those that lie beside it: it may name them."""
+    """A file, and the files beside it, to which it may refer."""
 
     def __init__(self, path, beside):
         self.path, self.data = path, path.read_bytes()
@@ -323,7 +325,7 @@ class Target:
         return data
 
     def once(self, k, server):
-        """Run k: what was wrong with it, or an empty text."""
+        """Run k: its finding, or an empty text."""
         rng = random.Random(f"{self.name} {k}")
         seed = rng.choice(self.seeds)
         main = "input" + seed.path.suffix

@@ -1,5 +1,5 @@
-// libFuzzer on the readers of files, in one process: what `batten info` does with a file of the
-// ending that BATTEN_FUZZ_ENDING states (".csv"). scripts/fuzz readers builds and runs it.
+// libFuzzer for the file readers, in one process: `batten info` on a file with the extension in
+// BATTEN_FUZZ_ENDING (".csv"). scripts/fuzz readers builds and runs it.
 #include <unistd.h>
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace {
 
-// In memory where there is a file system for that.
+// In memory, if there is a file system for it.
 const std::filesystem::path& input() {
   static const std::filesystem::path file = [] {
     const char* ending = std::getenv("BATTEN_FUZZ_ENDING");
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   return 0;
 }
 
-// Every exception but the documented ones ends the fuzzer.
+// Every exception other than the documented ones stops the fuzzer.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::ofstream(input(), std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));

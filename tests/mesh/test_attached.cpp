@@ -1,4 +1,4 @@
-// What hangs on shells: solids, spiders, means, beams, bushes.
+// Entities attached to shells: solids, spiders, RBE3, beams, bushes.
 #include <algorithm>
 #include <numbers>
 
@@ -18,7 +18,7 @@ Points points_of(const std::vector<Vec3>& list) {
   return points;
 }
 
-/// A plate of n × n nodes at z = 0 (the shells), two layers of bricks under it.
+/// A plate of n × n shell elements at z = 0 and two layers of bricks below.
 struct LayeredPlate {
   explicit LayeredPlate(int n) : side(n) {
     std::vector<Vec3> list;
@@ -82,7 +82,7 @@ TEST_CASE("attachments to a rigid motion move rigidly: solids, spiders, means, c
           "[mesh][attached]") {
   LayeredPlate layered(5);
   const auto first = static_cast<int>(layered.points.rows());
-  // A spider's centre, a mean's node, a chain of two bars, a brick's node that a mass is on.
+  // A spider's centre, the node of an RBE3, a chain of two bars, a brick's node with a point mass.
   layered.points.conservativeResize(first + 4, 3);
   layered.points.bottomRows(4) << 1, 1, 3, 2, 3, -4, 5, 5, 1, 7, 6, 2;
   layered.placed.resize(layered.points.rows(), 0);
@@ -106,7 +106,7 @@ TEST_CASE("solids under a bent plate bend with it", "[mesh][attached]") {
   const LayeredPlate layered(9);
   Points after = layered.points;
   std::vector<Mat3> rotations = layered.rotations;
-  const double radius = 8;  // of the plate; the solids are within
+  const double radius = 8;  // of the plate; the solids are inside
   for (int v = 0; v < 81; ++v) {
     const double angle = (layered.points(v, 0) - 4) / radius;
     after.row(v) =
@@ -121,7 +121,7 @@ TEST_CASE("solids under a bent plate bend with it", "[mesh][attached]") {
       const double thick = (after.row(v + 81 * k) - after.row(v + 81 * (k + 1))).norm();
       CHECK(thick == Approx(0.5).epsilon(0.1));
     }
-  // Lifted by half an element in the middle only: sound as well.
+  // Only the middle is lifted, by half an element: the quality stays good.
   after = layered.points;
   for (int v = 0; v < 81; ++v)
     after(v, 2) +=
@@ -151,7 +151,7 @@ TEST_CASE("a spider stays concentric with a rotating ring, a mean has its weight
   propagate_to_attached(before, after, placed, rotations, spider, {});
   for (int i = 1; i < 13; ++i) CHECK(std::abs((after.row(i) - after.row(0)).norm() - 3) < 1e-13);
 
-  // Two groups that move apart: the mean goes with the weights.
+  // Two groups that move apart: the RBE3 moves by the weighted mean.
   after = before;
   for (int i = 1; i < 13; ++i) after(i, 2) += 5;
   after(1, 2) += 1;
@@ -176,10 +176,10 @@ TEST_CASE("one node carries by its own rotation, nodes on a line by theirs about
                         bar, {});
   CHECK((after.row(1).transpose() - Vec3(5, 1, 0)).norm() < 1e-14);
   CHECK((after.row(2).transpose() - Vec3(3, 0, 0)).norm() < 1e-14);
-  // Two nodes stay, turned about the line between them.
+  // Two nodes fixed, rotation about the line between them.
   const Mat3 about = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()).matrix();
   after = before;
-  after.row(1) = Vec3(1 + 1e-9, 0, 0);  // not quite still
+  after.row(1) = Vec3(1 + 1e-9, 0, 0);  // almost fixed
   propagate_to_attached(before, after, {1, 1, 0}, {about, about, Mat3::Identity()}, bar, {});
   CHECK((after.row(2).transpose() - Vec3(0, 0, 2)).norm() < 1e-8);
 }
@@ -203,7 +203,8 @@ TEST_CASE("unmoved nodes keep every digit, and fixed ones stay", "[mesh][attache
 }
 
 TEST_CASE("connections that keep their shape", "[mesh][attached]") {
-  // 0 … 3 have faces; 4, 5 are centres of spiders with a bolt between them; 6 hangs on a bar.
+  // 0 … 3 have faces; 4, 5 are centres of spiders with a bolt between them; 6 is connected by a
+  // bar.
   const std::vector<NonShellElement> elements{
       {Kind::Rigid, "RBE2", 1, {4, 0, 1}, {}}, {Kind::Rigid, "RBE2", 2, {5, 2, 3}, {}},
       {Kind::Beam, "CBAR", 3, {4, 5}, {}},     {Kind::Beam, "CBAR", 4, {0, 6}, {}},

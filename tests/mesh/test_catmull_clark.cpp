@@ -1,4 +1,4 @@
-// Subdivision of cages: what the limit keeps.
+// Catmull-Clark subdivision of control cages: invariants of the limit.
 #include "batten/mesh/catmull_clark.h"
 
 #include <cmath>
@@ -23,7 +23,7 @@ ShellMesh cube() {
   return mesh;
 }
 
-/// n × n quads over [0, n]² at heights of a formula.
+/// n × n quads over [0, n]² with heights from a function.
 template <class Height>
 ShellMesh grid(int n, const Height& height) {
   ShellMesh mesh;
@@ -50,7 +50,8 @@ TEST_CASE("limits of a node do not depend on the number of rounds", "[mesh][subd
 
 TEST_CASE("a regular part is a bicubic B-spline: cubics come back moved, planes as they are",
           "[mesh][subdivision]") {
-  // The B-spline of control values f(i) is Σ f B = (f(-1) + 4 f(0) + f(1))/6 at a node: i² + 1/3 for i².
+  // The B-spline of control values f(i) is Σ f B = (f(-1) + 4 f(0) + f(1))/6 at a node: i² + 1/3
+  // for i².
   const ShellMesh fine = catmull_clark(grid(8, [](double x, double y) { return x * x - y; }), {2});
   for (int j = 2; j <= 6; ++j)
     for (int i = 2; i <= 6; ++i) {
@@ -81,13 +82,13 @@ TEST_CASE("a cube's limit is closed and round, and sharp edges stay where they a
   const ShellMesh lid = catmull_clark(cube(), sharp);
   int on_top = 0;
   for (int v = 0; v < lid.node_count(); ++v) on_top += std::abs(lid.points(v, 2) - 1) < 1e-14;
-  CHECK(on_top == 17 * 17);  // the face with its edges is a plane
+  CHECK(on_top == 17 * 17);  // the face with its edges is planar
 }
 
 TEST_CASE("a roof's ridge of sharpness s follows the cubic spline of theory",
           "[mesh][subdivision]") {
-  // Across the ridge it is the subdivision of -|x|: s rounds keep it and halve its neighbours, then
-  // it is smooth, so it ends at -2^-k (2 - f)/6 for s = k + f.
+  // Across the ridge it is the subdivision of -|x|: s levels keep the ridge and halve its
+  // neighbours, then it is smooth, so it converges to -2^-k (2 - f)/6 for s = k + f.
   constexpr int n = 12;
   const ShellMesh roof = grid(n, [](double x, double) { return -std::abs(x - n / 2); });
   for (const double s : {0.0, 0.25, 1.0, 1.5, 2.0, 3.75, 6.0, 9.5}) {

@@ -1,4 +1,4 @@
-// Control meshes, mean value coordinates, first shapes from few vertices, sessions of one frame.
+// Control meshes, mean value coordinates, initial shapes from few vertices, sessions on one frame.
 #include "batten/mesh/sequence/control_mesh.h"
 
 #include "batten/mesh/sequence/subspace_solver.h"
@@ -12,7 +12,7 @@ using namespace batten_test;
 
 namespace {
 
-/// Whether control meshes can be made: not in builds without CGAL.
+/// Whether control meshes are available: not in builds without CGAL.
 bool can_wrap() {
   try {
     control_mesh(sphere(2));
@@ -22,7 +22,8 @@ bool can_wrap() {
   }
 }
 
-/// How often a closed mesh runs around a point: 1 inside, 0 outside. Source: van Oosterom 1983.
+/// Winding number of a closed mesh around a point: 1 inside, 0 outside. Reference: van Oosterom
+/// 1983.
 double winding_number(const TriangleMesh& mesh, const Vec3& x) {
   double angle = 0;
   for (const auto& [i, j, k] : mesh.triangles()) {
@@ -34,7 +35,7 @@ double winding_number(const TriangleMesh& mesh, const Vec3& x) {
   return angle / (4 * std::numbers::pi);
 }
 
-/// A closed mesh around a bar that is not convex: its middle is bent up.
+/// A closed mesh around a non-convex bar: its middle is bent up.
 TriangleMesh around_bar() {
   const TriangleMesh straight = bar(6, 2, 3.4, 1);
   Points p = straight.points();
@@ -103,7 +104,7 @@ TEST_CASE("mean value coordinates inside a convex mesh are positive, and go over
   for (int k = 0; k < x.rows(); ++k) x.row(k) = 0.5 * random.point();
   const MatX W = mean_value_coordinates(control, x);
   CHECK(W.minCoeff() > 0);
-  // In the plane of a face, beside it and beside other points.
+  // In the plane of a face, next to it and next to other points.
   Points near(3, 3);
   const auto& t = control.triangles()[0];
   const Vec3 disjoint_union = 3 * control.point(t[0]) - control.point(t[1]) - control.point(t[2]);
@@ -156,7 +157,7 @@ TEST_CASE("a control mesh follows rigid motions exactly, and bends with its mesh
     const RigidMotion m = random_motion(random);
     CHECK(distance(transfer.at(moved(m, mesh.points())), moved(m, control.points())) < 1e-13);
   }
-  // Bent about y: each control vertex goes about as its section does.
+  // Bent about y: each control vertex approximately follows its section.
   const auto bend = [](const Points& p) {
     Points q = p;
     for (int v = 0; v < p.rows(); ++v) {
@@ -190,7 +191,7 @@ TEST_CASE("a few vertices carry no edit and rigid motions exactly, others about"
   }
   INFO("rigid " << rigid);
   CHECK(rigid < 1e-6);
-  // The answer is W d, with handles near their places.
+  // The result is W d, with handles close to their targets.
   const RigidMotion up{Mat3::Identity(), Vec3(-0.2, 0, 0.5)};
   const Points bent_up = solver.solve(prescribed({{}, up}));
   CHECK(distance(mean_value_coordinates(control, p) * solver.control(), bent_up) < 1e-10);
@@ -220,7 +221,7 @@ TEST_CASE("a session updates at once and refines to the result of the solver",
   const FrameOptions fine{FrameOptions::Weights::Uniform, 3000, 1e-10};
   FrameSession session(mesh, constraints, around_bar(), fine);
   CHECK(!error_message([&] { session.solve_preview(prescribed({{}})); }).empty());
-  // A frame that is not the mesh's own.
+  // A frame other than that of the mesh.
   const Points frame = moved({rotation_matrix(Vec3(0.1, 0.3, 0.2)), Vec3(1, 2, 3)}, p);
   session.set_frame(frame);
   CHECK(session.positions() == frame);
@@ -235,7 +236,7 @@ TEST_CASE("a session updates at once and refines to the result of the solver",
         arap_energy(mesh, frame, solve_preview, local_rotations(mesh, frame, solve_preview));
     bool rests = session.refine(5);
     CHECK(session.report().iterations == 5);
-    // From the answer on, as the solver would.
+    // Starting from the result, as the solver would.
     FrameSolver direct(mesh, constraints, {FrameOptions::Weights::Uniform, 1, 1e-10});
     direct.alternate(frame, prescribed({m}), solve_preview);
     CHECK_FALSE(direct.iterate(4));

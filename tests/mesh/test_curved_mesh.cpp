@@ -1,4 +1,4 @@
-// Curved triangles: how near they are to surfaces, and their nearest points.
+// Curved triangles: distance from exact surfaces, and closest points.
 #include "batten/mesh/pn_triangle_mesh.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadius = 2;
 
-/// A piece of a sphere over a square of n by n cells, and its normals.
+/// A part of a sphere over a square of n × n cells, and its normals.
 PnTriangleMesh cap(int n) {
   Points points((n + 1) * (n + 1), 3);
   for (int j = 0; j <= n; ++j)
@@ -54,7 +54,7 @@ TEST_CASE("A curved triangle gives back a quadratic, its derivatives and a flat 
   const PnTriangle flat(corners, {Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitZ()});
   const Vec3 w(0.2, 0.5, 0.3);
   CHECK((flat.at(w) - (w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2])).norm() < 1e-15);
-  // A slightly bent one: derivatives by differences.
+  // A slightly curved one: derivatives compared with finite differences.
   const PnTriangle bent(corners, {Vec3(-0.3, 0.1, 1).normalized(), Vec3(0.2, 0.2, 1).normalized(),
                                   Vec3(0, 0.4, 1).normalized()});
   const double h = 1e-5;
@@ -88,14 +88,14 @@ TEST_CASE("The nearest point of curved triangles is the foot of the normal, acro
   for (const Vec3& p : around(0.3)) {
     const auto found = mesh.nearest(p);
     REQUIRE(found);
-    // The sphere's own distance, to what the triangles are off.
+    // Distance from the sphere itself, up to the error of the triangles.
     CHECK((found->at - p).norm() == Approx(std::abs(p.norm() - kRadius)).margin(5e-5));
     CHECK((found->at - kRadius * p.normalized()).norm() < 2e-3);
     CHECK(found->normal.dot(p.normalized()) > 0.999);
     CHECK_FALSE(found->on_boundary);
     CHECK((mesh.triangle(found->triangle).at(found->weights) - found->at).norm() < 1e-14);
   }
-  // The other side of what has one side only.
+  // The back of a one-sided surface.
   CHECK_FALSE(mesh.nearest(Vec3(0, 0, 3), Vec3(0, 0, -1)));
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("Beyond the boundary of curved triangles the nearest point is on it",
   const auto found = mesh.nearest(Vec3(2.5, 0.05, 1.3));
   REQUIRE(found);
   CHECK(found->on_boundary);
-  // The rim is an arc in the plane x = 2/3 z.
+  // The boundary is an arc in the plane x = 2/3 z.
   CHECK(found->at.x() == Approx(found->at.z() / 1.5).margin(1e-3));
   CHECK(found->at.norm() == Approx(kRadius).margin(1e-3));
 }

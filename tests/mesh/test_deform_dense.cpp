@@ -1,4 +1,5 @@
-// The deformer against the formulas, dense: every kind of row, alone and together.
+// The deformer against a dense reference implementation: every type of constraint, alone and
+// combined.
 #include <algorithm>
 #include <numbers>
 
@@ -26,7 +27,7 @@ std::vector<int> box(int n, int i0, int i1, int j0, int j1) {
   return vertices;
 }
 
-/// Least squares under constraints by the null space, all unknowns at once.
+/// Constrained least squares by the null space method, all unknowns at once.
 VecX least_squares(const MatX& A, const VecX& b, const MatX& C, const VecX& d, double* conflict) {
   const VecX particular = batten::least_squares(C, d);
   *conflict = (C * particular - d).norm();
@@ -48,7 +49,7 @@ struct Rows {
   }
 };
 
-/// The same problem, written down again. `conflict`: how far the constraints miss each other.
+/// The same problem from its equations. `conflict`: residual of contradictory constraints.
 Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
              Points* logs, double* conflict) {
   const int n = mesh.vertex_count();
@@ -130,7 +131,7 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
       const int a = chain.vertices[(k + count - 1) % count], b = chain.vertices[k],
                 c = chain.vertices[(k + 1) % count];
       const double l0 = (p(b) - p(a)).norm(), l1 = (p(c) - p(b)).norm(), mean = (l0 + l1) / 2;
-      // √(a width) κ by area; as dense as the rows of a strip of that width otherwise.
+      // √(a width) κ by area; as many entries as the equations of a strip of that width otherwise.
       const double w =
           (by_area ? std::sqrt(mean * chain.width) : std::sqrt(chain.width / mean)) / mean;
       const Vec3 kappa = (p(c) - p(b)) / l1 - (p(b) - p(a)) / l0;
@@ -159,7 +160,7 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
         hard.add(n, {{v, 1}, {first, -1}}, scale_of(f) * turned(first, p(v) - p(first)));
     }
 
-  // x, y and z side by side, for the guides.
+  // x, y and z stacked, for plane and line constraints.
   const auto m = static_cast<long>(hard.left.size());
   std::vector<std::pair<VecX, double>> constraint_origins;
   for (size_t k = 0; k < problem.point_constraints.size(); ++k) {
@@ -199,7 +200,7 @@ Points dense(const TriangleMesh& mesh, const DeformProblem& problem, const Defor
   return Eigen::Map<const Points>(x.data(), n, 3);
 }
 
-/// Answers must be the dense ones, conflicts must be conflicts.
+/// Results equal the dense ones, and conflicts are detected.
 bool agrees(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit) {
   Points logs;
   double conflict = 0;
@@ -360,7 +361,7 @@ TEST_CASE("fixed vertices stay, whatever other constraints they have", "[mesh][d
   FormFeatureDeformer deformer(mesh, problem);
   DeformEdit edit;
   edit.handles = {{}};
-  deformer.deform(edit);  // agrees with both
+  deformer.deform(edit);  // satisfies both
   edit.handles[0].translation = {0, 0, 1};
   try {
     deformer.deform(edit);
@@ -408,7 +409,7 @@ TEST_CASE("a failed edit leaves positions, rotations and their check as they wer
 }
 
 TEST_CASE("parts that features join are one part, in whatever order", "[mesh][deform]") {
-  // Three sheets, 100 apart; the first is held.
+  // Three sheets at distances of 100; the first is fixed.
   const int n = 4, m = (n + 1) * (n + 1);
   const TriangleMesh one = sheet(n);
   Points points(3 * m + 1, 3);
@@ -420,7 +421,7 @@ TEST_CASE("parts that features join are one part, in whatever order", "[mesh][de
       triangles.push_back(t);
     }
   }
-  points.row(3 * m) << 7, 7, 7;  // of no triangle
+  points.row(3 * m) << 7, 7, 7;  // not part of a triangle
   const TriangleMesh mesh(points, triangles);
   DeformProblem problem;
   problem.fixed = box(n, 0, 0, 0, n);
@@ -445,13 +446,14 @@ TEST_CASE("parts that features join are one part, in whatever order", "[mesh][de
     if (first.size() == 0) first = p;
     CHECK((p - first).cwiseAbs().maxCoeff() < 1e-9);
   }
-  // A feature from the turning handle to another part: that part turns with it, no conflict.
+  // A feature from the rotating handle to another part: that part rotates with it, without a
+  // conflict.
   problem.features = {{"BC", {m + 3, 2 * m + 1}}, {"handle and B", {4, 9, m + 7}}};
   FormFeatureDeformer deformer(mesh, problem);
   deformer.deform(edit);
   CHECK((deformer.rotation_logs().row(2 * m) - edit.handles[0].rotation_vector.transpose()).norm() <
         1e-12);
-  // A difference within a part does not hold it.
+  // A difference within a part does not fix it.
   problem.features.clear();
   problem.rows = {{"stick", {{{m, 1.0}, {m + 1, -1.0}}}, {-1, 0, 0}, -1, {}}};
   CHECK_THROWS_AS(FormFeatureDeformer(mesh, problem).deform(edit), ConflictError);
@@ -478,7 +480,8 @@ TEST_CASE("guided points that are nearly dependent, or only rounding is left of 
   CHECK(deformer.hard_residual() < 1e-13);
   CHECK((deformer.positions()(24, 0) - mesh.point(24).x()) == Approx(0.01).epsilon(1e-6));
 
-  // .1 + .2 - .3 of a feature's vertices is rounding: the point is where the fixed vertex is.
+  // The combination .1 + .2 - .3 of a feature's vertices is rounding only: the point is that of the
+  // fixed vertex.
   problem.features = {{"f", {23, 24, 25}}};
   problem.point_constraints = {
       {"noise", {{{23, 0.1}, {24, 0.2}, {25, -0.3}, {0, 1.0}}}, Guide::OnPlane, Vec3::UnitZ()}};
@@ -609,12 +612,12 @@ TEST_CASE("the check of hard rows sees every kind of violation", "[mesh][deform]
   CHECK(moved(22, {0.3, 0.4, 0}) == Approx(0.5));
   CHECK(moved(22, {0, 0, 0.1}) < 1e-15);
   CHECK(moved(28, {0, 0, 0.1}) < 1e-15);
-  Points p = mesh.points();  // "d" turned: its shape is the same
+  Points p = mesh.points();  // "d" rotated: its shape is the same
   const Vec3 between = mesh.point(9) - mesh.point(8);
   p.row(9) = p.row(8) + (Eigen::AngleAxisd(0.1, Vec3::UnitZ()) * between).transpose();
   CHECK(hard_residual(mesh, problem, edit, p, logs) > 1e-3);
   p(0, 1) = NAN;
   CHECK(std::isnan(hard_residual(mesh, problem, edit, p, logs)));
   problem.region = std::vector<int>{8};
-  CHECK(moved(17, {0, 0, 0.1}) == Approx(0.1));  // outside of the region
+  CHECK(moved(17, {0, 0, 0.1}) == Approx(0.1));  // outside the region
 }

@@ -1,4 +1,4 @@
-// What the paper's figures show, on own models of the same kind, and the promises at full size.
+// The paper's figures on similar models, and all checks at full size.
 #include <numbers>
 
 #include "batten/core/geometry.h"
@@ -29,7 +29,7 @@ struct Part {
     edit.handles = {{}};
     edit.handles[0].about = VertexCombination::mean_of(model.handle).at(mesh.points());
   }
-  /// Bends a sheet of this length in x about y, its right border held by the handle.
+  /// Bends a sheet of this length in x about y; its right border is moved by the handle.
   void bend(double length, double degrees) {
     const double angle = degrees * std::numbers::pi / 180, radius = length / angle;
     edit.handles[0].rotation_vector = to_rotation_vector({0, -1, 0}, angle);
@@ -70,11 +70,11 @@ TEST_CASE("plate with five holes: ovals without features, circles with them", "[
     CHECK(std::abs(radius(kept, f).radius / before.radius - 1) < 1e-13);
     CHECK(radius(kept, f).roundness < 1e-13 * before.radius);
     CHECK(plate.fit(kept, f).max_error < 1e-13);
-    CHECK(degrees_of(plate.fit(kept, f).R) > 1);  // they turn with the sheet
+    CHECK(degrees_of(plate.fit(kept, f).R) > 1);  // they rotate with the sheet
   }
   CHECK(worst > 0.01);
 
-  // Stretched: a flat sheet stays flat, the holes do not turn.
+  // Stretched: a flat sheet stays flat, the holes do not rotate.
   plate.edit.handles[0].rotation_vector.setZero();
   plate.edit.handles[0].translation = {90, 0, 0};
   const Points stretched = plate.deformed();
@@ -132,7 +132,7 @@ TEST_CASE("sheet with 16 cavities: they rotate with it, each by a further step",
     CHECK(degrees_of(fit.R) == Approx(95 * x / 400).margin(6));
   }
   CHECK(inverted_faces(sheet.model.shells, sheet.mesh.points(), p).empty());
-  // The sheet's arc: no vertex far from the cylinder that the borders ask for.
+  // The arc of the sheet: all vertices are close to the cylinder given by the borders.
   const double radius = 400 / (95 * std::numbers::pi / 180);
   for (const auto& rim : sheet.model.rims)
     for (const int v : rim.items)
@@ -159,7 +159,7 @@ TEST_CASE("grill: cavities keep shape and direction, their scale can change at a
 
 TEST_CASE("door panel: feature lines are warped unless they are kept", "[mesh][deform]") {
   Part door(door_panel());
-  // Pulled out between the lines.
+  // Pulled outwards between the curves.
   std::vector<int> patch =
       door.model.where([](const Vec2& p) { return (p - Vec2(400, 310)).norm() < 40; });
   REQUIRE(!patch.empty());
@@ -193,7 +193,7 @@ TEST_CASE("fixed and handle vertices moved by one rigid motion, 101,000 vertices
   FormFeatureDeformer deformer(panel.mesh, panel.problem);
   deformer.deform(panel.edit);
   const double first = deformer.correct();
-  CHECK(first > 1e-13);  // there was something to correct
+  CHECK(first > 1e-13);  // there was an error to correct
   CHECK(deformer.correct() < 0.01 * first);
   double worst = 0;
   for (int v = 0; v < panel.mesh.vertex_count(); ++v)
@@ -230,7 +230,7 @@ TEST_CASE("details rotate with the sheet: curvature vectors are rotated", "[mesh
     const auto& rim = sheet.model.rims[f].items;
     const auto& all = sheet.model.features[f].items;
     const auto depth = [&](const Points& points) {
-      // How far the deepest vertex lies below the plane of the rim, along its normal.
+      // Depth of the lowest vertex below the plane of the boundary, along its normal.
       const HoleMeasure m = measure_hole(points, rim);
       double deepest = 0;
       for (const int v : all)

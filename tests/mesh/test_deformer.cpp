@@ -1,4 +1,4 @@
-// Form features in mesh deformation: the laws of mesh/deform.
+// Form features in mesh deformation: properties of mesh/deform.
 #include <algorithm>
 #include <numbers>
 
@@ -49,8 +49,8 @@ HandleTransform some_move() {
   return move;
 }
 
-/// Left border fixed, right border a handle, three features (one keeps its direction, one is
-/// scaled), a guided one on a plane and one on a line.
+/// Left border fixed, right border a handle, three features (one keeps its orientation, one is
+/// scaled), one point constrained to a plane and one to a line.
 struct Case {
   TriangleMesh mesh;
   DeformProblem problem;
@@ -93,7 +93,7 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
     const Points p = deformer.deform(edit);
     deformer.correct();
 
-    // From the formulas, dense: L_c and A_i, the harmonic field, the least squares problem.
+    // Dense reference: L_c and A_i, the harmonic field, the least squares problem.
     const int n = mesh.vertex_count();
     const SparseMatrix lower = cotangent_laplacian(mesh);
     const MatX L = lower.selfadjointView<Eigen::Lower>() * MatX::Identity(n, n);
@@ -133,8 +133,8 @@ TEST_CASE("without features the deformer solves the dense least-squares problem"
     CHECK(relative(p, x) < 1e-10);
     CHECK(relative(deformer.positions(), x) < 1e-12);
     CHECK(deformer.hard_residual() < 1e-14);
-    // Rows of held vertices and of features with all their ring are constants: they may be left
-    // out, the answer is the same.
+    // Rows of fixed vertices, and of features with their whole one-ring, are constant: without them
+    // the result is the same.
     CHECK(deformer.counts().moving == static_cast<int>(moving.size()));
   }
 }
@@ -225,10 +225,10 @@ TEST_CASE("features in the dense problem: one translation and one rotation for a
   deformer.deform(edit);
   deformer.correct();
 
-  // Unknowns: the position of each loose vertex, one translation t_f a feature; the rotations the
-  // same with one q_f. x = T u + x_held + s R(q_f) p⁰.
+  // Unknowns: the position of each free vertex, one translation t_f per feature; likewise the
+  // rotations with one q_f. x = T u + x_held + s R(q_f) p⁰.
   const int n = mesh.vertex_count();
-  std::vector<int> owner(n, -1);  // 0, 1: features; 2: held
+  std::vector<int> owner(n, -1);  // 0, 1: features; 2: fixed
   for (int f = 0; f < 2; ++f)
     for (const int v : problem.features[f].vertices) owner[v] = f;
   MatX q0 = MatX::Zero(n, 3), x0 = MatX::Zero(n, 3);
@@ -299,7 +299,7 @@ TEST_CASE("contradictions are named, and the last good state stays", "[mesh][def
   CHECK(names_of(moved) == all);
   DeformEdit turned = still;
   turned.handles[0].rotation_vector = {0, 0,
-                                       std::numbers::pi};  // once around: the place is the same
+                                       std::numbers::pi};  // full turn: the same position
   CHECK(names_of(turned) == all);
   CHECK(deformer.positions() == before);
   CHECK_THROWS_AS(deformer.correct(), InputError);
@@ -327,7 +327,7 @@ TEST_CASE("features that touch merge, follow a handle, or stay with the fixed ve
     CHECK((p.row(v).transpose() - c.edit.handles[0](c.mesh.point(v))).norm() < 1e-12);
   for (const int v : c.problem.features[3].vertices)
     CHECK((p.row(v).transpose() - c.mesh.point(v)).norm() < 1e-12);
-  // Two scales cannot both hold where more than one vertex is shared.
+  // Two scales contradict each other if more than one vertex is shared.
   c.edit.feature_scales = {1.1, 1, 1, 1};
   CHECK_THROWS_AS(deformer.deform(c.edit), ConflictError);
 }
@@ -359,7 +359,7 @@ TEST_CASE("guided points: redundant rows are dropped, impossible ones named, pla
     CHECK(e.conflicts()[0].names == std::vector<std::string>{"plane", "again"});
     CHECK(e.conflicts()[0].amount > 0.001);
   }
-  // A held point off its plane: the fixed region and the guide are named.
+  // A fixed point outside its plane: the message names the fixed region and the constraint.
   Case d(16, false);
   d.problem.point_constraints = {{"guide", VertexCombination::mean_of(d.problem.fixed),
                                   PointConstraint::Kind::OnPlane, Vec3::UnitZ()}};
@@ -378,7 +378,7 @@ TEST_CASE("guided points: redundant rows are dropped, impossible ones named, pla
 
 TEST_CASE("many guided points: the Schur complement is the coupled reduction", "[mesh][deform]") {
   Case c(14, false);
-  // A plane for 20 single vertices, each its own direction.
+  // A plane for 20 single vertices, a separate direction for each.
   Random random(3);
   for (int k = 0; k < 20; ++k) {
     const int v = 40 + 7 * k;
@@ -453,14 +453,15 @@ TEST_CASE("a region of interest: nothing outside moves, the shape joins smoothly
         if (!inside[u]) first_ring = std::max(first_ring, moved);
     }
     CHECK(largest == Approx(0.3));
-    // A crease at the edge would halve with the elements, a smooth join goes with their square.
+    // A crease at the edge would decrease linearly with the element size, a smooth edge
+    // quadratically.
     if (last > 0) CHECK(last / first_ring > 3);
     last = first_ring;
   }
 }
 
 TEST_CASE("with area weights the shape does not depend on the mesh", "[mesh][deform]") {
-  // Heights of the middle line under refinement: differences shrink. Uniform rows give another
+  // Heights of the middle line under refinement: differences decrease. Uniform weights give another
   // shape on a mesh that is fine on one side.
   const auto height = [](int n, DeformProblem::Weighting weighting, bool graded) {
     TriangleMesh mesh = sheet(n, 0, 0);
@@ -515,7 +516,7 @@ TEST_CASE("soft constraints: from nothing to hard as the weight grows, and rotat
   const double far = relative(at(1e6), hard), farther = relative(at(1e7), hard);
   CHECK(far / farther == Approx(10).epsilon(0.05));  // 1/weight
 
-  // A difference of two vertices that turns with the field.
+  // A difference of two vertices that rotates with the field.
   DeformProblem problem = c.problem;
   problem.features.clear();
   const int w = c.mesh.topology().neighbours(v)[0];
@@ -564,7 +565,7 @@ TEST_CASE("a feature line keeps its shape better the wider its strip is", "[mesh
 }
 
 TEST_CASE("unconstrained parts stay, and are reported", "[mesh][deform]") {
-  // The sheet and a triangle of its own, and a vertex without triangles.
+  // The sheet, a disconnected triangle, and a vertex without triangles.
   const TriangleMesh one = sheet(8);
   Points points(one.vertex_count() + 4, 3);
   points << one.points(), Points::Random(4, 3).array() + 10;
@@ -583,7 +584,7 @@ TEST_CASE("unconstrained parts stay, and are reported", "[mesh][deform]") {
     const Points p = deformer.deform(edit);
     CHECK(p.bottomRows(4) == points.bottomRows(4));
   }
-  // As members of one feature with a vertex of the sheet they go with it.
+  // As members of one feature with a vertex of the sheet they move with it.
   problem.features = {{"together", {40, n, n + 1, n + 2, n + 3}}};
   FormFeatureDeformer deformer(mesh, problem);
   CHECK(deformer.notes().empty());

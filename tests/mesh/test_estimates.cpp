@@ -1,4 +1,4 @@
-// Deformers that work in rounds: the laws of mesh/regions.
+// Iterative deformers: properties of mesh/regions.
 #include <Eigen/Geometry>
 #include <numbers>
 
@@ -43,7 +43,7 @@ struct ClampedSheet {
         right(vertices_where(mesh, [&](const Vec3& p) { return p.x() > 4 - 4.5 / n; })) {}
 };
 
-/// Every deformer of the room on one mesh.
+/// Every deformer of the module on one mesh.
 std::vector<std::unique_ptr<IterativeDeformer>> all_kinds(const TriangleMesh& mesh,
                                                           const Faces& quads,
                                                           const std::vector<int>& fixed,
@@ -132,7 +132,7 @@ TEST_CASE("estimates: the energy decreases in every iteration and is reported co
     for (size_t k = 1; k < report.energies.size(); ++k)
       CHECK(report.energies[k] <= report.energies[k - 1] + 1e-12 * report.energies[0]);
     CHECK(report.converged == (report.last_change < 1e-6));
-    // What is held is there to the last bit.
+    // Fixed vertices are exact to the last bit.
     for (const int v : c.left) CHECK(deformer->positions().row(v) == c.mesh.points().row(v));
     for (const int v : c.right)
       CHECK(deformer->positions().row(v).transpose() == other_move()(c.mesh.point(v)));
@@ -191,7 +191,7 @@ TEST_CASE("estimates: one factor for all rounds and edits, and rounds allocate n
     const std::int64_t allocations = work.of(OpCounter::Allocation);
     CHECK(work.of(OpCounter::Factorization) == 0);
     CHECK(work.of(OpCounter::Solve) >=
-          iterations);  // a mixed round that led upwards is solved again
+          iterations);  // an accelerated iteration that increased the energy is repeated
     CHECK(work.of(OpCounter::Solve) <= iterations + iterations / 4);
     if (counts_allocations()) CHECK(allocations == 0);
   }
@@ -255,7 +255,7 @@ TEST_CASE(
       to.col(k) = at(c.mesh.points()) - centre(c.mesh.points(), t);
       after.col(k) = at(p) - centre(p, t);
     }
-    // Barycentric weights of the face's own foot on the neighbours' plane.
+    // Barycentric weights of the projection of the face onto the plane of its neighbours.
     const Vec3 n = (to.col(1) - to.col(0)).cross(to.col(2) - to.col(0)).normalized();
     const double height = n.dot(to.col(0));
     Eigen::Matrix4d conditions;  // Σ w to = height n + 0, Σ w = 1
@@ -305,7 +305,8 @@ TEST_CASE("squares: primal rows keep vertices from moving to and fro", "[mesh][e
   const auto fixed = vertices_where(mesh, [](const Vec3& p) { return p.x() < 0.3; });
   const std::vector<Handle> handles = {
       {"right", vertices_where(mesh, [](const Vec3& p) { return p.x() > 3.7; })}};
-  // Share of the pattern + - + - in the move of the vertices, over an edge: largest place.
+  // Checkerboard amplitude: part of the pattern + - + - in the displacements of the vertices,
+  // relative to the edge length; largest value.
   const auto to_and_fro = [&](double checkerboard_penalty) {
     DualLaplacianOptions options;
     options.checkerboard_penalty = checkerboard_penalty;
@@ -460,7 +461,7 @@ TEST_CASE("estimates: bad input is refused with what was found", "[mesh][estimat
   move.translation.x() = std::nan("");
   CHECK(error_message([&] { deformer.deform(std::vector{move}); }).find("not finite") !=
         std::string::npos);
-  // A vertex held twice: no conflict while both agree.
+  // A vertex fixed twice: no conflict as long as both agree.
   ArapDeformer twice(c.mesh, c.left, {{"right", c.right}, {"both", {c.left[0], c.right[0]}}});
   twice.deform(std::vector<HandleTransform>(2));
   CHECK_THROWS_AS(twice.deform(std::vector{other_move(), HandleTransform{}}), ConflictError);

@@ -1,4 +1,4 @@
-// Creases and rims of meshes as lines.
+// Creases and free edges of meshes as curves.
 #include "batten/mesh/features/feature_lines.h"
 
 #include <cmath>
@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A prism with n sides around z, with its lower lid and, where `lid`, its upper one.
+/// A prism with n sides around z, with its lower cap and, if `lid`, its upper cap.
 TriangleMesh prism(int n, bool lid) {
   ShellMesh mesh;
   mesh.points.resize(2 * n, 3);
@@ -72,7 +72,7 @@ TEST_CASE("a cup has one closed crease and one closed free edge", "[mesh][featur
 }
 
 TEST_CASE("short creases that end in the open are noise, long ones are not", "[mesh][features]") {
-  // A plane with a small tent along one edge of it.
+  // A plane with a small tent along one of its edges.
   ShellMesh mesh;
   const auto add = [&](double length) {
     mesh = {};
@@ -101,7 +101,7 @@ TEST_CASE("paths follow creases and close", "[mesh][features]") {
   const TriangleMesh box = prism(4, true);
   CHECK(crease_path(box, {0, 1}) == std::vector<int>{0, 1});
   CHECK(crease_path(box, {0}) == std::vector<int>{0});
-  // Along two creases, although a flat diagonal of the side or of the lid may be shorter.
+  // Along two creases, although a diagonal in the flat side or cap may be shorter.
   for (const int goal : {2, 5}) {
     const std::vector<int> path = crease_path(box, {0, goal});
     REQUIRE(path.size() == 3);

@@ -1,4 +1,4 @@
-// Feature regions: rotations of faces, regions that keep their shape, how they are chosen.
+// Feature regions: rotations of faces, regions that keep their shape, and their selection.
 #include <Eigen/Geometry>
 #include <numbers>
 
@@ -68,7 +68,7 @@ TEST_CASE("rotations of 10,000 triangles that were rotated are exact", "[mesh][f
   for (int k = 0; k < 10000; ++k) {
     Points before(3, 3), after(3, 3);
     double height = 0;
-    do {  // a triangle's own direction across it is as exact as it is high
+    do {  // the height of a triangle limits the accuracy of its direction
       for (int c = 0; c < 3; ++c) before.row(c) = random.point();
       const Vec3 a = before.row(1) - before.row(0), b = before.row(2) - before.row(0);
       height = a.cross(b).norm() / std::max({a.norm(), b.norm(), (a - b).norm()});
@@ -125,7 +125,7 @@ TEST_CASE("faces that collapse, stretch or turn inside out have a rotation",
   CHECK(is_rotation(rotation_of_face(quad, before, after(Vec3(1, 0, 0).asDiagonal()))));
   CHECK(rotation_of_face(quad, before, after(Mat3::Zero())) == Mat3::Identity());
   CHECK(rotation_of_face(quad, after(Mat3::Zero()), before) == Mat3::Identity());
-  // Onto a line: the line's direction is met.
+  // Onto a line: its direction is reproduced.
   const Mat3 onto =
       rotation_of_face(quad, before, after(Vec3::UnitZ() * Vec3::UnitX().transpose()));
   CHECK((onto * Vec3::UnitX() - Vec3::UnitZ()).norm() < 1e-7);
@@ -165,12 +165,12 @@ TEST_CASE("means of rotations: outliers carry the squared one away, not the othe
   }
   CHECK(angle_between(mean_rotation(rotations, weights), truth) > 0.3);
   CHECK((median_rotation(rotations, weights) - truth).norm() < 1e-9);
-  // Weights count: with most of it on the others, the median is theirs.
+  // Weights matter: with most of the weight on the others, the median is theirs.
   for (int k = 70; k < 100; ++k) weights[k] = 5;
   CHECK(angle_between(mean_rotation(rotations, weights), wrong) <
         angle_between(mean_rotation(rotations, weights), truth));
   CHECK((median_rotation(rotations, weights) - wrong).norm() < 1e-9);
-  // Scattered: no other rotation near it has a smaller sum.
+  // Scattered: no other nearby rotation has a smaller sum.
   std::fill(weights.begin(), weights.end(), 1.0);
   for (int k = 0; k < 70; ++k)
     rotations[k] =
@@ -252,7 +252,7 @@ TEST_CASE("estimate, rough, soft, hard: each keeps the boss better than the one 
   CHECK(deform_per_face < 0.5 * estimate);
   CHECK(nearly < 0.5 * deform_per_face);
   CHECK(exact < 1e-13);
-  // The rough result of hard regions is that of soft ones.
+  // The initial result with hard regions is that with soft ones.
   CHECK(relative(hard.deform_per_face(c.estimate, c.moves),
                  soft.deform_per_face(c.estimate, c.moves)) < 1e-12);
   CHECK(hard.face_rotations(0).size() == hard.faces(0).size());
@@ -293,7 +293,7 @@ TEST_CASE("hard regions are the dense least-squares problem with three unknowns 
     const Points p = deformer.deform(c.estimate, c.moves);
     const TriangleMesh& mesh = c.panel.mesh;
     const int n = mesh.vertex_count();
-    // Unknowns: each loose vertex, and the translation of the region. p = T u + known.
+    // Unknowns: each free vertex, and the translation of the region. p = T u + known.
     std::vector<int> column(n, -2);
     for (const int v : c.panel.fixed) column[v] = -1;
     for (const int v : c.panel.handles[0].vertices) column[v] = -1;
@@ -363,7 +363,7 @@ TEST_CASE("one factor for any number of edits of feature regions", "[mesh][featu
   for (int edit = 0; edit < 4; ++edit) deformer.deform(c.estimate, c.moves);
   CHECK(work.of(OpCounter::Factorization) == 0);
   CHECK(work.of(OpCounter::Solve) == 4);
-  // Three unknowns are left of the region: one for each coordinate.
+  // The region has three remaining unknowns: one per coordinate.
   FeatureRegionDeformer soft = c.deformer(options_of(Kind::Soft));
   CHECK(soft.unknowns() - deformer.unknowns() == isize(deformer.vertices(0)) - 1);
 }
@@ -389,14 +389,14 @@ TEST_CASE("hard regions follow their constraints, and those that share vertices 
   CHECK(deformer.region_rotations()[2] == deformer.region_rotations()[3]);
   CHECK(fit_similarity(mesh.points(), p, union_of(deformer.vertices(2), deformer.vertices(3)))
             .max_error < 1e-12);
-  // Two regions that share vertices, and the user turns both in different ways.
+  // Two regions that share vertices, with different prescribed rotations.
   deformer.set_rotation(2, Mat3(Mat3::Identity()));
   deformer.deform(c.estimate, c.moves);
   CHECK(deformer.region_rotations()[3] == Mat3::Identity());
   deformer.set_rotation(3, Mat3(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
   CHECK_THROWS_AS(deformer.deform(c.estimate, c.moves), ConflictError);
   deformer.set_rotation(3, {});
-  // Turned against what holds it: the conflict names the region.
+  // Rotated against the fixed vertices: the conflict names the region.
   deformer.set_rotation(1, Mat3(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
   try {
     deformer.deform(c.estimate, c.moves);
@@ -409,7 +409,7 @@ TEST_CASE("hard regions follow their constraints, and those that share vertices 
 TEST_CASE("a robust mean of a region ignores a dent in the estimate", "[mesh][feature_regions]") {
   Lifted c(20, 0);
   c.estimate = c.panel.mesh.points();
-  // A dent of a few faces of the flat sheet, which is one region.
+  // A dent of a few faces in the flat sheet, which is one region.
   c.regions = {{"sheet", {}, disc_of(c.panel.mesh, 1.2, 1.2, 0.5)}};
   for (const int v : disc_of(c.panel.mesh, 1.4, 1.2, 0.25))
     c.estimate(v, 2) += 0.6 * (c.estimate(v, 0) - 1.0);
@@ -503,11 +503,11 @@ TEST_CASE("saliency: a bump stands out from the ball it is on, wherever and howe
         }).find("expected the threshold 0.2 or more") != std::string::npos);
   CHECK(error_message([&] { grown_region(mesh, VecX::Zero(3), 0, 0.2); }) ==
         "there are 3 saliencies, expected 10242");
-  // Moved, turned, scaled and turned inside out.
+  // Translated, rotated, scaled and turned inside out.
   const Mat3 R = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Points moved = (1000 * p * R.transpose()).rowwise() + Eigen::RowVector3d(1e4, 0, 5);
   const TriangleMesh other = mesh.with_points(moved);
-  // The box of the turned ball is nearly, not quite, the same.
+  // The bounding box of the rotated sphere is approximately the same.
   CHECK((mesh_saliency(other) - saliency).cwiseAbs().maxCoeff() < 0.05);
   {
     const ThreadGuard one(1);

@@ -1,4 +1,4 @@
-// Holes are measured, features are proposed and cut where they end.
+// Measurement of holes; proposed features and their extent.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,7 +25,7 @@ std::vector<int> counted(int n) {
   return all;
 }
 
-/// Points of a circle at uneven angles, clockwise seen from `axis`.
+/// Points of a circle at uneven angles, clockwise as seen from `axis`.
 Points circle(const Vec3& centre, const Vec3& axis, double radius, int n) {
   const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
   Points p(n, 3);
@@ -80,7 +80,7 @@ TEST_CASE("circles in space are measured to rounding", "[mesh][features]") {
     CHECK(hole.roundness < 1e-12);
     CHECK(hole.flatness < 1e-12);
     CHECK(hole.circular);
-    // The other way round, the axis turns.
+    // Reversed, the axis changes its sign.
     std::vector<int> reversed = counted(n);
     std::reverse(reversed.begin(), reversed.end());
     CHECK((measure_hole(p, reversed).axis + axis).norm() < 1e-13);
@@ -213,7 +213,7 @@ TEST_CASE("holes without a flange have one ring, or the width asked for", "[mesh
   FeatureDetectionOptions all;
   all.outer_loops = true;
   CHECK(detect_features(mesh, all).size() == 2);
-  // Each part of the mesh has an outer loop of its own; closed parts have none.
+  // Each part of the mesh has its own outer loop; closed parts have none.
   CHECK(detect_features(disjoint_union(disjoint_union(mesh, mesh), sphere(3))).size() == 2);
 }
 
@@ -233,7 +233,7 @@ TEST_CASE("a flange ends at its outermost crease, a hole in a cavity at its own"
         vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 12 + 1e-9; }));
   CHECK(proposals[1].measure.radius == Approx(12));
   CHECK((proposals[1].measure.axis - Vec3(0, 0, 1)).norm() < 1e-12);
-  // Allowed to go so far, the rim is the whole cavity, and that is one feature.
+  // With a large limit, the flange is the whole cavity as one feature.
   options.flange_rings = 40;
   CHECK(detect_features(mesh, options).size() == 1);
   CHECK(detect_features(mesh, options)[0].vertices == proposals[1].vertices);
@@ -261,13 +261,13 @@ TEST_CASE("nested creases are one feature, or one each when asked for", "[mesh][
 
 TEST_CASE("panels within a flange are no feature, rings and bosses on them are",
           "[mesh][features]") {
-  // Flange with a step; a groove around; a boss in the middle.
+  // A flange with a step; a groove around it; a boss in the middle.
   const TriangleMesh mesh = revolved_profile(
       subdivided({{30, -4}, {27, -4}, {27, 0}, {20, 0}, {19, -1}, {18, 0}, {5, 0}, {5, 1}, {0, 1}},
                  0.7),
       64);
   auto proposals = detect_features(mesh);
-  // The groove encloses everything inside of it: one feature up to its outer crease.
+  // The groove includes everything inside of it: one feature up to its outer crease.
   REQUIRE(proposals.size() == 1);
   CHECK(proposals[0].measure.radius == Approx(20));
   const TriangleMesh plain =
@@ -357,12 +357,12 @@ TEST_CASE("the cut around a boss is the circle where it meets the plate, on ever
     CHECK(cut.vertices ==
           vertices_with(mesh, [](const Vec3& p) { return radius_of(p) < 5 + 1e-9; }));
     CHECK(vertices_of_triangles(mesh.topology(), cut.triangles) == cut.vertices);
-    // The cost belongs to the crease, not to the number of its edges; the mean bend of the band
-    // falls with h, and the cost with it.
+    // The cost belongs to the crease, not to its number of edges; the mean dihedral angle of the
+    // band is proportional to h, and so is the cost.
     const double fraction = cut.cost / mesh.length(cut.chains[0].vertices);
     CHECK(fraction < (last > 0 ? 0.7 * last : 0.2));
     last = fraction;
-    // The chain runs with the plate on its left: around the boss clockwise.
+    // The chain runs with the plate on its left: clockwise around the boss.
     const auto& loop = cut.chains[0].vertices;
     CHECK(mesh.point(loop[0]).cross(mesh.point(loop[1])).z() < 0);
   }
@@ -399,7 +399,7 @@ TEST_CASE("the feature is the smaller side, or the one named", "[mesh][features]
 }
 
 TEST_CASE("the cut is the cheapest of all cuts", "[mesh][features]") {
-  // Every subset of the band, with the cost written down once more.
+  // Exhaustive search over all subsets of the band, with a reference implementation of the cost.
   int checked = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     Random random(seed);
@@ -430,8 +430,8 @@ TEST_CASE("the cut is the cheapest of all cuts", "[mesh][features]") {
       const Vec3 along = mesh.point(e.high) - mesh.point(e.low);
       const Vec3 l = mesh.area_vector(e.left).normalized(),
                  r = mesh.area_vector(e.right).normalized();
-      // The left triangle runs along the edge; where the surface is hollow its normal has to turn
-      // against the edge's direction to become the right one's.
+      // The left triangle runs along the edge; in a concave surface the rotation from its normal to
+      // that of the right triangle is against the direction of the edge.
       const double angle = std::atan2(r.cross(l).dot(along.normalized()), l.dot(r));
       const double d = (angle > 0 ? options.concave : options.convex) * (1 - std::cos(angle));
       pairs.push_back({e.left, e.right, along.norm(), d});
@@ -466,7 +466,7 @@ TEST_CASE("the cut is the cheapest of all cuts", "[mesh][features]") {
 }
 
 TEST_CASE("in a flat band the shortest cut wins, from border to border, too", "[mesh][features]") {
-  // An hourglass: the narrowest place is in the middle.
+  // An hourglass: the minimum is in the middle.
   const int n = 24;
   TriangleMesh mesh = flat_square(n, 0, 3);
   Points p = mesh.points();
@@ -484,7 +484,7 @@ TEST_CASE("in a flat band the shortest cut wins, from border to border, too", "[
   for (const int v : cut.chains[0].vertices) CHECK(mesh.point(v).x() == Approx(0.5));
   CHECK(cut.cost == Approx(0.3));
 
-  // Rounding of a file does not count as bending.
+  // Rounding in a file is not a bend.
   for (int v = 0; v < mesh.vertex_count(); ++v) p(v, 2) += 1e-7 * (v * 7919 % 11);
   CHECK(cut_feature(mesh.with_points(p), band).triangles == cut.triangles);
 }
@@ -508,7 +508,7 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
   CHECK(refused(mesh, strips) ==
         "the band separates 3 parts of 40, 60 and 40 triangles, expected 2");
   const TriangleMesh two = disjoint_union(mesh, mesh);
-  CHECK(refused(two, triangles_between(mesh, 0.2, 0.3, x)).empty());  // the other part is no side
+  CHECK(refused(two, triangles_between(mesh, 0.2, 0.3, x)).empty());  // other part: no side
   CHECK(refused(two, triangles_between(two, 0.2, 0.3, x)).find("lie in parts of the mesh") !=
         std::string::npos);
 

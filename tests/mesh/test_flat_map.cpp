@@ -1,4 +1,4 @@
-// Surfaces laid flat: nothing turns over, and what is flat stays as it is.
+// Flattened surfaces: no inverted triangles, and flat surfaces are unchanged.
 #include "batten/mesh/pn_triangle_mesh.h"
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kRings = 6, kAround = 24;
 
-/// A cap of the unit sphere as far as the colatitude `last`, in rings of triangles around its pole.
+/// A cap of the unit sphere up to the colatitude `last`, in rings of triangles around its pole.
 PnTriangleMesh cap(double last) {
   Points points(1 + kRings * kAround, 3);
   points.row(0) = Vec3::UnitZ();
@@ -53,17 +53,17 @@ double twice_area(const HarmonicMap& map, const std::array<int, 3>& t) {
 
 TEST_CASE("No triangle of a deep cap inverts if its boundary is mapped to a square",
           "[mesh][flat_map]") {
-  const PnTriangleMesh mesh = cap(2.6);  // most of the sphere: its rim is the smaller part of it
+  const PnTriangleMesh mesh = cap(2.6);  // most of the sphere: the rest is the smaller part
   const HarmonicMap map(mesh, on_square);
   double sum = 0;
   for (const auto& t : mesh.mesh().triangles()) {
     CHECK(twice_area(map, t) > 0);
     sum += twice_area(map, t) / 2;
   }
-  CHECK(sum == Approx(4).epsilon(0.05));  // but for the square's corners, which no vertex has
+  CHECK(sum == Approx(4).epsilon(0.05));  // except the square's corners, which are not vertices
   for (int v = 0; v < mesh.mesh().vertex_count(); ++v)
     CHECK((map.surface_point(map.parameter(v)) - mesh.mesh().point(v)).norm() < 1e-12);
-  // Between the vertices there is the sphere, not a chord.
+  // Between the vertices the surface is the sphere, not a chord.
   CHECK(std::abs(map.surface_point({0.31, 0.17}).norm() - 1) < 2e-3);
 }
 

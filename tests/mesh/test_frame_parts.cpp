@@ -1,4 +1,5 @@
-// One frame with features, free turns, guides and a volume; and what a frame solver refuses.
+// One frame with features, free rotations, plane and line constraints and a volume; and rejected
+// input of a frame solver.
 #include <functional>
 #include <limits>
 
@@ -52,7 +53,7 @@ double volume(const TriangleMesh& mesh, const Points& p) {
 
 namespace {
 
-/// The energy with a rigid part turned about its centre, all else as it stands.
+/// The energy with a rigid part rotated about its centre, all other nodes fixed.
 double energy_with_rotation(const TriangleMesh& mesh, const Points& p, FrameShape at,
                             const std::vector<int>& part, const Mat3& rotation) {
   const Vec3 c0 = centroid(p, part), c = centroid(at.positions, part);
@@ -63,7 +64,8 @@ double energy_with_rotation(const TriangleMesh& mesh, const Points& p, FrameShap
   return arap_energy(mesh, p, at.positions, at.rotations);
 }
 
-/// Steps about three axes from many turns, halved where none is better: the best turn there is.
+/// Coordinate descent about three axes from many start rotations, with step halving: the optimal
+/// rotation.
 Mat3 rotation_by_search(const std::function<double(const Mat3&)>& energy) {
   Random random(45);
   Mat3 best = Mat3::Identity();
@@ -132,7 +134,7 @@ TEST_CASE("guided points are on their plane and line", "[mesh][sequences]") {
   CHECK(
       (Vec3(v.row(b.middle[9])) - targets.constraint_origins[1]).cross(along.normalized()).norm() <
       1e-13);
-  // A mean of nodes, of which one is held.
+  // A mean of nodes, one of which is fixed.
   FrameConstraints mean = b.constraints();
   const std::vector<int> some{b.middle[0], b.middle[5], b.right[0]};
   mean.point_constraints = {
@@ -144,7 +146,7 @@ TEST_CASE("guided points are on their plane and line", "[mesh][sequences]") {
   CHECK((centroid(of_some.result().positions, some) - of_mean.constraint_origins[0])
             .cross(along.normalized())
             .norm() < 1e-13);
-  // Without points they stay on what goes through them in the frame.
+  // Without origins, nodes stay on the planes and lines through them in the frame.
   targets.constraint_origins.clear();
   solver.alternate(b.p, targets);
   CHECK(std::abs((solver.result().positions.row(b.middle[0]) - b.p.row(b.middle[0]))
@@ -164,7 +166,7 @@ TEST_CASE("a closed surface keeps its volume, with the least energy", "[mesh][se
     CHECK(solver.report().converged);
     CHECK(std::abs(volume(b.mesh, v) / volume(b.mesh, b.p) - 1) < 1e-12);
     if (soft) continue;
-    // ∂E = μ ∂V where nodes are free.
+    // ∂E = μ ∂V for free nodes.
     Points slope = Points::Zero(v.rows(), 3), gradient = slope;
     const auto& R = solver.result().rotations;
     for (const auto& [i, j] : node_edges(b.mesh)) {
@@ -281,7 +283,7 @@ TEST_CASE("sequences are checked before they are edited", "[mesh][sequences]") {
   CHECK(refused() == "walk: frame 2: node 4 has a coordinate that is not finite, or above 1e100");
   s.frames[1] = mesh.points().topRows(5);
   CHECK(refused().find("frame 2 has 5 nodes, expected 12") != std::string::npos);
-  // Second differences: of a motion that speeds up evenly they are its acceleration.
+  // Second differences: for a motion with constant acceleration they equal it.
   std::vector<Points> frames;
   for (int k = 0; k < 5; ++k)
     frames.push_back(mesh.points().rowwise() + Eigen::RowVector3d(0, 0.5 * k * k, 0));

@@ -1,4 +1,4 @@
-// One frame, ring by ring as rigid as possible: what the alternation keeps, and what it reaches.
+// One frame with ARAP: invariants and result of the alternating minimisation.
 #include "batten/mesh/sequence/frame_solver.h"
 
 #include "batten/mesh/sequence/local_global_steps.h"
@@ -12,7 +12,7 @@ using namespace batten_test;
 
 namespace {
 
-/// A mesh and two ends of it: one is fixed or a handle, the other one a handle.
+/// A mesh and its two ends: one is fixed or a handle, the other one a handle.
 struct Sample {
   std::string name;
   TriangleMesh mesh;
@@ -44,7 +44,7 @@ FrameTargets prescribed(const std::vector<RigidMotion>& motions) {
   return targets;
 }
 
-/// The other end lifted and turned about its centroid.
+/// The other end lifted and rotated about its centroid.
 RigidMotion bending(const Sample& s, double angle = 0.9) {
   const Vec3 c = centroid(s.frame(), s.other);
   return RigidMotion::about(c, rotation_matrix(to_rotation_vector(Vec3(0.3, 1, 0.2), angle)),
@@ -274,7 +274,7 @@ TEST_CASE("the rotations of a shape at rest give it back in one linear step", "[
     solver.reconstruct(s.frame(), targets, at.rotations);
     INFO(s.name << " " << solver.report().iterations << " " << solver.report().converged);
     CHECK(distance(solver.result().positions, at.positions) < 3e-7 * s.mesh.size());
-    // From another start it comes to the same shape.
+    // It converges to the same shape from another start.
     solver.alternate(s.frame(), targets, at.positions);
     CHECK(solver.report().iterations <= 3);
     CHECK(distance(solver.result().positions, at.positions) < 1e-6 * s.mesh.size());

@@ -1,4 +1,4 @@
-// Shells that meet: T-joints, crossings, parts that touch, sheets with one side.
+// Intersecting shells: T-joints, crosses, parts that touch, one-sided sheets.
 #include <algorithm>
 #include <numbers>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kLong = 12, kWide = 8, kHigh = 4;
 
-/// Walls over one row of nodes along x at y = z = 0, each at its own angle about it, degrees.
+/// Walls that share a row of nodes along x at y = z = 0, each at its own angle about it, degrees.
 ShellMesh star(const std::vector<double>& angles, const std::vector<int>& widths) {
   std::vector<Vec3> points;
   ShellMesh mesh;
@@ -37,7 +37,7 @@ ShellMesh star(const std::vector<double>& angles, const std::vector<int>& widths
   return mesh;
 }
 
-/// A plate with a stiffener over its middle.
+/// A plate with a stiffener on its middle.
 ShellMesh stiffened() { return star({0, 180, 90}, {kWide, kWide, kHigh}); }
 
 ShellMesh moebius(int n) {
@@ -90,7 +90,7 @@ TEST_CASE("a skin goes on past its stiffener, which ends there", "[mesh][joints]
     CHECK(t.component()[v] != t.component()[t.node_of(v)]);
   }
   CHECK(area_of(ready.mesh) == Approx(kLong * (2 * kWide + kHigh)));
-  // The outline of the plate is a rim; that of the stiffener runs along the plate.
+  // The outline of the plate is a free edge; that of the stiffener runs along the plate.
   REQUIRE(t.boundary_loops().size() == 1);
   CHECK(t.boundary_loops()[0].size() == 2 * (kLong + 2 * kWide));
   CHECK(t.non_manifold_loops().size() == 1);
@@ -106,8 +106,8 @@ TEST_CASE("at a non-manifold edge all patches end that do not clearly continue",
   CHECK(manifold_patches({0, 180, 20, 340}) == 3);  // and two stiffeners
   CHECK(manifold_patches({0, 150, 240}) == 2);      // bends by 30°
   CHECK(manifold_patches({0, 130, 240}) == 3);      // by 50°
-  CHECK(manifold_patches({0, 175, 185}) == 3);      // which one goes on?
-  CHECK(manifold_patches({0, 90}) == 1);            // two faces are one sheet however they bend
+  CHECK(manifold_patches({0, 175, 185}) == 3);      // ambiguous continuation
+  CHECK(manifold_patches({0, 90}) == 1);            // two faces are one manifold patch at any angle
 }
 
 TEST_CASE("parts that touch at a node are joined there", "[mesh][joints]") {
@@ -171,7 +171,7 @@ TEST_CASE("joined patches: rigid motions are reproduced, and joined vertices sta
   for (int v = mesh.topology().node_count(); v < mesh.vertex_count(); ++v)
     CHECK(p.row(v) == p.row(mesh.topology().node_of(v)));
   CHECK(fit_similarity(mesh.points(), p, problem.features[0].vertices).max_error < 1e-13);
-  // The stiffener stays upright: its normal is square to that of the plate all along.
+  // The stiffener stays perpendicular to the plate: so do the normals along it.
   const auto row = [&](int i) {
     const auto place = [&](double y, double z) {
       return p.row(nearest_vertex(mesh, Vec3(i, y, z))).transpose().eval();
@@ -183,7 +183,7 @@ TEST_CASE("joined patches: rigid motions are reproduced, and joined vertices sta
 }
 
 TEST_CASE("a stretch passes joints as if they were not there", "[mesh][joints]") {
-  // A plate with two ribs across it: the sheet is a plate all the same.
+  // A plate with two ribs across it: the sheet behaves like a plate without ribs.
   const PreparedMesh ready = prepare(stiffened());
   const TriangleMesh& mesh = ready.mesh;
   DeformProblem problem;
@@ -207,7 +207,7 @@ TEST_CASE("distances and rings pass non-manifold edges", "[mesh][joints]") {
   const TriangleMesh& mesh = ready.mesh;
   const int source = nearest_vertex(mesh, {6, 5, 0});
   const VecX d = geodesic_distances(mesh, {source});
-  // Straight up the stiffener, straight and unfolded to the other side.
+  // Straight up the stiffener, unfolded to the other side.
   CHECK(d[nearest_vertex(mesh, {6, 0, kHigh})] == Approx(5 + kHigh));
   CHECK(d[nearest_vertex(mesh, {6, -3, 0})] == Approx(8));
   const MeshTopology& t = mesh.topology();

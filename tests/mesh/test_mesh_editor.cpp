@@ -76,7 +76,7 @@ DeformEdit lifted_and_rotated() {
 
 }  // namespace
 
-TEST_CASE("constraints of relations hold in the rest shape and rotate with it", "[mesh][editing]") {
+TEST_CASE("constraints of relations hold in the rest shape and rotate with it", "[mesh][deform]") {
   Random random(3);
   const PointFeatures apart({random.point(), random.point(), random.point()}),
       row({{0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {3, 6, 9}});
@@ -101,7 +101,7 @@ TEST_CASE("constraints of relations hold in the rest shape and rotate with it", 
         std::vector<std::vector<int>>{{1, 2}});
 }
 
-TEST_CASE("mirror images are kept by their middle and their difference", "[mesh][editing]") {
+TEST_CASE("mirror images are kept by their middle and their difference", "[mesh][deform]") {
   const PointFeatures two({{3, 4, 0.5}, {3, 4, 1.5}, {3, 4, 1.6}});
   const RelationConstraints found = two.related(RelationKind::Symmetric, {0, 1});
   REQUIRE(found.point_constraints.size() == 2);
@@ -123,7 +123,7 @@ TEST_CASE("mirror images are kept by their middle and their difference", "[mesh]
              Contains("found 3 features, expected two"));
 }
 
-TEST_CASE("relations that the rest shape violates are rejected", "[mesh][editing]") {
+TEST_CASE("relations that the rest shape violates are rejected", "[mesh][deform]") {
   const PointFeatures uneven({{0, 0, 0}, {1, 0, 0}, {2.1, 0, 0}});
   CHECK_THAT(error_message([&] {
                uneven.related(RelationKind::Spacing, {0, 1, 2});
@@ -148,7 +148,7 @@ TEST_CASE("relations that the rest shape violates are rejected", "[mesh][editing
   CHECK_THAT(error_message(add), Contains("from the axis of 'hole-1'"));
 }
 
-TEST_CASE("an edit that moves nothing changes no bit", "[mesh][editing]") {
+TEST_CASE("an edit that moves nothing changes no bit", "[mesh][deform]") {
   const EditedPlate plate;
   DeformEdit still;
   still.handles.resize(1);
@@ -156,7 +156,7 @@ TEST_CASE("an edit that moves nothing changes no bit", "[mesh][editing]") {
     CHECK(plate.solved(still, {mode, true, {}}) == plate.prepared.mesh.points());
 }
 
-TEST_CASE("features keep their shape and rotate like the sheet around them", "[mesh][editing]") {
+TEST_CASE("features keep their shape and rotate like the sheet around them", "[mesh][deform]") {
   const EditedPlate plate;
   MeshEditor editor(plate.prepared, plate.prepared.mesh.points(), plate.problem);
   editor.set(lifted_and_rotated());
@@ -179,8 +179,7 @@ TEST_CASE("features keep their shape and rotate like the sheet around them", "[m
   }
 }
 
-TEST_CASE("previews converge to the equilibrium, which does not depend on them",
-          "[mesh][editing]") {
+TEST_CASE("previews converge to the equilibrium, which does not depend on them", "[mesh][deform]") {
   const EditedPlate plate;
   const Points alone = plate.solved(lifted_and_rotated());
   MeshEditor editor(plate.prepared, plate.prepared.mesh.points(), plate.problem);
@@ -199,7 +198,7 @@ TEST_CASE("previews converge to the equilibrium, which does not depend on them",
   CHECK(editor.solve_to_equilibrium() == alone);
 }
 
-TEST_CASE("scaling a feature moves no centre, unless that is wanted", "[mesh][editing]") {
+TEST_CASE("scaling a feature moves no centre, unless that is wanted", "[mesh][deform]") {
   const EditedPlate plate;
   const Points plain = plate.solved(lifted_and_rotated());
   DeformEdit scaled = lifted_and_rotated();
@@ -222,7 +221,7 @@ TEST_CASE("scaling a feature moves no centre, unless that is wanted", "[mesh][ed
              Contains("found 1 centres of features"));
 }
 
-TEST_CASE("prescribed rotations are exact, also for features that share them", "[mesh][editing]") {
+TEST_CASE("prescribed rotations are exact, also for features that share them", "[mesh][deform]") {
   EditedPlate plate;
   plate.problem.shared_rotations = {{1, 2}};
   const Mat3 R = rotation_matrix(Vec3(0.2, -0.3, 0.4));
@@ -238,7 +237,7 @@ TEST_CASE("prescribed rotations are exact, also for features that share them", "
              Contains("feature 99"));
 }
 
-TEST_CASE("nothing is estimated if nothing moves, or in the harmonic mode", "[mesh][editing]") {
+TEST_CASE("nothing is estimated if nothing moves, or in the harmonic mode", "[mesh][deform]") {
   const EditedPlate plate;
   const TriangleMesh& mesh = plate.prepared.mesh;
   DeformEdit still;
@@ -256,7 +255,7 @@ TEST_CASE("nothing is estimated if nothing moves, or in the harmonic mode", "[me
   CHECK(nonlinear.converged());
 }
 
-TEST_CASE("attached elements move rigidly or with the shells", "[mesh][editing]") {
+TEST_CASE("attached elements move rigidly or with the shells", "[mesh][deform]") {
   EditedPlate plate;
   ShellMesh shells = plate.model.shells;
   const int shell_nodes = shells.node_count(), free_node = shell_nodes, bolt_end = shell_nodes + 1;
@@ -293,7 +292,7 @@ TEST_CASE("attached elements move rigidly or with the shells", "[mesh][editing]"
   CHECK(none.max_rigid_error < 1e-12);
 }
 
-TEST_CASE("a region of interest takes the connections with it", "[mesh][editing]") {
+TEST_CASE("a region of interest takes the connections with it", "[mesh][deform]") {
   const EditedPlate plate;
   ShellMesh shells = plate.model.shells;
   const int end = shells.node_count();

@@ -1,4 +1,4 @@
-// The models that the other tests stand on: conforming, oriented, no folded quads, round holes.
+// Properties of the models of other tests: conforming, oriented, no folded quads, round holes.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -25,7 +25,7 @@ const std::vector<std::pair<std::string, MeshModel>>& models() {
 
 Vec3 point(const MeshModel& model, int v) { return model.shells.points.row(v).transpose(); }
 
-/// How often each edge is run through, in each direction.
+/// Number of times that each edge is used, per direction.
 std::map<std::pair<int, int>, int> directed_edges(const MeshModel& model) {
   std::map<std::pair<int, int>, int> count;
   for (int f = 0; f < model.shells.face_count(); ++f) {
@@ -43,8 +43,8 @@ int holes_of(const MeshModel& model) {
   }));
 }
 
-/// Largest deviation of a loop's vertices from a circle in a plane, over the model's size: that is
-/// what the coordinates' last digits are.
+/// Largest deviation of a loop's vertices from a planar circle, relative to the model's size, on
+/// which the rounding of coordinates depends.
 double out_of_round(const MeshModel& model, const std::vector<int>& loop) {
   Vec3 middle = Vec3::Zero();
   for (const int v : loop) middle += point(model, v) / static_cast<double>(loop.size());
@@ -71,10 +71,10 @@ TEST_CASE("models are conforming, oriented and in one piece", "[mesh][models]") 
     const auto edges = directed_edges(model);
     int border = 0, inner = 0;
     for (const auto& [edge, count] : edges) {
-      CHECK(count == 1);  // two faces never run the same way
+      CHECK(count == 1);  // adjacent faces use an edge in opposite directions
       (edges.count({edge.second, edge.first}) ? inner : border) += 1;
     }
-    // Euler: one sheet with its holes, and no other border.
+    // Euler characteristic: one sheet with its holes, and no other boundary.
     CHECK(model.shells.node_count() - (inner / 2 + border) + model.shells.face_count() ==
           1 - holes_of(model));
     std::set<int> used;
@@ -106,8 +106,8 @@ TEST_CASE("no quad of a model is folded or thin", "[mesh][models]") {
         worst_normal = std::min(worst_normal, to.cross(from).normalized().dot(normal));
       }
     }
-    CHECK(worst_sine > 0.25);    // Jacobian over the sides' lengths
-    CHECK(worst_normal > 0.95);  // nearly plane
+    CHECK(worst_sine > 0.25);    // Jacobian relative to the lengths of the sides
+    CHECK(worst_normal > 0.95);  // nearly planar
   }
 }
 

@@ -16,7 +16,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A bar whose left end rests in frames 3 to 8, but for a jitter, and moves in the others.
+/// A bar whose left end rests in frames 3 to 8, except for jitter, and moves in the others.
 struct SlidingBar {
   SlidingBar()
       : mesh(bar(10, 2, 3, 0.6)),
@@ -59,7 +59,7 @@ std::string marks(const std::vector<char>& mask) {
 
 }  // namespace
 
-TEST_CASE("keyframes are every n-th frame and both ends of what is needed", "[mesh][sequence]") {
+TEST_CASE("keyframes are every n-th frame and both ends of what is needed", "[mesh][sequences]") {
   CHECK(marks(keyframe_mask(7, 3)) == "x..x..x");
   CHECK(marks(keyframe_mask(6, 4)) == "x...xx");
   CHECK(marks(keyframe_mask(8, 100, {0, 0, 1, 1, 1, 0, 1, 0})) == "x.x.x.xx");
@@ -67,7 +67,7 @@ TEST_CASE("keyframes are every n-th frame and both ends of what is needed", "[me
 }
 
 TEST_CASE("planted feet do not slide, and nothing else changes a foot at rest",
-          "[mesh][sequence]") {
+          "[mesh][sequences]") {
   const SlidingBar given;
   const FootTracks feet = given.feet();
   REQUIRE(feet.contacts[0].size() == 1);
@@ -94,7 +94,7 @@ TEST_CASE("planted feet do not slide, and nothing else changes a foot at rest",
   CHECK(measures.inverted_triangles() == 0);
 }
 
-TEST_CASE("feet are planted on a terrain at their height or at a clearance", "[mesh][sequence]") {
+TEST_CASE("feet are planted on a terrain at their height or at a clearance", "[mesh][sequences]") {
   const SlidingBar given;
   const FootTracks feet = given.feet();
   const Terrain terrain(level_ground(0.7));
@@ -115,7 +115,7 @@ TEST_CASE("feet are planted on a terrain at their height or at a clearance", "[m
 }
 
 TEST_CASE("along a path that does not move the frames, feet are planted as on the spot",
-          "[mesh][sequence]") {
+          "[mesh][sequences]") {
   const SlidingBar given;
   const FootTracks feet = given.feet();
   const std::vector<RigidMotion> still(given.sequence.frame_count());
@@ -123,7 +123,7 @@ TEST_CASE("along a path that does not move the frames, feet are planted as on th
   const PrescribedMotion along = plant_feet_along(feet, still, times),
                          spot = plant_feet(feet, feet.trajectories, feet.contacts, times);
   CHECK(distance(along.targets[0], spot.targets[0]) < 1e-13);
-  // One motion of all frames moves the plants by it.
+  // The same motion in all frames moves the foot plants by it.
   Random random(5);
   const RigidMotion motion = random_motion(random);
   const PrescribedMotion there =
@@ -135,7 +135,7 @@ TEST_CASE("along a path that does not move the frames, feet are planted as on th
              Contains("no foot on the ground"));
 }
 
-TEST_CASE("handles that do not rotate follow the mean of the others", "[mesh][sequence]") {
+TEST_CASE("handles that do not rotate follow the mean of the others", "[mesh][sequences]") {
   const SlidingBar given;
   const auto& frames = given.sequence.frames;
   PrescribedMotion plan;
@@ -154,7 +154,7 @@ TEST_CASE("handles that do not rotate follow the mean of the others", "[mesh][se
       Contains("'foot' has a prescribed motion already"));
 }
 
-TEST_CASE("a prescribed motion that changes nothing changes nothing", "[mesh][sequence]") {
+TEST_CASE("a prescribed motion that changes nothing changes nothing", "[mesh][sequences]") {
   const SlidingBar given;
   PrescribedMotion plan;
   for (int h = 0; h < 2; ++h) {
@@ -174,7 +174,7 @@ TEST_CASE("a prescribed motion that changes nothing changes nothing", "[mesh][se
              Contains("handle 7"));
 }
 
-TEST_CASE("motion transferred from a similar image is the motion itself", "[mesh][sequence]") {
+TEST_CASE("motion transferred from a similar image is the motion itself", "[mesh][sequences]") {
   std::vector<Trajectory> own;
   for (unsigned seed = 1; seed <= 2; ++seed)
     own.push_back({smooth_path(20, seed), smooth_rotations(20, seed)});
@@ -198,7 +198,7 @@ TEST_CASE("motion transferred from a similar image is the motion itself", "[mesh
   CHECK_THAT(error_message([&] { transferred({}, own); }), Contains("0 trajectories for 2"));
 }
 
-TEST_CASE("the root of a sequence is the mean of its nodes", "[mesh][sequence]") {
+TEST_CASE("the root of a sequence is the mean of its nodes", "[mesh][sequences]") {
   const SlidingBar given;
   const Trajectory root = root_trajectory(given.sequence.frames);
   CHECK(root.frame_count() == given.sequence.frame_count());
@@ -209,7 +209,7 @@ TEST_CASE("the root of a sequence is the mean of its nodes", "[mesh][sequence]")
 }
 
 TEST_CASE("uniform motion has no second difference, and a pushed node inverts triangles",
-          "[mesh][sequence]") {
+          "[mesh][sequences]") {
   const TriangleMesh mesh = flat_square(6, 0, 1);
   FrameMeasures uniform(mesh), pushed(mesh), feet(mesh, {{{0}, 1, 2}, {{1}, 7, 9}});
   for (int k = 0; k < 5; ++k) {
@@ -228,7 +228,7 @@ TEST_CASE("uniform motion has no second difference, and a pushed node inverts tr
   CHECK(feet.foot_skate(1) == 0);
 }
 
-TEST_CASE("a target with other faces gets the faces of the source", "[mesh][sequence]") {
+TEST_CASE("a target with other faces gets the faces of the source", "[mesh][sequences]") {
   const SlidingBar given;
   MeshSequence target;
   const TriangleMesh finer = bar(14, 3, 3, 0.6);

@@ -1,4 +1,4 @@
-// Element quality against formulas that can be read off.
+// Element quality of elements with known values.
 #include "batten/mesh/element_quality.h"
 
 #include <cmath>
@@ -33,7 +33,7 @@ ElementQuality quality(const std::vector<Vec3>& p, bool second_order = false) {
   return quality_of(shells, shells.points, 0);
 }
 
-/// Somewhere else in space and of another size: measures must not care.
+/// Another position and size: measures are invariant.
 std::vector<Vec3> moved(std::vector<Vec3> p) {
   const Eigen::AngleAxisd rotation(1.1, Vec3(1, -2, 0.5).normalized());
   for (Vec3& x : p) x = 37 * (rotation * x) + Vec3(100, -20, 5);
@@ -89,7 +89,7 @@ TEST_CASE("warpage is the angle between the halves", "[mesh][quality]") {
     const double exact = std::acos((1 - 2 * h * h) / (1 + 2 * h * h)) * 180 / std::numbers::pi;
     CHECK(std::abs(q.warpage_degrees - exact) < 1e-6);
   }
-  // One corner up: the halves at one diagonal differ by 60 degrees, those at the other by 54.7.
+  // One corner up: the halves at one diagonal differ by 60 degrees, at the other by 54.7.
   CHECK(quality({{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0}}).warpage_degrees == Approx(60));
   CHECK(quality({{1, 0, 0}, {1, 1, 1}, {0, 1, 0}, {0, 0, 0}}).warpage_degrees == Approx(60));
 }
@@ -106,7 +106,7 @@ TEST_CASE("the Jacobian of a quad with a corner pushed in", "[mesh][quality]") {
 }
 
 TEST_CASE("faces of second order are measured at all their nodes", "[mesh][quality]") {
-  // x = ξ + c ξ², y = η: both elements hold quadratics, J = 1 + 2 c ξ.
+  // x = ξ + c ξ², y = η: both elements reproduce quadratics, J = 1 + 2 c ξ.
   const auto at = [](double xi, double eta, double c) { return Vec3(xi + c * xi * xi, eta, 0); };
   for (const double c : {0.0, 0.2, -0.3}) {
     const double triangle[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
@@ -121,11 +121,11 @@ TEST_CASE("faces of second order are measured at all their nodes", "[mesh][quali
     CHECK(quality(moved(s8), true).jacobian ==
           Approx(std::min(J[0], J[1]) / std::max(J[0], J[1])).epsilon(1e-12));
   }
-  // A middle node at a quarter of its edge: the Jacobian vanishes at the corner.
+  // A mid-side node at a quarter of its edge: the Jacobian is zero at the corner.
   CHECK(std::abs(
             quality({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {.25, 0, 0}, {.5, .5, 0}, {0, .5, 0}}, true)
                 .jacobian) < 1e-15);
-  // Aspect and angles are those of the corners.
+  // Aspect ratio and angles are those of the corners.
   CHECK(quality({{0, 0, 0},
                  {2, 0, 0},
                  {2, 1, 0},
@@ -201,7 +201,7 @@ TEST_CASE("folds are found where the flat area changes its sign", "[mesh][qualit
   int found = 0;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     if (mesh.topology().on_boundary(v)) continue;
-    // Over the edge opposite to it in its first triangle, just so far.
+    // Beyond the opposite edge in its first triangle, by a small distance.
     const int t = mesh.topology().triangles_of(v)[0];
     Vec3 centre = Vec3::Zero();
     for (const int i : mesh.triangles()[t])
@@ -212,7 +212,7 @@ TEST_CASE("folds are found where the flat area changes its sign", "[mesh][qualit
     std::vector<int> turned;
     for (int i = 0; i < mesh.triangle_count(); ++i)
       if (bent.area_vector(i).z() < 0) turned.push_back(i);
-    if (turned.size() != 1) continue;  // several in a row: their common edges are no folds
+    if (turned.size() != 1) continue;  // several neighbours: their common edges are not folds
     ++found;
     CHECK(inverted_faces(shells, mesh.points(), after) == turned);
   }
@@ -230,7 +230,7 @@ TEST_CASE("rigid motions, bending and other windings invert nothing", "[mesh][qu
     rolled.row(v) << 0.2 * std::sin(x), mesh.point(v).y(), 0.2 * std::cos(x);
   }
   CHECK(inverted_faces(shells, mesh.points(), rolled).empty());
-  // A fold along a line of edges is two faces of an edge that are equally to blame.
+  // At a fold along a line of edges, both faces of an edge are reported.
   Points folded = mesh.points();
   for (int v = 0; v < mesh.vertex_count(); ++v)
     if (mesh.point(v).y() > 1 - 0.5 / 12) folded(v, 1) -= 1.2 / 12;
@@ -254,7 +254,7 @@ TEST_CASE("quads that fold in themselves, lost areas and lost numbers are invert
   Points after = shells.points;
   after.row(0) << 0.7, 0.7, 0;
   CHECK(inverted_faces(shells, shells.points, after) == std::vector<int>{0});
-  CHECK(inverted_faces(shells, after, after).empty());  // it was so before
+  CHECK(inverted_faces(shells, after, after).empty());  // unchanged
   after.row(0) << kNotANumber, 0, 0;
   CHECK(inverted_faces(shells, shells.points, after) == std::vector<int>{0});
   const ShellMesh triangle = single({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});

@@ -1,4 +1,4 @@
-// Rotation parts of many matrices at once: the same as one by one.
+// Rotation parts (polar decomposition) of many matrices at once: the same as one at a time.
 
 #include "batten/core/eigen.h"
 #include "batten/mesh/rotation_fitting.h"
@@ -16,7 +16,8 @@ Mat3 with_singular_values(Random& random, const Vec3& s) {
          random_rotation_matrix(random).transpose();
 }
 
-/// σ2 + σ3, or σ2 - σ3 of a mirrored matrix, over |M|: how sharply M tells its rotation.
+/// σ2 + σ3, or σ2 - σ3 of a matrix with a reflection, relative to |M|: how well M determines its
+/// rotation.
 double gap_of(const Mat3& M) {
   const Vec3 s = svd(M).values;
   return M.norm() > 0 ? (s[1] + (M.determinant() < 0 ? -s[2] : s[2])) / M.norm() : 0;
@@ -26,7 +27,7 @@ struct Errors {
   double rotation = 0, length = 0, share = 0;
 
   static void count(double& largest, double error) {
-    if (!(error <= largest)) largest = error;  // not a number, too
+    if (!(error <= largest)) largest = error;  // also detects NaN
   }
   void add(const Mat3& M, const Mat3& R) {
     const double scale = M.cwiseAbs().maxCoeff(), gap = gap_of(scale > 0 ? M / scale : M);

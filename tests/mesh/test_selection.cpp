@@ -1,4 +1,4 @@
-// Selections by place, by neighbourhood and by distance along the surface.
+// Selections by position, by neighbourhood and by distance along the surface.
 #include "batten/mesh/selection.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ double flat_distance(const TriangleMesh& mesh, int a, int b) {
   return (mesh.point(a) - mesh.point(b)).norm();
 }
 
-/// Largest deviation of the distances from those in space: zero on flat convex meshes.
+/// Largest deviation of the distances from Euclidean ones: zero on flat convex meshes.
 double flat_error(const TriangleMesh& mesh, int source) {
   const VecX d = geodesic_distances(mesh, {source});
   double error = 0;
@@ -47,7 +47,7 @@ double sphere_error(const TriangleMesh& mesh, int source, double up_to) {
 }  // namespace
 
 TEST_CASE("selections by position contain what lies there and nothing else", "[mesh][selection]") {
-  const TriangleMesh mesh = flat_square(10, 0, 1);  // spacing 0.1, 11 vertices a row
+  const TriangleMesh mesh = flat_square(10, 0, 1);  // spacing 0.1, 11 vertices per row
   CHECK(vertices_in_box(mesh, Vec3(0, 0, 0), Vec3(0.31, 0.01, 0)) == Selection{0, 1, 2, 3});
   CHECK(vertices_in_box(mesh, Vec3(0, 0, 0.1), Vec3(1, 1, 1)).empty());
   CHECK(vertices_in_sphere(mesh, Vec3(0.5, 0.5, 0), 0.101) == Selection{49, 59, 60, 61, 71});
@@ -126,7 +126,7 @@ TEST_CASE("meshes of nothing but slivers cost a fraction of an edge, and no time
 TEST_CASE("bending without stretching keeps distances", "[mesh][selection]") {
   const int n = 20;
   const TriangleMesh flat = flat_square(n, 0, 5);
-  // A fan fold along every fourth line of edges.
+  // Fan folds along every fourth line of edges.
   const TriangleMesh folded = mapped(flat, [](const Vec3& p) {
     const double at = 5 * p.y(), piece = std::floor(at), rest = at - piece;
     const double up = static_cast<int>(piece) % 2 == 0 ? rest : 1 - rest;
@@ -162,7 +162,7 @@ TEST_CASE("a row of sources is a curve", "[mesh][selection]") {
   const VecX d = geodesic_distances(mesh, row);
   CHECK((d - mesh.points().col(1)).cwiseAbs().maxCoeff() < 1e-12);
 
-  // Around a hole: the distance from its edge, to a share of the spacing.
+  // Around a hole: the distance from its edge, up to a fraction of the spacing.
   for (const int steps : {32, 64}) {
     const double h = 2 * std::numbers::pi / steps;
     const TriangleMesh ring = revolved_profile(subdivided({{4, 0}, {1, 0}}, 2 * h), steps);

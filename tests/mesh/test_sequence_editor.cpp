@@ -1,4 +1,4 @@
-// Edits that go through all frames: what they leave alone, and what they carry along.
+// Edits of all frames: unchanged and moved parts.
 #include "batten/mesh/sequence/sequence_editor.h"
 
 #include "batten/tests/support/catch.h"
@@ -11,7 +11,7 @@ using namespace batten_test;
 
 namespace {
 
-/// A bar that bends to and fro while it travels.
+/// A bar that bends back and forth while it moves forward.
 struct Moving {
   TriangleMesh mesh;
   MeshSequence sequence;
@@ -43,7 +43,7 @@ struct Moving {
     h.handles = {{"left", left}, {"right", right}};
     return h;
   }
-  /// A motion of a handle about its centroid in a frame.
+  /// A rigid motion of a handle about its centroid in a frame.
   HandlePose pose(const std::vector<int>& handle, int frame, const Vec3& log,
                   const Vec3& translation) const {
     const Vec3 c = centroid(sequence.frames[frame], handle);
@@ -167,7 +167,8 @@ TEST_CASE("a twist at one keyframe goes through all frames of a bar that bends",
         mean += std::abs(is / was - 1);
         ++count;
       }
-      // The far end has turned by 150° against the near one, beside what the sequence does.
+      // The far end has rotated by 150° relative to the near one, in addition to the motion of the
+      // sequence.
       const auto rotation = [&](const std::vector<int>& handle) {
         return trajectory_of({m.sequence.frames[k], frames[k]}, handle).rotations[1];
       };
@@ -232,11 +233,11 @@ TEST_CASE("handles without a keyframe follow, features stay rigid in every frame
   key.handles[0].reset();
   editor.set_keyframes({key, m.lifted(9)});
   const auto frames = editor.frames();
-  // Told alone, a handle carries the whole bar along.
+  // A single prescribed handle moves the whole bar.
   const RigidMotion motion = key.handles[1]->motion;
   CHECK(distance(editor.keyframe_positions()[0], moved(motion, m.sequence.frames[6])) < 1e-9);
   CHECK(distance(frames[6], editor.keyframe_positions()[0]) < 1e-9);
-  // A turn that is found at a keyframe is the handle's there.
+  // An estimated rotation at a keyframe is that of the handle.
   SequenceKeyframe free = m.lifted(6);
   free.handles[1]->free_rotation = true;
   SequenceEditor finds(m.sequence, m.mesh, constraints);
@@ -273,7 +274,7 @@ TEST_CASE("an editor refuses keyframes that cannot be", "[mesh][sequences]") {
   CHECK(refused({{4, {HandlePose{}}}}).find("expected 2") != std::string::npos);
   CHECK(refused({{4, {{}, {}}}}).find("prescribes no handle") != std::string::npos);
   CHECK(!refused({{1, key.handles}}).empty());
-  // After a refusal the sequence is as it was given.
+  // After a rejected edit the sequence is unchanged.
   CHECK(editor.frames() == m.sequence.frames);
   CHECK(!error_message([&] { editor.frames(3, 8, [](int, const Points&) {}); }).empty());
   CHECK(!error_message([&] { editor.frames(-1, 3, [](int, const Points&) {}); }).empty());

@@ -1,4 +1,4 @@
-// Filters of trajectories, and one trajectory laid over another: laws of mesh/sequence.
+// Filters of trajectories, and alignment of trajectories: properties of mesh/sequence.
 #include <cmath>
 #include <numbers>
 
@@ -25,7 +25,7 @@ Points straight(int frames) {
   return p;
 }
 
-/// A root, a body that hangs on it, an arm on the body.
+/// A root, a body attached to it, and an arm attached to the body.
 std::vector<FilteredHandle> body_and_arm(int frames) {
   return {{"arm", {smooth_path(frames, 2), smooth_rotations(frames, 3)}, 1, {}},
           {"body", {smooth_path(frames, 4), smooth_rotations(frames, 5)}, -1, {}}};
@@ -80,7 +80,8 @@ TEST_CASE("filters keep constants, and uniform motion if the ends are mirrored",
 }
 
 TEST_CASE("ends are mirrored as often as the kernel is long", "[mesh][sequences]") {
-  // Mirrored, a signal is cosines of whole half waves: those are multiplied to the very ends.
+  // With symmetric extension, a signal is a sum of cosines of whole half waves: these are scaled up
+  // to the ends.
   const int F = 6;
   for (const SignalFilter& filter : {SignalFilter::low_pass(4), SignalFilter::cartoon(3, 1)})
     for (int wave = 0; wave < F; ++wave) {
@@ -89,7 +90,7 @@ TEST_CASE("ends are mirrored as often as the kernel is long", "[mesh][sequences]
       for (int k = 0; k < F; ++k) x.row(k).setConstant(std::cos(omega * k));
       CHECK(distance(filter(x), filter.response(omega) * x) < 1e-13);
     }
-  // Turned over, sines of whole half waves.
+  // With antisymmetric extension, sines of whole half waves.
   for (int wave = 1; wave < F; ++wave) {
     const SignalFilter filter = SignalFilter::low_pass(4);
     const double omega = pi * wave / (F - 1);
@@ -117,7 +118,7 @@ TEST_CASE("rotations about one axis are filtered as their angles", "[mesh][seque
 
 TEST_CASE("rotations of many turns about any axes are filtered without jumps",
           "[mesh][sequences]") {
-  // A filter that hardly does anything hardly does anything, also where a full turn is passed.
+  // A filter close to the identity has a small effect, also across a full turn.
   const std::vector<Mat3> rotations = smooth_rotations(200, 3);
   for (const Padding padding : {Padding::Even, Padding::Odd}) {
     CHECK(distance(SignalFilter(1, {1e-6, -1e-6})(rotations, padding), rotations) < 1e-5);
@@ -156,7 +157,7 @@ TEST_CASE("filtered handles go along with their parents", "[mesh][sequences]") {
   const FilteredTrajectories same = filtered(root, handles, nothing);
   CHECK(distance(same.root, root) < 1e-14);
   for (int h = 0; h < 2; ++h) CHECK(distance(same.handles[h], handles[h].trajectory) < 1e-13);
-  // What is rigid with its parent stays so, though the parent is filtered.
+  // A part that is rigid relative to its parent stays so, although the parent is filtered.
   std::vector<RigidMotion> motions;
   for (int k = 0; k < F; ++k)
     motions.push_back(
@@ -166,7 +167,7 @@ TEST_CASE("filtered handles go along with their parents", "[mesh][sequences]") {
   const FilteredTrajectories found = filtered(root, handles, filter);
   CHECK(distance(found.handles[1], handles[1].trajectory) > 0.1);
   CHECK(distance(relative(found.handles[0], found.handles[1]), still) < 1e-13);
-  // The body against the root, by hand.
+  // The body relative to the root, computed directly.
   CHECK(distance(relative(found.handles[1], found.root).centres,
                  filter(relative(handles[1].trajectory, root).centres)) < 1e-13);
   CHECK(distance(found.root.centres, filter(root.centres)) == 0);
@@ -251,7 +252,7 @@ TEST_CASE("similar trajectories are aligned, rotations with them", "[mesh][seque
     CHECK(distance(aligned(t, found), aligned(t, s)) < 1e-13);
     CHECK(std::abs(found.scale - s.scale) < 1e-13);
     CHECK(found.max_error < 1e-13);
-    // No other similarity of the same kind is nearer to something else.
+    // No other similarity of the same type is closer.
     Trajectory other{smooth_path(35, 9), smooth_rotations(35, 2)};
     const auto off = [&](const Similarity& by) {
       return (aligned(t, by).centres - other.centres).squaredNorm();
@@ -268,7 +269,7 @@ TEST_CASE("similar trajectories are aligned, rotations with them", "[mesh][seque
     options.scales = false;
     CHECK(alignment(t, other, options).scale == 1);
   }
-  // Frames that are all seen turned and scaled have the aligned trajectory.
+  // Rotating and scaling all frames gives the aligned trajectory.
   const Similarity s{2, random_rotation_matrix(random), random.point()};
   std::vector<Points> frames, seen;
   Points group(6, 3);
@@ -312,10 +313,10 @@ TEST_CASE("resampled trajectories keep their ends and even motion", "[mesh][sequ
       if (frames > 1) CHECK((other.centres.row(frames - 1) - t.centres.row(F - 1)).norm() < 1e-13);
     }
   }
-  // Twice as many intervals pass through every frame.
+  // With twice as many segments it interpolates every frame.
   const Trajectory finer = resampled(t, 2 * F - 1);
   for (int k = 0; k < F; ++k) CHECK((finer.centres.row(2 * k) - t.centres.row(k)).norm() < 1e-13);
-  // Hermite is the better of the two for smooth motion.
+  // Hermite interpolation is more accurate for smooth motion.
   const Trajectory fine{smooth_path(23, 1), smooth_rotations(23, 2)};
   Trajectory coarse;
   coarse.centres.resize(12, 3);

@@ -1,4 +1,4 @@
-// Shapes that turn into others: blends, morphs, fits to other meshes; walks over the ground.
+// Morphing: blends, morphs, fits to other meshes; walks over terrain.
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/morph.h"
 #include "batten/mesh/triangle_mesh.h"
@@ -12,7 +12,7 @@ using namespace batten_test;
 
 namespace {
 
-/// A bar along x, wound about y by an angle from end to end.
+/// A bar along x, twisted about y by an angle from end to end.
 Points twisted(const Points& p, double angle) {
   Points q = p;
   const double bend = angle / 3 + 1e-9;
@@ -43,7 +43,7 @@ double edge_change(const TriangleMesh& mesh, const Points& p, const Points& q) {
   return most;
 }
 
-/// Triangles that look against the mean of their neighbours.
+/// Triangles whose normals oppose the mean of their neighbours.
 int folds(const TriangleMesh& mesh, const Points& p) {
   const TriangleMesh now = mesh.with_points(p);
   int count = 0;
@@ -105,7 +105,7 @@ TEST_CASE("a bar that winds by more than a half turn keeps its size half way",
     const Points v = blend.blend(p, q, alpha);
     CHECK(folds(mesh, v) == 0);
     const Points wanted = twisted(p, alpha * 5);
-    // Compared up to a rigid motion: the blend's centroid goes straight.
+    // Compared up to a rigid motion: the centroid of the blend moves along a straight line.
     const Trajectory t =
         trajectory_of({wanted, v}, nodes_where(v, [](const Vec3&) { return true; }));
     const double apart =
@@ -134,7 +134,7 @@ TEST_CASE("a morph is the source, then the blend, then the target", "[mesh][sequ
   const MeshSequence result = morph(source, target, mesh, options);
   CHECK(ground_alignment(b[0], b[0], Vec3::UnitZ()).translation.norm() < 1e-13);
   const RigidMotion align = ground_alignment(b[0], a[3], Vec3::UnitZ());
-  // b[0] is a[0]'s bar elsewhere; a[3] is wound a little more.
+  // b[0] is a[0]'s bar at another position; a[3] is twisted slightly more.
   CHECK(distance(ground_alignment(b[0], a[0], Vec3::UnitZ()), apart.inverse()) < 1e-12);
   CHECK(std::abs(align.rotation(2, 2) - 1) < 1e-14);
   const Points raised = b[0].rowwise() + Eigen::RowVector3d(0, 0, 0.7);
@@ -151,7 +151,7 @@ TEST_CASE("a morph is the source, then the blend, then the target", "[mesh][sequ
     CHECK(result.times[k + 2] == Approx(8 + 0.5 * (k - 8)));
   }
   for (const Points& p : result.frames) CHECK(folds(mesh, p) == 0);
-  // Of a told length and place.
+  // With prescribed length and position.
   options.frames = 5;
   options.alignment = RigidMotion{Mat3::Identity(), Vec3(0, 0, 2)};
   const MeshSequence told = morph(source, target, mesh, options);
@@ -181,7 +181,8 @@ TEST_CASE("the nearest point of a mesh is the nearest of all its triangles", "[m
     double least = 1e300, least_facing = 1e300;
     const Vec3 normal = random.point();
     for (int t = 0; t < mesh.triangle_count(); ++t) {
-      // Alternating projections onto the triangle's barycentric range, by a fine grid and the plane.
+      // Alternating projections onto the triangle's barycentric range, compared with a fine grid
+      // and the plane.
       const auto& c = mesh.triangles()[t];
       const Vec3 a = mesh.point(c[0]), b = mesh.point(c[1]) - a, d = mesh.point(c[2]) - a;
       Mat2 G;
@@ -211,7 +212,7 @@ TEST_CASE("the nearest point of a mesh is the nearest of all its triangles", "[m
 }
 
 TEST_CASE("a mesh takes the shape of another one and follows it", "[mesh][sequences]") {
-  // A bar onto an ellipsoid-like sphere of another tessellation, turned and moved.
+  // A bar onto an ellipsoid with another tessellation, rotated and translated.
   const TriangleMesh ball = sphere(3);
   Points shape = ball.points();
   for (int v = 0; v < shape.rows(); ++v) {
@@ -230,7 +231,7 @@ TEST_CASE("a mesh takes the shape of another one and follows it", "[mesh][sequen
         .rowwise()
         .squaredNorm()
         .minCoeff(&node);
-    // One of them elsewhere than the shape alone would have it.
+    // One of them away from its position by the shape alone.
     const Vec3 to = d.y() > 0 ? Vec3(0.4, 1, 0.3) : d;
     landmarks.push_back({node, there(search.nearest(Vec3(2, 1.2, 1.2).cwiseProduct(to))->at)});
   }
@@ -278,7 +279,7 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands", "[mesh][sequ
   const TriangleMesh mesh = bar(8, 2, 1, 0.4);
   const std::vector<int> a = nodes_where(mesh.points(), [](const Vec3&x) { return x.x() < 0.01; }),
                          b = nodes_where(mesh.points(), [](const Vec3&x) { return x.x() > 0.99; });
-  // Each foot stands half of the time and slides back by 0.25 a frame along x - y.
+  // Each foot is in contact half of the time and slides back by 0.25 per frame along x - y.
   const Vec3 along = Vec3(1, -1, 0).normalized();
   std::vector<Points> frames;
   for (int k = 0; k <= 16; ++k) {
@@ -302,7 +303,7 @@ TEST_CASE("a walk on the spot goes as far as the foot that stands", "[mesh][sequ
     CHECK(distance(far.frames[k],
                    (frames[k % 16].rowwise() + (0.25 * k * along).transpose()).eval()) < 1e-13);
     CHECK(far.times[k] == Approx(0.04 * k));
-    // The standing foot does not slide.
+    // The foot in contact does not slide.
     if (k % 16 < 7 && k + 1 < far.frame_count()) {
       CHECK((centroid(far.frames[k], a) - centroid(far.frames[k + 1], a)).norm() < 1e-13);
     }

@@ -1,4 +1,4 @@
-// Footprints, terrain and paths over the ground: laws of mesh/sequence.
+// Foot plants, terrain and paths on the ground: properties of mesh/sequence.
 #include <cmath>
 #include <numbers>
 
@@ -16,8 +16,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Frames of steps: still in [5, 14], [25, 31], [40, 49], with noise of at most `noise`, else on
-/// the way.
+/// Frames of steps: at rest in [5, 14], [25, 31], [40, 49] with noise of at most `noise`, otherwise
+/// moving.
 Trajectory steps(double noise) {
   Random random(21);
   Trajectory t{Points(50, 3), std::vector<Mat3>(50, Mat3::Identity())};
@@ -30,7 +30,7 @@ Trajectory steps(double noise) {
   return t;
 }
 
-/// Centroids along a curve of the ground with sway beside it and bob above it.
+/// Centroids along a curve on the ground, with lateral sway and vertical bob.
 Points walk(int frames, const RigidMotion& world = {}) {
   Points p(frames, 3);
   for (int k = 0; k < frames; ++k) {
@@ -69,7 +69,7 @@ TEST_CASE("foot plants are the intervals in which a handle stays at rest", "[mes
     options.speed = 0.1;
     CHECK(detect_foot_contacts(steps(noise), options).size() == 2);
   }
-  // No two centroids of a footprint are farther apart, however slowly it slides.
+  // The centroids of a foot plant stay within the distance, however slowly it slides.
   Trajectory slow{straight_walk(60, Vec3(0.01, 0, 0)), std::vector<Mat3>(60, Mat3::Identity())};
   FootContactOptions options;
   options.max_spread = 0.05;
@@ -151,7 +151,7 @@ TEST_CASE("the height of a terrain is that of the highest triangle on a vertical
   const Terrain terrain(both.with_points(moved(world, both.points())), 2 * up);
   for (int i = 0; i < 300; ++i) {
     const Vec3 p(random.between(-0.2, 4.2), random.between(-0.2, 4.2), 3 * random());
-    // All triangles, by the plane of each.
+    // Brute force over all triangles, with the plane of each.
     std::optional<double> height;
     for (int t = 0; t < both.triangle_count(); ++t) {
       const auto& [a, b, c] = both.triangles()[t];
@@ -216,7 +216,7 @@ TEST_CASE("images of a foot plant are averaged to one", "[mesh][sequences]") {
   const FootContact same = averaged({f}, std::vector(8, motion))[0];
   CHECK((same.at - moved(motion, f).at).norm() < 1e-14);
   CHECK((same.rotation - moved(motion, f).rotation).norm() < 1e-14);
-  // Motions that differ evenly about one: that one; frames outside do not count.
+  // The mean of motions distributed evenly about one is that one; frames outside do not count.
   std::vector<RigidMotion> motions(8, random_motion(random));
   const Vec3 log(0.1, 0.2, -0.1), translation(1, 2, 3);
   for (int k = 2; k <= 5; ++k)
@@ -255,7 +255,7 @@ TEST_CASE("curves by their length: circles, ends that go straight on", "[mesh][s
            Vec3::UnitZ().cross(half.frame(s).rotation.col(0)))
               .norm() < 1e-14);
     CHECK(std::abs(half.length_to(half.parameter(s)) - s) < 1e-14 * 9);
-    // By length: steps are as long as they say.
+    // Parametrised by length: steps have their nominal length.
     CHECK(std::abs((half.at(s + 1e-4) - half.at(s - 1e-4)).norm() - 2e-4) < 1e-11);
   }
   for (const double s : {-2.0, half.length() + 2}) {
@@ -277,7 +277,7 @@ TEST_CASE("curves through points bend evenly, and not at their ends", "[mesh][se
   const std::vector<double> knots = {0, 0.3, 1.9, 2, 5};
   Points values(5, 3);
   for (int i = 0; i < 5; ++i) values.row(i) = random.point();
-  // Slopes are parabolas in each piece: three of them give the second derivative at its ends.
+  // Slopes are parabolas in each segment: three of them give the second derivative at its ends.
   const auto bend = [](const PiecewiseCubic& curve, double at, double to) {
     const double h = (to - at) / 2, near = at + 1e-9 * h;
     return Vec3((4 * curve.slope(at + h) - 3 * curve.slope(near) - curve.slope(to)) / (2 * h));
@@ -351,7 +351,7 @@ TEST_CASE("a path that is moved over the ground moves its frames as it was moved
 
 TEST_CASE("fitted paths leave sway in the frames and come near with more pieces",
           "[mesh][sequences]") {
-  // Sway of 0.05 beside a straight way: with few pieces none of it is left in the path.
+  // A sway of 0.05 beside a straight path: with few segments it is removed from the path.
   const int F = 200;
   Points c(F, 3);
   for (int k = 0; k < F; ++k) c.row(k) << 0.1 * k, 0.05 * std::sin(2 * pi * k / 10), 1;
@@ -363,7 +363,7 @@ TEST_CASE("fitted paths leave sway in the frames and come near with more pieces"
   }
   CHECK(disjoint_union < 0.02);
   CHECK(near < 0.01);
-  // Frames that stand still have one length, and do not draw the path.
+  // Frames without motion have the same length, and do not affect the path.
   Points waiting(F + 100, 3);
   waiting << c.topRows(100), c.row(99).replicate(100, 1), c.bottomRows(100);
   const FittedPath waits = fit_path(waiting, {Vec3::UnitZ(), 4});

@@ -1,4 +1,4 @@
-// Rotations and centroids over time: the laws of mesh/sequence that need no deformer.
+// Rotations and centroids over time: properties of mesh/sequence that do not involve a deformer.
 
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
@@ -162,11 +162,11 @@ TEST_CASE("logarithms follow rotations through many turns", "[mesh][sequences]")
   const Points logs = unwrapped_logs(rotations);
   for (int k = 0; k < 40; ++k)
     CHECK((logs.row(k).transpose() - to_rotation_vector(axis, 0.9 * k)).norm() < 1e-12);
-  // A full turn has no axis of its own.
+  // A full turn has no axis.
   CHECK((nearest_log(Mat3::Identity(), to_rotation_vector(axis, 6)) -
          to_rotation_vector(axis, 2 * std::numbers::pi))
             .norm() < 1e-14);
-  // Every vertex by itself, and any logarithm is one of its rotation.
+  // Each vertex separately; every logarithm is one of its rotation.
   std::vector<std::vector<Mat3>> at_keyframes(4);
   for (std::vector<Mat3>& of : at_keyframes)
     for (int v = 0; v < 9; ++v) of.push_back(random_rotation_matrix(random, 6));
@@ -229,7 +229,7 @@ TEST_CASE("interpolated rotations are exact at keyframes and the same in any fra
   for (const Mat3& R : at) seen.push_back(Q * R * Q.transpose());
   const std::vector<Mat3> other = interpolated_rotations(weights, seen);
   for (int k = 0; k < 20; ++k) CHECK((other[k] - Q * rotations[k] * Q.transpose()).norm() < 1e-12);
-  // Between two: along one axis, half of the angle in the middle.
+  // Between two: about one axis, half of the angle in the middle.
   const auto pair = KeyframeWeights::of_frames(times, std::vector<int>{4, 10});
   const std::vector<Mat3> ends = {Mat3::Identity(),
                                   rotation_matrix(to_rotation_vector(Vec3(1, 2, 3), 2.5))};
@@ -264,7 +264,7 @@ TEST_CASE("centroids after an edit are the minimum of the formula", "[mesh][sequ
   TrajectoryOptions options;
   options.smoothness = Smoothness::PiecewiseLinear;
   const Points found = edited_centres(c, rotations, keys, at, options);
-  // Two rows a pair of neighbours, one with the rotation of each; keyframes by substitution.
+  // Two equations per pair of neighbours, one with the rotation of each; keyframes by substitution.
   MatX A = MatX::Zero(2 * (F - 1), F), b(2 * (F - 1), 3);
   for (int k = 0; k + 1 < F; ++k)
     for (int j = 0; j < 2; ++j) {
@@ -298,7 +298,7 @@ TEST_CASE("edits of trajectories keep the unedited components", "[mesh][sequence
     for (int k = 0; k < F; ++k)
       CHECK((shifted.centres.row(k) - t.centres.row(k) - Eigen::RowVector3d(1, 2, 3)).norm() <
             1e-14);
-    // With an influence: the keyframe as given, nothing outside.
+    // With an influence: the keyframe is exact, and there is no change outside.
     options.influence = {5, 21};
     const std::vector<HandleKeyframe> two = {{8, motion}, {15, random_motion(random)}};
     const Trajectory local = edited(t, two, options);
@@ -317,7 +317,8 @@ TEST_CASE("edits of trajectories keep the unedited components", "[mesh][sequence
 }
 
 TEST_CASE("smooth edits have no kink where those of the paper have one", "[mesh][sequences]") {
-  // A still handle that is shifted in the middle: the change itself is seen, finely.
+  // A resting handle that is displaced in the middle: the displacement itself is resolved in
+  // detail.
   const int F = 2001;
   Points still = Points::Zero(F, 3);
   const std::vector<Mat3> rotations(F, Mat3::Identity());
@@ -337,7 +338,7 @@ TEST_CASE("smooth edits have no kink where those of the paper have one", "[mesh]
     CHECK(jump(smooth, k) < 0.02);
     CHECK(jump(paper, k) > 0.1);
   }
-  // No curve through the same points bends less: a bump between keyframes adds to ∫ |x''|².
+  // No curve through the same points has less bending: a bump between keyframes increases ∫ |x''|².
   const auto bending = [&](const Points& p) {
     return (p.bottomRows(F - 2) - 2 * p.middleRows(1, F - 2) + p.topRows(F - 2)).squaredNorm();
   };

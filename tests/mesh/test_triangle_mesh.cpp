@@ -1,4 +1,4 @@
-// Topology, preparation and operators of triangle meshes.
+// Topology, preprocessing and operators of triangle meshes.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -69,7 +69,7 @@ TEST_CASE("topology: edges, fans, loops and parts count up", "[mesh][triangle_me
   const MeshModel model = plate_with_holes();
   const TriangleMesh mesh = prepare(model.shells).mesh;
   const MeshTopology& t = mesh.topology();
-  // Euler: a disc with five holes.
+  // Euler characteristic of a disc with five holes.
   CHECK(mesh.vertex_count() - static_cast<int>(t.edges().size()) + mesh.triangle_count() == 1 - 5);
   CHECK(t.component_count() == 1);
   REQUIRE(t.boundary_loops().size() == 6);
@@ -128,19 +128,20 @@ TEST_CASE("meshes that are no oriented manifold are refused with the position",
 }
 
 TEST_CASE("preparation splits elements and repairs what is safe", "[mesh][triangle_mesh]") {
-  // Quads along the shorter diagonal, ties along 13.
+  // Quads are split along the shorter diagonal, equal ones along 13.
   const auto triangles = [](const ShellMesh& s) { return prepare(s).mesh.triangles(); };
   using Triangles = std::vector<std::array<int, 3>>;
   CHECK(triangles(shells_of(kSquare, {{0, 1, 2, 3}})) == Triangles{{0, 1, 2}, {0, 2, 3}});
   CHECK(triangles(shells_of({{0, 0, 0}, {2, 0, 0}, {3, 1, 0}, {0.5, 0.5, 0}}, {{0, 1, 2, 3}})) ==
         Triangles{{0, 1, 3}, {1, 2, 3}});
-  // A quad with its last node twice is a triangle.
+  // A quad with a repeated last node is a triangle.
   CHECK(triangles(shells_of(kSquare, {{0, 1, 2, 2}})) == Triangles{{0, 1, 2}});
-  // A concave polygon: no triangle outside of it, the area is right.
+  // A concave polygon: no triangle outside, and the area is exact.
   const ShellMesh arrow =
       shells_of({{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {2, 0.5, 0}, {0, 3, 0}}, {{0, 1, 2, 3, 4}});
   CHECK(total_area(prepare(arrow).mesh) == Approx(7));
-  // The best ear, an equilateral triangle, holds the tip of a spike that runs into the polygon.
+  // The best ear, an equilateral triangle, contains the tip of a spike that extends into the
+  // polygon.
   const ShellMesh spiked = shells_of(
       {{0, 0, 0}, {4.9, 0, 0}, {5, 6, 0}, {5.1, 0, 0}, {10, 0, 0}, {5, 5 * std::sqrt(3.0), 0}},
       {{0, 1, 2, 3, 4, 5}});
@@ -151,7 +152,7 @@ TEST_CASE("preparation splits elements and repairs what is safe", "[mesh][triang
   CHECK(prepare(s6).mesh.triangle_count() == 4);
   CHECK(total_area(prepare(s6).mesh) == Approx(2));
 
-  // Turned, doubled and collapsed faces, a node of no face, two nodes at one place.
+  // Reversed, duplicate and collapsed faces, a node without a face, two coincident nodes.
   std::vector<Vec3> points = kSquare;
   points.insert(points.end(), {{4, 0, 0}, {4, 1, 0}, {9, 9, 9}, {0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}});
   const ShellMesh dirty =
@@ -169,7 +170,7 @@ TEST_CASE("preparation splits elements and repairs what is safe", "[mesh][triang
   CHECK(two.mesh.area_vector(2).z() > 0);
   CHECK(two.face_of_triangle == std::vector<int>{0, 0, 1, 1});
   CHECK(!two.notes.empty());
-  // The second quad as its triangles run, however they were cut.
+  // The orientation of the second quad is that of its triangles, whatever its diagonal.
   const auto polygons = polygons_of(two);
   REQUIRE(polygons.size() == 2);
   CHECK(polygons[0] == std::vector<int>{0, 1, 2, 3});
@@ -191,7 +192,7 @@ TEST_CASE("preparation refuses what it cannot repair, with the position", "[mesh
   nan.points(2, 1) = INFINITY;
   CHECK(why(nan).find("node N2") != std::string::npos);
   nan.points(2, 1) = 1;
-  nan.points(5, 1) = NAN;  // of no face: nobody's business but the mesh's
+  nan.points(5, 1) = NAN;  // not in a face: checked only by the mesh
   CHECK(why(nan).find("not finite") != std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. Where numpy is missing they are skipped (exit code 77)."""
+"""Shared by the tests of the Python package. Without numpy they are skipped (exit code 77)."""
 
 import os
 import subprocess
@@ -24,14 +24,14 @@ def example(*names):
 
 
 def run_program(*words):
-    """The program's exit code; pictures are drawn by nobody."""
+    """The program's exit code; runs without a display."""
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     done = subprocess.run([PROGRAM, *words], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     return done.returncode
 
 
 class PropertyTests(unittest.TestCase):
-    """A test case with a folder of its own, and arrays that have to be the same bit by bit."""
+    """A test case with its own folder, and comparison of arrays bit by bit."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="batten_python_")
@@ -48,7 +48,7 @@ class PropertyTests(unittest.TestCase):
 
 
 def saddle():
-    """Four lines around a square, two of them curved."""
+    """Four curves around a square, two of them not straight."""
     return {
         "front": [[0, 0, 0], [0.5, 0, 0.2], [1, 0, 0]],
         "right": [[1, 0, 0], [1, 1, 0.3]],

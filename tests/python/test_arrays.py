@@ -1,4 +1,4 @@
-"""Bad input is refused with words; views stay valid."""
+"""Invalid input is rejected with a message; views stay valid."""
 
 import gc
 import unittest

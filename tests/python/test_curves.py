@@ -1,4 +1,4 @@
-"""Curves: fair ones, fitted ones, and lines of surfaces made of them."""
+"""Curves: fair ones, fitted ones, and curves of surfaces."""
 
 import unittest
 

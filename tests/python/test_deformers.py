@@ -9,7 +9,7 @@ from properties import PropertyTests, batten, example, grid, np, run_program
 
 
 def plate():
-    """The plate of examples/00-deformer: points, quads as triangles are left to the mesh file."""
+    """The plate of examples/00-deformer: points; the mesh file contains the quads as triangles."""
     around, rings, radius, half = 96, 20, 30.0, 100.0
     points = np.zeros((around * (rings + 1), 3))
     for k in range(rings + 1):
@@ -25,7 +25,7 @@ def plate():
 
 
 def similarity_error(before, after):
-    """Largest distance from the best rotation and shift, over the size."""
+    """Largest distance after the best-fit rigid motion, relative to the size."""
     a, b = before - before.mean(0), after - after.mean(0)
     u, _, v = np.linalg.svd(a.T @ b)
     turn = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ v))]) @ v
@@ -48,7 +48,7 @@ class Deformers(PropertyTests):
         deformer = batten.Deformer(
             mesh, fixed=points[:, 0] < -half + 1e-6, handles={"right": points[:, 0] > half - 1e-6},
             features={"hole": np.arange(2 * around)})
-        # The turn of the program: a whole one divided by its steps.
+        # The rotation as in the program: the full angle divided by the number of steps.
         move = batten.Move(translate=[-50, 0, 70], axis=[0, 1, 0], angle=-80, about=[half, 0, 0])
         self.same_bits(np.ascontiguousarray(deformer.deform({"right": move})),
                        np.ascontiguousarray(batten.read_mesh(self.file("bent.vtu")).points))
@@ -72,7 +72,7 @@ class Deformers(PropertyTests):
         copy = first.copy()
         other = deformer.deform({"end": batten.Move(translate=[0.1, 0, 0])}, scales={"patch": 1.2})
         self.assertLess(similarity_error(1.2 * points[feature], other[feature]), 1e-12)
-        self.same_bits(first, copy)  # a result stays
+        self.same_bits(first, copy)  # results do not change later
         self.same_bits(deformer.deform({"end": batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60)}), copy)
         np.testing.assert_allclose(deformer.deform({}), points, atol=1e-14)
         np.testing.assert_allclose(deformer.deform({"end": batten.Move()}), points, atol=1e-14)

@@ -1,4 +1,4 @@
-"""What documents show works: every block of Python in them runs, each by itself."""
+"""Runs each block of Python in the documents separately."""
 
 import os
 import re

@@ -47,7 +47,7 @@ class Exchange(PropertyTests):
         self.assertEqual(meshio.Mesh, type(mesh))
 
     def test_vtk(self):
-        # In a process of its own: it says which VTK it has loaded.
+        # In a separate process, to check which VTK modules it loads.
         code = """
 import batten, sys
 try:
@@ -68,7 +68,7 @@ assert model.save(sys.argv[1]) == []
         self.assertEqual(done.returncode, 0)
 
     def test_pyvista_gets_points_facets_and_normals(self):
-        # Debian has no PyVista: one that keeps what it is given stands for it.
+        # Debian has no PyVista: a mock that stores its arguments replaces it.
         class PolyData:
             def __init__(self, points, faces):
                 self.points, self.faces, self.point_data = points, faces, {}

@@ -64,7 +64,7 @@ class SameBits(PropertyTests):
     def test_a_sequence(self):
         scene = example("29-forming", "forming.toml")
         self.assertIn(run_program("sequence", scene, "--out", self.file("program")), (0, 4))
-        batten.sequence(scene, self.file("python"))  # which has pictures only where there is a display
+        batten.sequence(scene, self.file("python"))  # with pictures only if there is a display
         for folder, _, files in os.walk(self.file("program")):
             for file in files:
                 if not file.endswith((".json", ".png", ".gif")):

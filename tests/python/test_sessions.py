@@ -1,4 +1,4 @@
-"""Sessions: undo, conflicts, threads, memory, and what stops a long call."""
+"""Sessions: undo, conflicts, threads, memory, and interruption of long calls."""
 
 import gc
 import os
@@ -21,7 +21,7 @@ def session_of(edge_length=None):
 
 
 def drag(session, seed, answers=30):
-    """Frames of a drag that the seed says."""
+    """Frames of a random drag."""
     frames = []
     for value in np.random.default_rng(seed).uniform(-20, 20, answers):
         session["swell"] = value
@@ -132,9 +132,9 @@ class Threads(PropertyTests):
                 self.same_bits(x, y)
 
     def ticks_during(self, call):
-        """How often this thread came to run between the beginning and the end of a call in another one.
+        """How often this thread ran during a call in another one.
 
-        Nobody is asked to hand over the interpreter's lock, so that it is only got where it is given away."""
+        It does not request the interpreter's lock, so it only runs while the lock is released."""
         events = []
 
         def work():

@@ -1,4 +1,4 @@
-"""The stubs say what the module has: every name, every argument, in its order, by keyword only, with a default or without."""
+"""The stubs match the module: every name, and every argument with its order, kind and default."""
 
 import ast
 import os
@@ -9,7 +9,7 @@ from properties import PropertyTests, batten
 
 
 def arguments_of(function):
-    """(name, by keyword only, has a default) of each argument of a function that was parsed."""
+    """(name, keyword only, has a default) of each argument of a parsed function."""
     a = function.args
     early = [None] * (len(a.args) - len(a.defaults)) + a.defaults
     return [(x.arg, False, d is not None) for x, d in zip(a.args, early) if x.arg != "self"] + \
@@ -17,7 +17,7 @@ def arguments_of(function):
 
 
 def signature_in(words):
-    """The signature in the first line of a docstring that pybind11 wrote, or None."""
+    """The signature in the first line of a pybind11 docstring, or None."""
     line = (words or "").split("\n")[0].replace("inf", "9e9")
     if not re.match(r"\w+\(.*\) -> ", line):
         return None

@@ -3,31 +3,31 @@
 
     python3 inflation.py > inflation.json
 
-An elastic surface in the sense of Batten, of the energy
+An elastic surface with the energy of Batten,
 
     E = ∬ alpha |grad X|² + beta |grad grad X|² du dv,    K x = F,    F = p ∬ N (x_u × x_v) du dv,
 
-under a pressure p that follows it, for two shapes that are round, so that ordinary differential
-equations remain. Each coordinate's share of the energy is what the mode of its angle gives:
+under a follower pressure p, for two rotationally symmetric shapes, which lead to ordinary
+differential equations. The energy of each coordinate is that of its angular mode:
 
   disc   (u, v) = s (cos t, sin t), 0 ≤ s ≤ 1,    x = (r(s) cos t, r(s) sin t, z(s))
          bending      r''² + 3 ((r/s)')² + z''² + (z'/s)²
          stretching   r'² + (r/s)² + z'²
          x_u × x_v    (r/s) (r' e_z - z' e_r),    measure 2π s ds
-         held at the rim: r = 1, z = 0; "tangent plane": z' = 0 as well; "clamped": r' = 1 as well.
+         fixed at the boundary: r = 1, z = 0; "tangent plane": z' = 0 as well; "clamped": r' = 1 as well.
          Small p, alpha 0, tangent plane or clamped: z = p/(64 beta) (1 - s²)², volume p π/(192 beta);
          position only: z = p/(64 beta) (1 - s²)(5 - s²).
   tube   0 ≤ u < 2π, 0 ≤ v ≤ 2,    x = (r(v) cos u, r(v) sin u, z(v))
          bending      r''² + 2 r'² + r² + z''²
          stretching   r'² + r² + z'²
          x_u × x_v    r z' e_r - r r' e_z,    measure 2π dv
-         held at the rims: r = 1, z = 0 and 2. Without pressure it has a waist:
+         fixed at the boundaries: r = 1, z = 0 and 2. Without pressure it has a waist:
          r = A cosh w + B w sinh w, w = v - 1, with r''(±1) = 0.
 
 Method: Galerkin with polynomials (disc: r odd, z even in s; Legendre polynomials), weak form with
-Gauss points, conditions at rims by eliminating them, natural ones for what is not held; Newton;
-pseudo-arc-length continuation to the fold, where Newton's matrix is singular: the largest pressure
-that the branch from p = 0 reaches. Numbers are those that two numbers of polynomials share.
+Gauss points, boundary conditions by elimination, natural ones for free dofs; Newton;
+pseudo-arc-length continuation to the fold, where the Newton matrix is singular: the largest pressure
+that the branch from p = 0 reaches. The results are the digits on which two numbers of polynomials agree.
 """
 import json
 
@@ -64,7 +64,7 @@ class Shape:
         return np.linalg.solve(self.N.T @ self.K @ self.N, -self.N.T @ self.K @ self.q0)
 
     def fold(self):
-        """Arc length along (y, p) until dp/ds changes sign, then the sign change by bisection."""
+        """Continuation by arc length along (y, p) until dp/ds changes sign, then bisection."""
         y, p = self.unloaded(), 0.0
         n = len(y)
         tangent = np.zeros(n + 1)
@@ -109,7 +109,7 @@ class Disc(Shape):
         x, w = legendre.leggauss(4 * n + 8)
         s, w = 0.5 * (x + 1), 0.5 * w
         self.s, self.w = s, w
-        t = 2 * s * s - 1  # Legendre polynomials of t; d/ds by hand
+        t = 2 * s * s - 1  # Legendre polynomials of t; d/ds by the chain rule
         self.scale, self.p_unit = 1.0, 16 * (alpha + 4 * beta)
 
         def basis(t):
@@ -158,7 +158,8 @@ class Disc(Shape):
         n = len(self.middle)
         W = self.w * self.s
         r, dr, z, dz, qs = self.R @ q, self.dR @ q, self.Z @ q, self.dZ @ q, self.Q @ q
-        # 1/3 ∬ x·(x_u × x_v): the cone from the origin adds nothing, the rim is flat at z = 0.
+        # 1/3 ∬ x·(x_u × x_v): the cone from the origin adds nothing, because the boundary is flat
+        # at z = 0.
         volume = 2 * np.pi / 3 * np.sum(W * qs * (z * dr - r * dz))
         return {"height": self.top @ q, "radius_at_half": 0.5 * self.middle @ q[:n],
                 "height_at_half": self.middle @ q[n:], "volume": volume,
@@ -204,7 +205,7 @@ class Tube(Shape):
         q = self.q0 + self.N @ y
         n = len(self.quarter)
         r, dr, z, dz = self.R @ q, self.dR @ q, self.Z @ q, self.dZ @ q
-        # 1/3 ∬ x·(x_u × x_v), open ends: with z from 0 the lid at z = 2 would add 2π/3.
+        # 1/3 ∬ x·(x_u × x_v), open ends: with z from 0 the cap at z = 2 would add 2π/3.
         volume = 2 * np.pi / 3 * np.sum(self.w * (r * r * dz - z * r * dr))
         return {"radius_at_half": self.middle @ q, "radius_at_quarter": self.quarter @ q[:n],
                 "height_at_quarter": self.quarter @ q[n:], "volume": volume,
@@ -216,7 +217,7 @@ def difference(a, b):
 
 
 def series(make, pressures, sizes):
-    """Numbers at each pressure, for two numbers of polynomials that have to agree."""
+    """Numbers at each pressure, for two numbers of polynomials that must agree."""
     result, worst = None, 0.0
     for n in sizes:
         shape = make(n)

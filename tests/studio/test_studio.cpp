@@ -153,7 +153,7 @@ TEST_CASE("the script of a session gives bit-identical results", "[studio]") {
   hand.open(kExamples / "05-door/scene.toml");
   QSlider* slider = window.sliders().slider("swell");
   REQUIRE(slider);
-  // A drag to and fro, faster than updates are computed.
+  // A drag back and forth, faster than updates are computed.
   slider->setSliderDown(true);
   for (int i = 0; i < 60; ++i) {
     slider->setValue(1000 + 15 * (i % 40));
@@ -470,7 +470,7 @@ TEST_CASE("undo cancels an unfinished action before it undoes finished ones", "[
   hand.act(kRedo);
   CHECK(hand.document().text == before);
 
-  // Escape ends a push, and the load goes.
+  // Escape ends a push, and removes the load.
   hand.act(kIsometric);
   hand.act(kPush);
   const int point = hand.view().actors().point_near({100, 50, 0});

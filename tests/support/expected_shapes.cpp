@@ -19,7 +19,7 @@ using Path = std::function<Vec3(double t)>;
 
 constexpr double kFar = std::numeric_limits<double>::max();
 
-// ---------------------------------------------------------------------------------------- variation
+// --------------------------------------------------------------------------------------- variation
 
 /// Dimensions and point counts of one shape: the standard ones for seed 0, random ones otherwise.
 class Variation {
@@ -64,7 +64,7 @@ class Variation {
   Random random_;
 };
 
-// ------------------------------------------------------------------------------------ curves, patches
+// --------------------------------------------------------------------------------- curves, patches
 
 std::vector<Vec3> typed(const Path& path, int count) {
   std::vector<Vec3> points;
@@ -127,7 +127,7 @@ ExpectedShape four_sides(const std::string& name, const std::string& group, cons
   return shape;
 }
 
-// ------------------------------------------------------------------------ cylinders, cones and spheres
+// -------------------------------------------------------------------- cylinders, cones and spheres
 
 ExpectedShape cylinder(Variation v, double degrees, double radius, double length, int count,
                        int fewest) {
@@ -251,7 +251,7 @@ ExpectedShape dome(Variation v) {
   return shape;
 }
 
-// ------------------------------------------------------------------------ tori and rows of sections
+// ----------------------------------------------------------------------- tori and rows of sections
 
 Map torus(double axis, double tube_radius) {  // angles u along the axis, v around the tube
   return [=](double u, double v) {
@@ -341,7 +341,7 @@ ExpectedShape crossed_ellipses(Variation v) {
   return shape;
 }
 
-// ------------------------------------------------------------------------------------ wings and hulls
+// --------------------------------------------------------------------------------- wings and hulls
 
 /// Surface of a NACA four-digit airfoil of chord 1 with a closed trailing edge, at the fraction x.
 Vec2 naca(double camber, double camber_at, double thickness, double x, bool upper) {
@@ -418,7 +418,7 @@ ExpectedShape hull(Variation v) {
   return shape;
 }
 
-// ---------------------------------------------------------------------------- saddles, ruled surfaces
+// ------------------------------------------------------------------------- saddles, ruled surfaces
 
 ExpectedShape saddle(Variation v) {
   const double h = v.length(20);
@@ -500,7 +500,7 @@ ExpectedShape vessel(Variation v) {
   return shape;
 }
 
-// ------------------------------------------------------------------------------ flat outlines, solids
+// --------------------------------------------------------------------------- flat outlines, solids
 
 /// One closed polyline in the plane z = 0, star-shaped around `middle`.
 ExpectedShape outline(Variation v, const std::string& name, const std::vector<Vec2>& corners,

@@ -24,7 +24,8 @@ struct ExpectedPatch {
   int cells;      ///< cells per side of the grid from which the closest-point search starts
   bool required;  ///< false: an optional face of the result, such as the rib of a wing
 
-  /// Distance from the nearest point: grid search, then Gauss-Newton with steps clamped to the square.
+  /// Distance from the nearest point: grid search, then Gauss-Newton with steps clamped to the
+  /// square.
   double distance(const Vec3& p) const;
 
  private:
@@ -47,7 +48,8 @@ struct ExpectedShape {
   std::vector<ExpectedPatch> patches;
   double tolerance = 1e-3;             ///< largest distance, as a fraction of size()
   std::optional<double> area, volume;  ///< if known exactly; model units
-  /// Lofts that would produce the surface, each as sets of curves that are lofted one after the other.
+  /// Lofts that would produce the surface, each as sets of curves that are lofted one after the
+  /// other.
   std::vector<std::vector<std::vector<std::string>>> lofts = {};
 
   double size() const;  ///< diagonal of the bounding box of the curves

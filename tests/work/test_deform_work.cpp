@@ -1,4 +1,4 @@
-// How much work a deformed mesh is: two factors at the start, one solve for every edit.
+// Operation counts of a mesh deformation: two factors at the start, one solve per edit.
 #include "batten/core/op_counter.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/prepared_mesh.h"

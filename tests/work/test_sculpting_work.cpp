@@ -1,4 +1,4 @@
-// How much work a session is: a drag is one solve and nothing else.
+// Operation counts of a session: a drag is one solve.
 #include "batten/core/op_counter.h"
 #include "batten/tests/support/allocations.h"
 #include "batten/tests/support/catch.h"
@@ -9,7 +9,7 @@ using namespace batten_test;
 
 namespace {
 
-/// Nothing but solves.
+/// Only solves.
 void check_solves_only(const ScopedOpCount& work, int solves) {
   INFO(work.text());
   CHECK(work.of(OpCounter::Solve) == solves);
@@ -62,7 +62,7 @@ TEST_CASE("sliders of linear loads need no solve but their first", "[work][sculp
   session.add(Load{"push", Load::Uniform{{0, 0, 1}, {}}});
   session.add(Load{"lean", Load::Uniform{{1, 0, 0}, {}}});
   const int push = session.parameters().index("push"), lean = session.parameters().index("lean");
-  // The first time that a slider moves, its response is solved for.
+  // The response to a slider is computed at its first change.
   for (const int slider : {push, lean, push, lean}) {
     session.set(slider, session.parameters().value(slider) + 1);
     session.solve_preview();

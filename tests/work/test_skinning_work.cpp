@@ -1,4 +1,4 @@
-// How much work skinning is: counts that no machine changes, so that work done twice fails here.
+// Operation counts of skinning: independent of the machine, so that duplicate work fails a test.
 #include "batten/benchmarks/cases.h"
 #include "batten/core/op_counter.h"
 #include "batten/skinning/domains/mesher.h"
@@ -50,7 +50,7 @@ TEST_CASE("an embedded curve needs one trial shape per iteration, and no second 
   CHECK(work.of(OpCounter::Triangulation) == 1);
   CHECK(work.of(OpCounter::HoleTriangulation) == 0);
   CHECK(work.of(OpCounter::Analysis) == work.of(OpCounter::Factorization));
-  // The outline's own shape, on which the line is placed, and four looks at its gaps.
+  // The shape of the outline alone, to project the curve, and four evaluations of the gaps.
   CHECK(work.of(OpCounter::Factorization) <= 5);
 }
 

@@ -9,7 +9,7 @@
 
 namespace batten_test {
 
-/// How many faults it finds.
+/// The number of faults that it finds.
 inline int faults(const std::filesystem::path& path) {
   BOPAlgo_ArgumentAnalyzer check;
   check.SetShape1(batten::read_step(path));

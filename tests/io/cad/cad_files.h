@@ -1,4 +1,4 @@
-// CAD files that tests read.
+// CAD files for tests.
 #pragma once
 
 #include <BRepAlgoAPI_Cut.hxx>
@@ -34,13 +34,13 @@ namespace batten_test {
 using namespace batten;
 namespace fs = std::filesystem;
 
-/// While it lives, CAD files are read as the program reads them.
+/// During its lifetime, CAD files are read as in the program.
 struct SandboxScope {
   SandboxScope() { enable_sandboxed_read(true); }
   ~SandboxScope() { enable_sandboxed_read(false); }
 };
 
-/// A part whose faces are "face 1", "face 2" …, red and green in turn.
+/// A part with faces "face 1", "face 2" …, alternately red and green.
 inline CadPart painted(const std::string& name, const TopoDS_Shape& shape) {
   CadPart part;
   part.name = name;
@@ -53,7 +53,7 @@ inline CadPart painted(const std::string& name, const TopoDS_Shape& shape) {
   return part;
 }
 
-/// Writes a document as the file's ending says.
+/// Writes a document in the format of the file's extension.
 inline fs::path written(const fs::path& file, const Handle(TDocStd_Document) & document,
                         const TopoDS_Shape& shape, double unit_in_metres = 1e-3) {
   CadWriteOptions options;

@@ -2,8 +2,8 @@
 """Opens a STEP file in Gmsh, meshes its faces, prints faces, nodes and triangles.
 
 usage: gmsh_opens_step.py FILE [ELEMENTS_PER_SIZE]
-ELEMENTS_PER_SIZE: mesh size as a fraction of the model's diagonal (default 20).
-Exit code 1 when the file does not open, a face stays without triangles or the mesh is not joined
+ELEMENTS_PER_SIZE: model diagonal divided by the mesh size (default 20).
+Exit code 1 if the file cannot be opened, a face has no triangles, or the mesh is not connected
 across the faces' edges.
 """
 import math
@@ -35,7 +35,7 @@ def main(path, elements_per_size):
                 for side in ((a, b), (b, c), (c, a)):
                     side = tuple(sorted(side))
                     borders[side] = borders.get(side, 0) + 1
-        # On the rim of the shell, and nowhere else, an edge of the mesh has one triangle only.
+        # Only on the boundary of the shell does a mesh edge have a single triangle.
         rims = [curve for curve in gmsh.model.getEntities(1)
                 if len(gmsh.model.getAdjacencies(*curve)[0]) == 1]
         rim = sum(len(t) for curve in rims for t in gmsh.model.mesh.getElements(*curve)[1])

@@ -1,4 +1,4 @@
-// Models that STEP files are made of.
+// Models for tests of STEP files.
 #pragma once
 
 #include <cmath>
@@ -42,7 +42,7 @@ inline std::vector<CharacterLine> box(const Vec3& size, const std::string& prefi
   return lines;
 }
 
-/// Two boxes of one size, side by side in x, with a wall between them.
+/// Two boxes of the same size, adjacent in x, with a wall between them.
 inline std::vector<CharacterLine> two_boxes() {
   std::vector<CharacterLine> lines = box({10, 10, 10}, "a");
   for (const CharacterLine& line : box({10, 10, 10}, "b", {10, 0, 0})) {
@@ -52,7 +52,7 @@ inline std::vector<CharacterLine> two_boxes() {
   return lines;
 }
 
-/// Circle around the z axis, closed, beginning at an angle.
+/// Closed circle around the z axis, from a start angle.
 inline CharacterLine circle_line(const std::string& name, double radius, double z,
                                  double from = 0) {
   return {name, curve_from_formula(from, from + 2 * std::numbers::pi, [=](double t, int order) {
@@ -63,7 +63,7 @@ inline CharacterLine circle_line(const std::string& name, double radius, double 
           })};
 }
 
-/// Closed line around the z axis with three bulges, beginning at an angle.
+/// Closed curve around the z axis with three bulges, from a start angle.
 inline CharacterLine oval_line(const std::string& name, double z, double begin) {
   const auto curve = curve_from_formula(0, 2 * std::numbers::pi, [=](double t, int order) {
     const double a = t + begin, r = 10 + std::cos(3 * a), r1 = -3 * std::sin(3 * a),
@@ -99,7 +99,7 @@ inline std::vector<CharacterLine> octants() {
   return lines;
 }
 
-/// Regions by their lines; two loops are a ring.
+/// Faces by their curves; two loops make an annulus.
 inline RegionSearchOptions region_specs(
     const std::vector<std::vector<std::vector<std::string>>>& regions) {
   RegionSearchOptions options;
@@ -128,8 +128,8 @@ inline BuiltModel build_model(const std::vector<CharacterLine>& lines,
   return {std::move(network), std::move(model)};
 }
 
-/// The mouse of the examples. With `keel` two straight lines cut its flat side in four: one loop
-/// without corners is embedded.
+/// The mouse of the examples. With `keel`, two straight curves divide its flat side into four: one
+/// loop without corners is embedded.
 inline BuiltModel mouse(double edge_length, bool keel) {
   const Scene scene = read_scene(std::string(BATTEN_SOURCE_DIR) + "/examples/09-mouse/scene.toml");
   NetworkOptions how;

@@ -1,4 +1,4 @@
-// CAD files into CAD files: names, colours, layers, places and sizes survive.
+// Conversion of CAD files: names, colours, layers, locations and sizes are preserved.
 #include "batten/io/cad/cad_convert.h"
 
 #include <BinTools.hxx>
@@ -35,8 +35,8 @@ void check_same(const CadContents& a, const CadContents& b) {
   CHECK(b.volume * std::pow(unit, 3) == Approx(a.volume).epsilon(1e-7));
 }
 
-/// Two blocks, one of them moved and turned, as an assembly "pair" of instances "left" and "right";
-/// the block is on the layer "metal".
+/// Two blocks, one of them translated and rotated, as an assembly "pair" of instances "left" and
+/// "right"; the block is on the layer "metal".
 Handle(TDocStd_Document) pair_of_blocks(TopoDS_Shape& whole) {
   const Handle(TDocStd_Document) document = document_of({painted("block", drilled_block())});
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
@@ -159,7 +159,7 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
         largest = std::max(largest, nearest);
       }
       CHECK(largest < 1e-7);
-      // And written in that unit at once.
+      // And written directly in that unit.
       const CadContents direct = read_cad_contents(
           written(folder / (std::string("direct_") + word + ending), part, metres));
       CHECK(direct.size == Approx(c.after.size).epsilon(1e-9));
@@ -199,7 +199,7 @@ TEST_CASE("BREP is read wherever STEP is, and loses names only", "[io][cad]") {
   size_t first = 0;
   CHECK(distance(faces, Vec3(2, 1.5, 1), first) == Approx(0.5));  // from the axis of the hole
   CHECK(measure_continuity(brep, 1e-3).free_edges == 0);
-  // In inches its numbers are 25.4 times smaller; it cannot say so.
+  // In inches its numbers are 25.4 times smaller; the format cannot store the unit.
   CadConvertOptions inches;
   inches.unit_in_metres = 0.0254;
   convert_cad(step, folder / "in.brep", inches);

@@ -1,4 +1,4 @@
-// Damaged CAD files: an error each time, from each reader, and nothing written.
+// Damaged CAD files: an error from each reader every time, and no output.
 #include <BinTools.hxx>
 
 #include <random>
@@ -18,7 +18,7 @@ std::string bytes_of(const fs::path& file) {
   return out.str();
 }
 
-/// A block with a hole in the form that the ending says; ".brep binary" is BREP's binary form.
+/// A block with a hole in the format of the extension; ".brep binary" is BREP's binary format.
 std::string sound_bytes(const fs::path& folder, const std::string& kind) {
   if (kind != ".brep binary")
     return bytes_of(written(folder / ("a" + kind), painted("block", drilled_block())));
@@ -29,7 +29,7 @@ std::string sound_bytes(const fs::path& folder, const std::string& kind) {
 
 std::string ending_of(const std::string& kind) { return kind.substr(0, kind.find(' ')); }
 
-/// Every reader refuses the file, with its name.
+/// Every reader rejects the file, with its name in the message.
 void check_refused(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
   const fs::path out = file.parent_path() / "out.step";

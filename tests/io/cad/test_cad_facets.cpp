@@ -1,4 +1,4 @@
-// Triangles of CAD faces: closed where shapes are, as near as they are said to be, in groups by
+// Triangles of CAD faces: closed if the shape is closed, within the stated distance, grouped by
 // name.
 #include "batten/io/cad/cad_convert.h"
 
@@ -32,7 +32,7 @@ double volume_of(const ShellMesh& mesh) {
   return six / 6;
 }
 
-/// How many triangles each directed edge has: in a closed mesh, one each way.
+/// Number of triangles per directed edge: one in a closed mesh.
 void check_closed(const CadFacets& facets) {
   CHECK(facets.free_edges == 0);
   CHECK(facets.cracks == 0);
@@ -56,7 +56,7 @@ TopoDS_Shape filleted_block() {
   return fillet.Shape();
 }
 
-/// Trimmed surfaces, which share nothing.
+/// Trimmed surfaces without shared edges.
 fs::path unsewn(const fs::path& file, const TopoDS_Shape& shape) {
   OccSettings occ;
   IGESControl_Writer writer("MM", 0);
@@ -126,7 +126,7 @@ TEST_CASE("groups of triangles lie on the faces whose names they have", "[io][ca
   const fs::path folder = scratch("facets_groups");
   CadPart part = painted("block", BRepPrimAPI_MakeBox(40, 30, 20).Shape());
   for (CadFace& face : part.faces) face.name.clear();
-  part.faces[0].name = "left";  // x = 0 is the first of OpenCASCADE's box
+  part.faces[0].name = "left";  // OpenCASCADE's box starts with x = 0
   const CadFacets facets = tessellate_cad(written(folder / "a.step", part));
   int all = 0;
   for (const FacetGroup& group : facets.groups) {
@@ -144,7 +144,7 @@ TEST_CASE("groups of triangles lie on the faces whose names they have", "[io][ca
 TEST_CASE("an open shell has free edges only at its boundary, and separate faces are not joined",
           "[io][cad]") {
   const fs::path folder = scratch("facets_open");
-  TopoDS_Compound two;  // half a pipe's wall is one face, a plane far away another
+  TopoDS_Compound two;  // one face is half the wall of a pipe, another one a distant plane
   BRep_Builder builder;
   builder.MakeCompound(two);
   builder.Add(two, BRepPrimAPI_MakeCylinder(10, 20).Face());
@@ -243,7 +243,7 @@ TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks"
     for (const auto& [p, n] : nodes) highest = std::max(highest, p[1]);
     CHECK(highest == Approx(0.02));
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) ==
-          (ending == ".step" ? 2 : 3));  // nothing is left beside
+          (ending == ".step" ? 2 : 3));  // no temporary files remain
   }
 }
 

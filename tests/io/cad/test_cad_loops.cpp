@@ -1,4 +1,4 @@
-// The lines around the faces of CAD files, and creases inside of faces.
+// The boundary curves of faces of CAD files, and creases inside faces.
 #include "batten/io/lines/cad_face_topology.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -17,7 +17,8 @@ using namespace batten_test;
 
 namespace {
 
-/// Two flat strips that meet along y = x = 0 … by `degrees`, as one surface of degree 2 in u with a double knot.
+/// Two flat strips that meet at an angle of `degrees` along y = x = 0 …, as one surface of degree 2
+/// in u with a double knot.
 TopoDS_Shape folded(double degrees) {
   const double angle = degrees * std::numbers::pi / 180;
   TColgp_Array2OfPnt poles(1, 5, 1, 2);
@@ -103,7 +104,7 @@ TEST_CASE("a crease inside a face is a curve, with the angle between the two sid
   const fs::path file = file_of("fold", folded(40));
   CHECK(read_cad_lines(file, 1e-3).size() == 4);
   const auto lines = read_cad_lines(file, 1e-3, true);
-  CHECK(lines.size() == 7);  // two edges are cut, and the crease
+  CHECK(lines.size() == 7);  // two edges are split, plus the crease
   const CadFaceTopology found = read_cad_loops(file, 1e-3);
   REQUIRE(found.faces.size() == 2);
   for (const CadFaceBoundary& face : found.faces) {

@@ -1,4 +1,5 @@
-// How faces of CAD files meet: known solids, as STEP with shared edges and as IGES with none.
+// Continuity between faces of CAD files: known solids, as STEP with shared edges and as IGES
+// without.
 #include "batten/io/cad/continuity_report.h"
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
@@ -25,8 +26,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Two straight sides 20 long, half circles of radius 5 between them, 30 high: mm. `rotation_deg`: by
-/// how much the first side misses the arc's tangent.
+/// Two straight sides of length 20, half circles of radius 5 between them, height 30: mm.
+/// `rotation_deg`: angle between the first side and the arc's tangent.
 TopoDS_Shape obround(double rotation_deg = 0) {
   const double rise = 20 * std::tan(rotation_deg * EIGEN_PI / 180);
   const gp_Pnt a(0, -5 - rise, 0), b(20, -5, 0), c(20, 5, 0), d(0, 5, 0);
@@ -49,7 +50,7 @@ fs::path written(const std::string& name, const TopoDS_Shape& shape) {
     REQUIRE(writer.Transfer(shape, STEPControl_AsIs) == IFSelect_RetDone);
     REQUIRE(writer.Write(file.string().c_str()) == IFSelect_RetDone);
   } else {
-    IGESControl_Writer writer("MM", 0);  // trimmed surfaces, which share nothing
+    IGESControl_Writer writer("MM", 0);  // trimmed surfaces without shared edges
     REQUIRE(writer.AddShape(shape));
     writer.ComputeModel();
     REQUIRE(writer.Write(file.string().c_str()));

@@ -1,4 +1,5 @@
-// Where smooth joins meet, their normals turn so that every face has one twist in its corner.
+// Corner twists: at a node where smooth edges meet, normals rotate so that every face has a unique
+// twist.
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -9,8 +10,9 @@ using namespace batten;
 
 namespace {
 
-/// Two lines that cross at a node of a surface with the second form B: four ends, four corners. Their
-/// normals turn by `torsion` besides, which a surface of one curvature would not have.
+/// Two curves that intersect at a node of a surface with the second fundamental form B: four ends,
+/// four corners. Their normals additionally rotate by `torsion`, which is incompatible with one
+/// surface.
 struct Crossing {
   std::vector<TwistEnd> ends;
   std::vector<TwistCorner> corners;
@@ -28,7 +30,7 @@ struct Crossing {
     }
   }
 
-  /// Largest |n₁'·t₂ - n₂'·t₁| once the normals turn at these rates.
+  /// Largest |n₁'·t₂ - n₂'·t₁| after the normals rotate at these rates.
   double mismatch(const std::vector<double>& rates) const {
     double largest = 0;
     for (const TwistCorner& corner : corners) {

@@ -1,4 +1,4 @@
-// The parameter of shared edges: what readers of the file then find.
+// The parametrisation of shared edges, as seen by readers of the file.
 #include "batten/io/step/step_check.h"
 
 #include <BRep_Builder.hxx>
@@ -29,12 +29,12 @@ int faults(const BuiltModel& made, const std::string& name, double tolerance) {
   const auto path = scratch("edge_parameter") / (name + ".step");
   const StepReport report = write_step_faces(path, made.model.skinned(), 0.001, options);
   CHECK(report.valid);
-  // Otherwise there is nothing to see.
+  // Otherwise the test has no effect.
   CHECK(report.max_gap > 1e-5);
   return batten_test::faults(path);
 }
 
-/// A wavy edge above a plane, of one range for the curve and its image.
+/// A wavy edge above a plane, with the same range for the curve and its pcurve.
 struct WavyEdge {
   TopoDS_Edge edge;
   TopoDS_Face face;

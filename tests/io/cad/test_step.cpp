@@ -1,4 +1,4 @@
-// A STEP file is the surface: exactly, in one shell, in the model's own numbers.
+// A STEP file represents the surface exactly, in one shell, with the numbers of the model.
 #include "batten/io/step/step.h"
 
 #include <algorithm>
@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A curved sheet of size `scale`: values and derivatives of a formula at the dofs of an n×n mesh
-/// whose inner vertices are moved at random.
+/// A curved sheet of size `scale`: values and derivatives of a function at the dofs of an n×n mesh
+/// whose inner vertices are displaced randomly.
 Surface sheet(int n, double scale, TriangleElement kind = TriangleElement::HCT, double lift = 0) {
   const ParametricMesh square = ParametricMesh::unit_square(n);
   auto vertices = square.vertices();
@@ -46,7 +46,7 @@ Surface sheet(int n, double scale, TriangleElement kind = TriangleElement::HCT, 
                       [&](const Vec2& p) { return SurfaceJet{x(p), x_u(p), x_v(p), {}, {}, {}}; });
 }
 
-/// Regions that have nothing but a surface.
+/// Faces that consist of a surface only.
 std::vector<SkinnedRegion> without_boundary(const std::vector<const Surface*>& surfaces) {
   std::vector<SkinnedRegion> regions;
   for (const Surface* surface : surfaces) regions.push_back({"sheet", *surface, {}, 1, {}, {}});
@@ -105,7 +105,7 @@ TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and 
     const fs::path file = folder / "sheet.step";
     expect_exact(write(file, {&surface}, c.unit, {.file = {.name = "sheet"}}), surface);
     CHECK(text_of(file).find(c.declared) != std::string::npos);
-    // The same file read in another unit is as large as it is in the world.
+    // Read in another unit, the file has the same real size.
     const StepReport in_centimetres = check_step(file, 1e-2);
     CHECK(in_centimetres.size ==
           Approx(check_step(file, c.unit).size * c.unit / 1e-2).epsilon(1e-12));
@@ -114,8 +114,8 @@ TEST_CASE("A STEP file read back is the HCT surface, in millimetres, metres and 
 }
 
 TEST_CASE("A STEP file agrees with itself as written, before any reader repairs it", "[io][step]") {
-  // OpenCASCADE turns curves and loops round on reading when they run the wrong way; others need
-  // not. So this reads the text itself.
+  // OpenCASCADE reorients curves and loops that run the wrong way on reading; other readers may
+  // not. This test therefore parses the text.
   const Surface surface = sheet(2, 1);
   const fs::path file = batten_test::scratch("step") / "sheet.step";
   write(file, {&surface}, 1);
@@ -128,7 +128,7 @@ TEST_CASE("A STEP file agrees with itself as written, before any reader repairs 
     if (const size_t equal = statement.find('='); statement[0] == '#')
       entities[statement.substr(0, equal)] = statement.substr(equal + 1);
 
-  // The entities of a type, and the n-th entity that one refers to.
+  // The entities of a type, and the n-th entity that another one references.
   const auto is = [&](const std::string& id, const std::string& type) {
     return entities.at(id).rfind(type + "(", 0) == 0;
   };
@@ -148,7 +148,7 @@ TEST_CASE("A STEP file agrees with itself as written, before any reader repairs 
     in >> p.x() >> p.y() >> p.z();
     return p;
   };
-  // Parameter line of an edge on a face's surface.
+  // Pcurve of an edge on a face's surface.
   const auto line_on = [&](const std::string& edge, const std::string& face) {
     const std::string curve = ref(edge, 2);
     const bool first = ref(ref(curve, 1), 0) == face;
@@ -181,12 +181,12 @@ TEST_CASE("A STEP file agrees with itself as written, before any reader repairs 
         Vec3 st[2];
         for (int end = 0; end < 2; ++end) {
           st[end] = point(ref(line, end));
-          const int corner = st[end].x() == 1 ? 12 : st[end].y() == 1 ? 3 : 0;  // of 4×4 points
+          const int corner = st[end].x() == 1 ? 12 : st[end].y() == 1 ? 3 : 0;  // of 4×4 poles
           CHECK((point(ref(face, corner)) - point(ref(curve, 3 * end))).norm() <= 1e-15);
         }
         twice_area += (along ? 1 : -1) * (st[0].x() * st[1].y() - st[1].x() * st[0].y());
       }
-      CHECK(twice_area == 1);  // once around the triangle, counter-clockwise
+      CHECK(twice_area == 1);  // one counter-clockwise loop around the triangle
     }
   }
   const int triangles = surface.mesh().triangle_count();
@@ -229,7 +229,7 @@ TEST_CASE("The measurements of a STEP file agree with its contents", "[io][step]
   SECTION("another surface is seen as a deviation") {
     const double deviation =
         *check_step(file, 1, pointers(without_boundary({&moved}))).max_deviation;
-    CHECK(deviation > 0.005);  // moved by 0.01, and the sheet is inclined
+    CHECK(deviation > 0.005);  // displaced by 0.01 on an inclined sheet
     CHECK(deviation <= 0.01 + 1e-12);
   }
   SECTION("an edge that leaves its faces is seen as a gap") {
@@ -300,7 +300,7 @@ TEST_CASE("Above 10,000 triangles the size of the STEP file is reported beforeha
   CHECK(step_size_warning(pointers(without_boundary({&at_limit}))).empty());
   CHECK_THAT(step_size_warning(pointers(without_boundary({&above}))),
              Catch::Contains("30246 faces and about 144 MB"));
-  // The prediction holds on a file that is there.
+  // The prediction holds for a written file.
   const Surface surface = sheet(6, 1);
   const StepReport r = write(batten_test::scratch("step") / "size.step", {&surface}, 1);
   CHECK(static_cast<double>(r.bytes) / r.faces == Approx(4750).epsilon(0.05));

@@ -1,4 +1,5 @@
-// Surfaces that are planes, cylinders, spheres, cones or tori are such faces in the file, and CAD programs find them sound.
+// Planes, cylinders, spheres, cones and tori become analytic faces in the file, and CAD programs
+// accept them as valid.
 #include <BRepAdaptor_Surface.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -24,7 +25,7 @@ using std::numbers::pi;
 using Map = std::function<Vec3(const Vec3&)>;
 using Kinds = std::map<std::string, int>;
 
-/// The derivative of a map along a direction.
+/// The directional derivative of a map.
 Vec3 along(const Map& map, const Vec3& x, const Vec3& direction) {
   constexpr double step = 1e-4;
   const double length = direction.norm();
@@ -43,7 +44,7 @@ HermiteCurve mapped(const HermiteCurve& curve, const Map& map) {
   return {curve.mesh(), dofs};
 }
 
-/// The surface whose vertices and derivatives are those of the map of another.
+/// The surface whose vertices and derivatives are mapped from another one.
 Surface mapped(const Surface& surface, const Map& map) {
   const ParametricMesh& mesh = surface.mesh();
   const DofMap& at = surface.dof_map();
@@ -66,7 +67,7 @@ Surface mapped(const Surface& surface, const Map& map) {
   return {surface.shared_mesh(), surface.kind(), dofs, surface.trim()};
 }
 
-/// A region moved in space with its lines, or with its lines as they are.
+/// A face moved in space, with its curves moved or unmoved.
 SkinnedRegion mapped(const SkinnedRegion& region, const Map& map, bool lines = true) {
   SkinnedRegion moved = region;
   moved.surface = mapped(region.surface, map);
@@ -79,7 +80,7 @@ SkinnedRegion mapped(const SkinnedRegion& region, const Map& map, bool lines = t
 
 struct Written {
   StepReport report;
-  Kinds kinds;  // of faces that are read back
+  Kinds kinds;  // of faces read back
   std::vector<double>
       radii;  // of cylinders, spheres, and the tubes of tori, in the order of the file
   int faults = 0;
@@ -127,7 +128,7 @@ void check_solid(const Written& w, double volume) {
 
 constexpr double kRadius = 20, kHeight = 40;
 
-/// The tube between two circles, and its lids: regions 0, 1 (at z = kHeight) and 2 (the tube).
+/// The tube between two circles, and its caps: faces 0, 1 (at z = kHeight) and 2 (the tube).
 std::vector<SkinnedRegion> can(double from = 0, double edge_length = 5) {
   const BuiltModel made =
       build_model({circle_line("low", kRadius, 0), circle_line("high", kRadius, kHeight, from)},
@@ -141,7 +142,8 @@ std::vector<SkinnedRegion> can(double from = 0, double edge_length = 5) {
 }  // namespace
 
 TEST_CASE("a can is a cylinder and two planes, closed and valid", "[io][step]") {
-  // Circles that begin at one angle, at different ones, and so near that no edge between would do.
+  // Circles that start at the same angle, at different angles, and too close for an edge between
+  // the starts.
   for (const double from : {0.0, 1.3, 1e-3}) {
     CAPTURE(from);
     const Written w = written(can(from), "can", 5e-3);
@@ -187,7 +189,7 @@ TEST_CASE("walls that face inwards are cylinders too", "[io][step]") {
 TEST_CASE("a vessel is a cylinder and a hemisphere with its pole, smooth where they meet",
           "[io][step]") {
   std::vector<SkinnedRegion> regions = can();
-  // The lid becomes the head: equal steps of the radius are equal steps of latitude.
+  // The cap becomes the head: equal steps of the radius are equal steps of latitude.
   regions[1] = mapped(
       regions[1],
       [](const Vec3& x) {

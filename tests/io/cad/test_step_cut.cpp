@@ -1,5 +1,5 @@
-// Models some of whose regions embedded lines cut: these are fitted faces on the edges of the exact
-// ones beside them.
+// Models with some faces trimmed by embedded curves: these become fitted faces on the edges of the
+// adjacent exact faces.
 #include <STEPControl_Reader.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -23,7 +23,8 @@ fs::path cut_file(const std::string& name) { return scratch("step_cut") / (name 
 
 bool is_cut(const SkinnedRegion* region) { return region->surface.trim() != nullptr; }
 
-/// Of one line: vertices of all exact regions end them; between cut ones, a closed line is two.
+/// Of one curve: vertices of all exact faces split it; a closed curve between trimmed faces counts
+/// as two edges.
 int edges_along(const std::vector<const SkinnedRegion*>& regions, const std::string& line) {
   size_t most = 1;
   for (const SkinnedRegion* region : regions) {
@@ -39,7 +40,7 @@ int edges_along(const std::vector<const SkinnedRegion*>& regions, const std::str
   return static_cast<int>(most);
 }
 
-/// Of the model as one solid: those of exact regions, and of lines between cut ones.
+/// Of the model as one solid: edges of exact faces, and of curves between trimmed faces.
 struct Count {
   int faces = 0, edges = 0, fitted = 0;
 };
@@ -69,8 +70,8 @@ Count expected(const std::vector<const SkinnedRegion*>& regions) {
   return count;
 }
 
-/// `within`: of the volume, relative; `apart`: of the curves that two regions have of one line,
-/// over the size.
+/// `within`: relative tolerance of the volume; `apart`: distance of the curves that two faces have
+/// for one curve, relative to the size.
 void expect_cut_solid(const StepReport& r, const BuiltModel& made, double within,
                       double apart = 1e-9) {
   REQUIRE(made.model.shells.size() == 1);
@@ -92,7 +93,7 @@ void expect_cut_solid(const StepReport& r, const BuiltModel& made, double within
     CAPTURE(patch.region);
     CHECK(patch.reached);
     CHECK(patch.deviation <= r.tolerance);
-    // Its edges are the exact faces' own.
+    // Its edges are those of the exact faces.
     CHECK(patch.edge_deviation <= apart * r.size);
     line_gap = std::max(line_gap, patch.line_gap);
   }
@@ -102,7 +103,7 @@ void expect_cut_solid(const StepReport& r, const BuiltModel& made, double within
   CAPTURE(r.volume, volume, r.volume / volume - 1);
   CHECK(std::abs(r.volume - volume) <= within * volume);
   INFO("deviation " << (r.patches.empty() ? 0 : r.patches[0].deviation) << ", gap " << r.max_gap);
-  // Read again, against the nearest points.
+  // Read back, and compared with closest points.
   const StepReport again = check_step(r.file, kMm, regions);
   CHECK(again.faces == r.faces);
 }
@@ -116,7 +117,7 @@ CharacterLine wave(const std::string& name, double radius, double z, double heig
           })};
 }
 
-/// Four walls and four roofs on a closed line that goes up and down; what is under them is cut.
+/// Four walls and four roofs on a closed curve of varying height; the faces below are trimmed.
 std::vector<CharacterLine> house(double height) {
   constexpr double r = 20, z = 15, top = 25;
   std::vector<CharacterLine> lines{wave("base", r, 0, height, 2), wave("eaves", r, z, 0, 0)};
@@ -201,7 +202,7 @@ TEST_CASE("an annulus ends in discs that are trimmed along closed curves", "[io]
   REQUIRE(regions.size() == 3);
   REQUIRE(std::count_if(regions.begin(), regions.end(), is_cut) == 2);
   expect_cut_solid(write_step(cut_file("can"), regions, kMm), made, 1e-4,
-                   1e-6);  // rings fit their rims
+                   1e-6);  // annular faces fit their boundaries
 }
 
 TEST_CASE("a box with a hole through it is exact but for the two sides with the hole",

@@ -1,4 +1,4 @@
-// Whole models as exact STEP files: regions use the same edges and vertices, and nothing is sewn.
+// Whole models as exact STEP files: faces share edges and vertices, without sewing.
 #include <STEPControl_Reader.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -27,7 +27,7 @@ int triangles_of(const std::vector<const SkinnedRegion*>& regions) {
   return count;
 }
 
-/// Vertices - edges + faces: 2 for what is a ball, 0 for a torus, 1 for a disc.
+/// Vertices - edges + faces: 2 for a topological ball, 0 for a torus, 1 for a disc.
 int euler_number(const fs::path& file) {
   STEPControl_Reader reader;
   REQUIRE(reader.ReadFile(file.string().c_str()) == IFSelect_RetDone);
@@ -42,8 +42,8 @@ int euler_number(const fs::path& file) {
   return count[0] - count[1] + count[2];
 }
 
-/// Everything that holds for regions that hang together and have an outside. `apart`: of the curves
-/// that two regions have of one line, over the size.
+/// All checks for connected faces with an outside. `apart`: distance of the curves that two faces
+/// have for one curve, relative to the size.
 void expect_exact(const StepReport& r, const std::vector<const SkinnedRegion*>& regions,
                   double apart = 1e-13) {
   CHECK(r.valid);
@@ -71,7 +71,8 @@ void expect_solid(const StepReport& r, const BuiltModel& made, int euler, double
   CHECK(std::abs(r.volume - volume) <= 1e-12 * volume);
 }
 
-/// [0, 1]² on a formula, with its four sides as runs of the given names, all towards +u or +v.
+/// The surface of a function over [0, 1]², with its four sides under the given names, all towards
+/// +u or +v.
 SkinnedRegion patch(const std::function<SurfaceJet(const Vec2&)>& formula, int n,
                     const std::array<std::string, 4>& names) {
   const auto mesh = std::make_shared<ParametricMesh>(ParametricMesh::unit_square(n));
@@ -101,7 +102,7 @@ SkinnedRegion patch(const std::function<SurfaceJet(const Vec2&)>& formula, int n
   return region;
 }
 
-/// A strip of width 1 around a circle that turns over `half_turns` times.
+/// A strip of width 1 around a circle, with `half_turns` half twists.
 SurfaceJet strip(const Vec2& p, int half_turns) {
   const auto x = [half_turns](double u, double v) -> Vec3 {
     const double a = 2 * std::numbers::pi * u, b = std::numbers::pi * half_turns * u,
@@ -124,7 +125,7 @@ TEST_CASE("a box is one exact solid, and its creases are no jumps of normals", "
       write_step(exact_file("box"), made.model.skinned(), kMm, {.file = {.name = "box"}});
   expect_solid(r, made, 2);
   CHECK(r.volume == Approx(24000.0).epsilon(1e-12));
-  // Without its regions the file has edges like any other.
+  // Without its faces, the file has the edges of any other file.
   CHECK(check_step(r.file, kMm).max_normal_jump_deg == Approx(90));
 }
 
@@ -137,7 +138,7 @@ TEST_CASE("annuli are connected along closed curves that begin at different angl
     INFO(region.plan.name << ": " << region.rejection_reason);
     REQUIRE(region.skinned);
   }
-  // Rings fit their rims themselves.
+  // Annular faces fit their boundaries themselves.
   expect_solid(write_step(exact_file("pipe"), made.model.skinned(), kMm), made, 0, 1e-9);
 }
 
@@ -171,7 +172,7 @@ TEST_CASE("a face meets itself along a curve, with an outside or without", "[io]
   for (const int half_turns : {0, 1}) {
     CAPTURE(half_turns);
     const auto formula = [=](const Vec2& p) { return strip(p, half_turns); };
-    // A Möbius strip has one rim, of two lines that go on in each other.
+    // A Möbius strip has one boundary of two curves that continue each other.
     const SkinnedRegion region = patch(formula, n, {"low", "seam", "high", "seam"});
     const StepReport r = write_step(exact_file("strip"), {&region}, 1);
     CHECK(r.valid);
@@ -193,7 +194,7 @@ TEST_CASE("where three faces meet each is a shell of its own", "[io][step]") {
   CHECK(r.shells == 11);
   CHECK(r.solids == 0);
   CHECK(r.max_normal_jump_deg <= 1e-8);
-  CHECK(euler_number(r.file) == 11);  // OpenCASCADE writes the edges of each shell anew
+  CHECK(euler_number(r.file) == 11);  // OpenCASCADE writes the edges of each shell separately
   REQUIRE(r.warnings.size() == 1);
   CHECK_THAT(r.warnings[0], Catch::Contains("more than two faces at an edge"));
 }

@@ -1,4 +1,5 @@
-// One trimmed B-spline face is the region within the tolerance, by what other readers see of it.
+// One trimmed B-spline face represents the region within the tolerance, verified with other
+// readers.
 #include "batten/io/step/step.h"
 
 #include <BRepBuilderAPI_MakeVertex.hxx>
@@ -96,7 +97,7 @@ double size_of(const SkinnedRegion& region) {
 
 const Vec2 hole_at(0.25, -0.1);
 
-/// A disc of radius 0.5 with a hole off its middle, over squares that ignore both.
+/// A disc of radius 0.5 with an eccentric hole, over squares that are not aligned with either.
 SkinnedRegion disc(const Formula& f, int n, int segments = 48,
                    TriangleElement kind = TriangleElement::HCT) {
   const HermiteCurve outline = circle({0, 0}, 0.5, segments),
@@ -140,7 +141,8 @@ EdgeAlignedLine edge_aligned_line(const Surface& surface, const std::vector<int>
   return aligned_line;
 }
 
-/// The unit square with its four sides as runs, of which one goes against the loop.
+/// The unit square with its four sides as mesh-aligned curves, one of them against the direction of
+/// the loop.
 SkinnedRegion square(const Formula& f, int n) {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(n, 1));
   SkinnedRegion region{"square", interpolated(mesh, TriangleElement::HCT, f), {}, 1, {}, {}};
@@ -160,7 +162,7 @@ SkinnedRegion square(const Formula& f, int n) {
   return region;
 }
 
-/// ∫ |x_u × x_v| inside of the loops.
+/// ∫ |x_u × x_v| inside the loops.
 double area_of(const SkinnedRegion& region) {
   double area = 0;
   const ParametricMesh& mesh = region.surface.mesh();
@@ -174,7 +176,7 @@ double area_of(const SkinnedRegion& region) {
   return area;
 }
 
-/// The one face of a file, in its own numbers.
+/// The single face of a file, in the numbers of the file.
 TopoDS_Face face_of(const fs::path& file, const char* unit = "MM") {
   OccSettings occ;
   occ.set_unit(unit);
@@ -189,7 +191,7 @@ TopoDS_Face face_of(const fs::path& file, const char* unit = "MM") {
   return face;
 }
 
-/// What is wrong with a face in the eyes of OpenCASCADE's analysers and repairers.
+/// Defects of a face according to OpenCASCADE's analysers and repair tools.
 std::string validity_errors(const TopoDS_Face& face, double tolerance) {
   std::string text;
   if (!BRepCheck_Analyzer(face).IsValid()) text += "not valid; ";
@@ -216,7 +218,7 @@ std::string validity_errors(const TopoDS_Face& face, double tolerance) {
   return text;
 }
 
-/// The largest distance between edges of a face and the face at many parameters.
+/// The largest distance between edges of a face and the face, at many parameters.
 double off_face(const TopoDS_Face& face) {
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
   double most = 0;
@@ -234,7 +236,7 @@ double off_face(const TopoDS_Face& face) {
   return most;
 }
 
-/// Normal of a face at (u, v), outwards.
+/// Outward normal of a face at (u, v).
 Vec3 normal_of(const TopoDS_Face& face, const Vec2& uv) {
   gp_Pnt p;
   gp_Vec du, dv;
@@ -253,7 +255,7 @@ int wires_of(const TopoDS_Face& face) {
   return count;
 }
 
-/// Everything that holds for a file that reached its tolerance.
+/// All checks of a file within its tolerance.
 void expect_face(const SkinnedRegion& region, const StepReport& r, const char* unit = "MM") {
   CHECK(r.reached);
   CHECK(*r.max_deviation <= r.tolerance);
@@ -268,7 +270,7 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
   double far = 0;
   for (int v = 0; v < region.surface.mesh().vertex_count(); ++v)
     far = std::max(far, region.surface.dofs().row(region.surface.dof_map().vertex(v)).norm());
-  // Edges are the rim of the face: readers take them for curves of it.
+  // The edges are on the boundary of the face: readers use them as its curves.
   const double coincidence = 1e-7 * (unit == std::string("M") ? 1e-3 : 1) + 2e-15 * far;
   CHECK(r.edge_deviation <= 1.001 * *r.max_deviation);
   CHECK(r.max_gap <= coincidence);
@@ -279,7 +281,7 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
   CHECK(validity_errors(face, coincidence) == "");
   CHECK(wires_of(face) == static_cast<int>(region.boundary.size()));
 
-  // By other means than the report's: points, sides, normals, area.
+  // Measured independently of the report: points, sides, normals, area.
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
   const TriangleLocator locator(region.surface.mesh());
   const DomainLoops loops = boundary_loops(region);
@@ -299,10 +301,10 @@ void expect_face(const SkinnedRegion& region, const StepReport& r, const char* u
     if (k % 50 == 0) CHECK(normal_of(face, uv).dot(jet.normal()) > 0.999);
   }
   CHECK(inside > 500);
-  CHECK(disagree <= 1);  // on the line
+  CHECK(disagree <= 1);  // on the curve
   CHECK(deviation <= r.tolerance);
   CHECK(deviation <= 1.02 * *r.max_deviation + 1e-15 * far);
-  // What the tolerance may do to an area: along the rim, and by its square inside.
+  // Effect of the tolerance on the area: along the boundary, and its square inside.
   CHECK(r.area == Approx(area_of(region)).epsilon(20 * r.tolerance / size + 1e-6));
 }
 
@@ -371,7 +373,7 @@ TEST_CASE("A disc with a hole is one face within each tolerance", "[io][step]") 
 }
 
 TEST_CASE("Outside of the trim the face is calm", "[io][step]") {
-  // Viewers take the box of the poles for the part's.
+  // Viewers use the bounding box of the poles as that of the part.
   const Formula ripples = [](const Vec2& p) {
     SurfaceJet j = wavy(p);
     const double phase = 18 * p.x() + 6 * p.y();
@@ -424,7 +426,7 @@ TEST_CASE("A calm face of few triangles has few poles, more triangles are looked
     return r.patches[0].poles_u * r.patches[0].poles_v;
   };
   CHECK(poles(square(paraboloid, 3)) == 5 * 5);
-  // A ripple as long as three triangles of many: between the samples of two by two cells.
+  // A ripple with a wavelength of three triangles: between the samples of 2 × 2 cells.
   const Formula ripple = [](const Vec2& p) {
     const double k = 8 * pi, c = std::cos(k * p.x()) * 0.02 * k;
     SurfaceJet j{};
@@ -472,7 +474,7 @@ TEST_CASE("Far away, in metres and on Z12 elements the face is the same", "[io][
   expect_face(large, c);
   CHECK(*c.max_deviation == Approx(1000 * *a.max_deviation).epsilon(1e-6));
   CHECK(c.area == Approx(1e6 * a.area).epsilon(1e-6));
-  // The same file in the world: read in metres it has the numbers of `near`.
+  // The same file with its real size: read in metres it has the numbers of `near`.
   const TopoDS_Face face = face_of(c.file, "M");
   const gp_Pnt p = BRep_Tool::Surface(face)->Value(0.1, 0.2);
   CHECK((Vec3(p.X(), p.Y(), p.Z()) - wavy({0.1, 0.2}).x).norm() <= 2e-4);
@@ -530,7 +532,7 @@ TEST_CASE("A tolerance that cannot be reached is reported and the file is there"
   CHECK(r.patches[0].poles_u <= 24);
   CHECK(r.patches[0].poles_v <= 24);
   CHECK(r.patches[0].poles_u * r.patches[0].poles_v <= 400);
-  // Few triangles ask for few poles, whatever the tolerance.
+  // Few triangles need few poles, whatever the tolerance.
   const SkinnedRegion coarse = disc(wavy, 4);
   const StepReport few = write_step_faces(file.parent_path() / "few.step", {&coarse}, 1,
                                           {.tolerance = 1e-9, .max_poles_per_triangle = 1});
@@ -585,7 +587,7 @@ TEST_CASE("Corners of a closed boundary curve are vertices of the face", "[io][s
 }
 
 TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it", "[io][step]") {
-  // A waisted, wavy tube; the rims begin at different places.
+  // A wavy tube with a waist; its boundaries start at different angles.
   const int n = 24, m = 12;
   const double period = 3, speed = 2 * pi / period;
   const Formula tube = [=](const Vec2& p) {
@@ -609,7 +611,7 @@ TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it
     }
   const auto mesh = std::make_shared<ParametricMesh>(vertices, triangles, period);
   Points dofs = interpolated(mesh, TriangleElement::HCT, tube).dofs();
-  for (int e = 0; e < mesh->edge_count(); ++e) {  // midpoints across the seam too
+  for (int e = 0; e < mesh->edge_count(); ++e) {  // also midpoints across the seam
     const auto& edge = mesh->edges()[e];
     const Vec2 a = mesh->vertices()[edge.low], n_e = mesh->edge_normal(e);
     const SurfaceJet j = tube(0.5 * (a + mesh->image_near(mesh->vertices()[edge.high], a)));
@@ -643,7 +645,7 @@ TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it
     CHECK(r.free_edges == r.edges - 1);
     const TopoDS_Face face = face_of(r.file);
     CHECK(validity_errors(face, 2e-4) == "");
-    // Where a rim does not begin at the seam it is cut there.
+    // A boundary that does not start at the seam is split there.
     CHECK(r.edges == 4 + 2 * with_hole);
     double area = 0;
     for (int i = 0; i < 2000; ++i)
@@ -658,7 +660,7 @@ TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it
     CHECK(r.area == Approx(area).epsilon(1e-3));
     std::swap(region.embedded[1].pcurve, region.embedded[0].pcurve);
     std::swap(region.embedded[1].fitted, region.embedded[0].fitted);
-    CHECK(write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4}).reached);  // either first
+    CHECK(write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4}).reached);  // either order
     region.boundary[1][0].reversed = true;
     CHECK(error_message([&] {
             write_step_faces(r.file, {&region}, 1e-3, {.tolerance = 1e-4});
@@ -691,7 +693,7 @@ TEST_CASE("The file has the same bytes on one thread and on two", "[io][step]") 
     write_step_faces(file, {&region}, 1, {.tolerance = 1e-4});
     std::string all, line;
     for (std::ifstream in(file); std::getline(in, line);) all += line + "\n";
-    return all.substr(all.find("DATA;"));  // after the time of writing
+    return all.substr(all.find("DATA;"));  // after the time stamp
   };
   const std::string one = text(1);
   CHECK((one == text(2)));

@@ -1,5 +1,5 @@
-// Faces in a STEP file meet as their surfaces do: tangent across smooth joins, at any tolerance, by
-// another reading of the file.
+// Faces in a STEP file meet like their surfaces: tangent across smooth edges, at any tolerance,
+// verified by an independent reader.
 #include <map>
 #include <numbers>
 
@@ -19,7 +19,7 @@ using Kind = EdgeContinuity::Kind;
 
 namespace {
 
-/// A vault of two regions: four sides and a ridge between, over which it is smooth; 20 long.
+/// A vault of two faces: four sides and a ridge in the middle, smooth across the ridge; length 20.
 BuiltModel vault() {
   const auto arch = [](const std::string& name, double y, double from, double to) {
     return CharacterLine{name, curve_from_formula(from, to, [y](double x, int order) {
@@ -45,7 +45,7 @@ StepReport written(const fs::path& file, const BuiltModel& made, double toleranc
   return write_step_faces(file, made.model.skinned(), 1e-3, options);
 }
 
-/// Largest distance of points of the surfaces from the nearest face of the file.
+/// Largest distance of points of the surfaces from the closest face of the file.
 double distance_from_file(const BuiltModel& made, const fs::path& file) {
   const auto faces = read_cad_surfaces(file, 1e-3);
   double largest = 0;
@@ -82,11 +82,11 @@ TEST_CASE("a face corrects its own part of a join, and needs no poles for the ot
     CHECK(found[0] == Approx(one).margin(1e-9));
     CHECK(found[1] == Approx(other).margin(1e-9));
   };
-  near(mend({0.04, -0.01}, {-0.05, 0.08}), 0, 0);       // none is missed
-  near(mend({0.07, 0.02}, {-0.06, 0.02}), 0.13, 0.13);  // both are off by half of it
-  near(mend({3, 0}, {0.01, 0}), 2.99, 0);               // one alone is off
-  near(mend({3, 0.09}, {0.01, -0.08}), 2.99, 0.17);     // elsewhere the other has its share
-  near(mend({2, 0}, {-1, 0}), 4, 2);                    // each by its own
+  near(mend({0.04, -0.01}, {-0.05, 0.08}), 0, 0);       // within the limit
+  near(mend({0.07, 0.02}, {-0.06, 0.02}), 0.13, 0.13);  // both deviate by half of it
+  near(mend({3, 0}, {0.01, 0}), 2.99, 0);               // only one deviates
+  near(mend({3, 0.09}, {0.01, -0.08}), 2.99, 0.17);     // elsewhere the other deviates
+  near(mend({2, 0}, {-1, 0}), 4, 2);                    // each by its own angle
 }
 
 TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances",
@@ -107,7 +107,7 @@ TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at f
     CHECK(report.joins[0].line == "ridge");
     CHECK(report.joins[0].reached);
     CHECK(report.max_join_deg <= 0.1);
-    // Another way to the same numbers: nearest points on the faces that are read.
+    // Independent computation of the same values: closest points on the faces that are read.
     const ContinuityReport edges = measure_continuity(file, 1e-3);
     CHECK(edges.free_edges == 6);
     CHECK(edges.count(Kind::Crease) == 0);
@@ -120,7 +120,8 @@ TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at f
 
 TEST_CASE("four faces around a smooth node meet as their surfaces do, with few poles",
           "[io][step]") {
-  // A hill over a flat rim: what its two lines leave open the surfaces fill with twists of their own.
+  // A hill over a flat boundary: its two curves do not determine the twists, which the surfaces
+  // choose themselves.
   const auto line = [](const std::string& name, int axis, double at, double height) {
     return CharacterLine{name, curve_from_formula(0, 10, [=](double t, int order) {
                            const double k = std::numbers::pi / 5;
@@ -151,7 +152,7 @@ TEST_CASE("four faces around a smooth node meet as their surfaces do, with few p
   CHECK(poles(report) <= 4 * 360);
   const StepReport strict = written(file, made, 1e-5 * made.network.size(), 0.01);
   CHECK(strict.reached);
-  CHECK(poles(strict) <= 11'000);  // 14,112 with two twists in a corner
+  CHECK(poles(strict) <= 11'000);  // 14,112 with two twists per corner
 }
 
 TEST_CASE("creases stay creases and are no joins, and eleven model faces are eleven CAD faces",
@@ -176,7 +177,7 @@ TEST_CASE("an angle that cannot be reached is reported, within the limits of pol
   CHECK(*report.max_deviation <= tolerance);
   int missed = 0;
   for (const StepJoin& join : report.joins) {
-    // Where the surfaces meet at more than that, too, the file can do no better.
+    // If the surfaces meet at a larger angle, the file cannot be better.
     CHECK((join.reached || join.angle_deg > 1e-6));
     missed += !join.reached;
   }

@@ -1,5 +1,4 @@
-// Lines beside the faces of a STEP file: curves of their own, and the faces as they are without
-// them.
+// Curves in STEP files: separate entities besides the faces, which are unchanged.
 #include <cstdlib>
 
 #include "batten/core/errors.h"
@@ -71,7 +70,7 @@ TEST_CASE("a STEP file contains curves beside the same faces, in any schema and 
   CHECK(c.products[1].name == "curves");
   CHECK(c.products[1].faces == 0);
   CHECK(c.products[1].curves == 12);
-  // The curves are the splines that were given, by their names.
+  // The curves are the input splines, with their names.
   int found = 0;
   for (const CharacterLine& line : read_cad_lines(folder / "lines.step", unit))
     for (const CubicSpline& spline : words.lines) {

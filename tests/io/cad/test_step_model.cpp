@@ -1,4 +1,4 @@
-// A model is one shell in the file: faces that use the same edges, closed where the model is.
+// A model is one shell in the file: faces share edges, and the shell is closed if the model is.
 #include "batten/io/step/step.h"
 
 #include <cmath>
@@ -63,7 +63,7 @@ TEST_CASE("without its lid a box is an open shell with four free edges", "[io][s
 }
 
 TEST_CASE("a solid beside an open shell is measured face by face in both forms", "[io][step]") {
-  // The open shell comes first in the model, the solid first in the file.
+  // The open shell is first in the model, the solid is first in the file.
   std::vector<CharacterLine> lines = box({40, 30, 20}, "a_");
   for (const CharacterLine& line : box({10, 10, 10}, "", {100, 0, 0})) lines.push_back(line);
   RegionSearchOptions regions;
@@ -100,7 +100,7 @@ TEST_CASE("eight octants are a ball within the tolerance, and so are its volume 
   REQUIRE(made.model.shells.size() == 1);
   const double volume = made.model.shells[0].volume;
   CHECK(std::abs(r.volume - volume) < tolerance * made.model.area);
-  // The surfaces of least bending are not quite the sphere.
+  // The surfaces of minimum bending energy are not exactly the sphere.
   CHECK(volume == Approx(4.0 / 3 * std::numbers::pi).epsilon(0.1));
 }
 
@@ -183,7 +183,7 @@ TEST_CASE("models and tolerances that cannot be written are refused", "[io][step
   CHECK(write(regions).find("tolerance") != std::string::npos);
   options.tolerance = 1e-3;
   CHECK(write(regions).empty());
-  // Another line of the same name.
+  // Another curve of the same name.
   const BuiltModel other = build_model(box({4, 3, 1}));
   regions.push_back(other.model.skinned()[0]);
   CHECK(write(regions).find("expected one curve, or two names") != std::string::npos);

@@ -1,4 +1,5 @@
-// The deck says what the surface is, ccx runs it as written, and its plates bend as plates do.
+// CalculiX decks represent the surface, ccx runs them unchanged, and their plates agree with plate
+// theory.
 #include "batten/io/decks/shell_deck.h"
 
 #include <Eigen/Geometry>
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// X(u, v) and its derivatives on the unit square, with its sides as lines.
+/// X(u, v) and its derivatives on the unit square, with its sides as curves.
 using Shape = std::function<SurfaceJet(double u, double v)>;
 
 SkinnedRegion region_of(int n, const Shape& shape, const std::array<std::string, 4>& names) {
@@ -59,7 +60,7 @@ Shape flat(double a) {
   };
 }
 
-/// Doubly curved, with coordinates of many digits and small negative numbers.
+/// Doubly curved, with many digits per coordinate and small negative numbers.
 SurfaceJet curved(double u, double v) {
   const Vec3 o = Vec3::Zero();
   return {{u - v * v * v / 3e5, v / 3, -1e-5 / 3 * u + 0.3 * u * u - 0.2 * u * v},
@@ -134,7 +135,7 @@ TEST_CASE("a deck holds the surface's own points", "[io][calculix]") {
   for (size_t i = 0; i < nodes.size(); ++i) {
     REQUIRE(nodes[i].size() == 4);
     CHECK(nodes[i][0] == std::to_string(i + 1));
-    // What ccx would cut off.
+    // Text that ccx would truncate.
     for (const auto& field : nodes[i]) CHECK(field.size() <= 20);
   }
   const std::array<Vec3, 6> L{Vec3{1, 0, 0},   Vec3{0, 1, 0},   Vec3{0, 0, 1},
@@ -150,7 +151,7 @@ TEST_CASE("a deck holds the surface's own points", "[io][calculix]") {
               Approx(expected[i]).epsilon(1e-12).margin(1e-300));
     }
   }
-  // Each line's set: its vertices and what lies between them, all on the line.
+  // The set of each curve: its vertices and mid-side nodes, all on the curve.
   std::set<std::string> west;
   for (const auto& row : deck_sections.at("*NSET,NSET=WEST")) west.insert(row.begin(), row.end());
   CHECK(west.size() == 7);
@@ -204,8 +205,8 @@ TEST_CASE("nodal loads carry the whole force at the right position", "[io][calcu
   }
   const Vec3 expected = region.surface.area() * per_area + Vec3(10, 0, 7);
   CHECK((force - expected).norm() < 1e-12 * expected.norm());
-  // The moment, by the surface's own integral. The element's geometry is quadratic, as is this
-  // surface up to 1e-5: they agree that well.
+  // The moment by exact integration over the surface. The element's geometry is quadratic, as is
+  // this surface up to 1e-5: both agree within this.
   Vec3 expected_moment = at.cross(Vec3(10, 0, 7));
   const TriangleRule rule = split_triangle_rule(8);
   for (int t = 0; t < region.surface.mesh().triangle_count(); ++t)
@@ -231,10 +232,10 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
   if (!have_ccx()) return;
   const MaxDisplacement pressure = run_ccx(path);
   CHECK(pressure.node == centre);
-  // 16 x 16 of ccx's elements are 4.3 % too stiff, 32 x 32 1.3 %.
+  // ccx's elements are too stiff by 4.3 % at 16 × 16, by 1.3 % at 32 × 32.
   CHECK(pressure.moved.z() == Approx(clamped).epsilon(0.05));
 
-  // Quads are nearer, on three for each triangle; flat triangles of three nodes far too stiff.
+  // Quads (three per triangle) are more accurate; flat triangles of three nodes are far too stiff.
   deck.element = ShellDeck::Element::S8R;
   write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(clamped).epsilon(0.02));
@@ -244,7 +245,7 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
   CHECK(flat > 0.05);
   CHECK(flat < 0.95);
   deck.element = ShellDeck::Element::S6;
-  // Nodes on the rim by a box around each side in place of the lines.
+  // Boundary nodes selected by a box around each side instead of the curves.
   const std::vector<ShellDeck::Support> lines = deck.supports;
   deck.supports.clear();
   const double more = 1e-6 * a;
@@ -262,7 +263,7 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
                     Catch::Matchers::Contains("without nodes"));
   deck.supports = lines;
 
-  // The same load as a force per area and as weight.
+  // The same load as a force per area and as self-weight.
   deck.pressure = 0;
   deck.area_force = everywhere({0, 0, -q});
   write_calculix(path, {&region}, deck);
@@ -281,7 +282,7 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
   CHECK(point.node == centre);
   CHECK(point.moved.z() == Approx(0.005612 * 5 * a * a / D).epsilon(0.04));
 
-  // Pinned edges cannot move, but turn: 0.00406 q a⁴/D.
+  // Pinned edges cannot move, but can rotate: 0.00406 q a⁴/D.
   deck.point_forces.clear();
   deck.pressure = -q;
   for (auto& support : deck.supports) support.kind = ShellDeck::Support::Kind::Pinned;
@@ -305,7 +306,7 @@ TEST_CASE("a curved shell runs as written", "[io][calculix]") {
 
 namespace {
 
-/// A flat ring of outer radius a, inner radius b about the same centre, embedded in a grid.
+/// A flat ring of outer radius a and concentric inner radius b, embedded in a grid.
 SkinnedRegion flat_ring(double a, double b, double spacing) {
   return sheet_region({circle({0, 0}, a, 24), circle({0, 0}, b, 24)}, {}, spacing, 0);
 }
@@ -315,8 +316,8 @@ SkinnedRegion flat_ring(double a, double b, double spacing) {
 TEST_CASE("a plate with an embedded hole: sets on its curves, loads inside only",
           "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
-  // Clamped at its outer rim, free at the hole, under even pressure: w = q r⁴/(64 D) + c0 +
-  // c1 ln r + c2 r² + c3 r² ln r with w = w' = 0 at a, no moment and no shear at b.
+  // Clamped at its outer edge, free at the hole, under uniform pressure: w = q r⁴/(64 D) + c0 + c1
+  // ln r + c2 r² + c3 r² ln r with w = w' = 0 at a, no moment and no shear at b.
   const double a = 100, b = 40, t = 1, q = 0.01;
   const SkinnedRegion region = flat_ring(a, b, 12);
   ShellDeck deck = plate(t);

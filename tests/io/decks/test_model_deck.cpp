@@ -1,4 +1,4 @@
-// A deck of several regions is one shell: edges fit together, loads and reactions are whole.
+// A deck of several faces is one shell: edges match, loads and reactions are complete.
 #include <cmath>
 #include <numbers>
 
@@ -61,7 +61,7 @@ double area_of(const std::vector<const SkinnedRegion*>& regions) {
   return area;
 }
 
-/// How often a line is embedded, and runs, on boundaries.
+/// Number of times that a curve is embedded, and mesh-aligned, on boundaries.
 struct Sides {
   int edge_aligned = 0, embedded = 0;
 };
@@ -79,8 +79,8 @@ std::map<std::string, Sides> sides_of(const std::vector<const SkinnedRegion*>& r
   return sides;
 }
 
-/// As ccx has to find them: as many elements at an edge as regions have the line on their boundary,
-/// two inside.
+/// Requirements of ccx: as many elements at an edge as faces with the curve on their boundary, two
+/// inside.
 void check_edges(const DeckMeshBuilder& mesh, const std::vector<const SkinnedRegion*>& regions) {
   std::map<int, int> rims;
   int on_rims = 0;
@@ -101,7 +101,7 @@ void check_edges(const DeckMeshBuilder& mesh, const std::vector<const SkinnedReg
   for (const auto& [count, edges] : all) CHECK(count <= 2);
 }
 
-/// ccx carries the deck's forces; where they cancel, in parts of `scale`.
+/// ccx balances the forces of the deck; if they cancel, relative to `scale`.
 void check_reaction(const fs::path& path, double scale = 0) {
   if (!have_ccx()) return;
   const DeckForces forces(sections(path));
@@ -111,14 +111,14 @@ void check_reaction(const fs::path& path, double scale = 0) {
   CHECK((found - expected).norm() < 1e-6 * std::max(scale, forces.all.norm()));
 }
 
-/// Square of side a in the plane z = 0 and the line x = cut through it.
+/// Square of side a in the plane z = 0 and the curve x = cut through it.
 std::vector<CharacterLine> cut_square(double a, double cut) {
   return {straight("south", {0, 0, 0}, {a, 0, 0}), straight("east", {a, 0, 0}, {a, a, 0}),
           straight("north", {0, a, 0}, {a, a, 0}), straight("west", {0, 0, 0}, {0, a, 0}),
           straight("cut", {cut, 0, 0}, {cut, a, 0})};
 }
 
-/// All lines with one region.
+/// One face with all curves.
 std::vector<std::string> rims_of(const std::vector<const SkinnedRegion*>& regions) {
   std::vector<std::string> rims;
   for (const auto& [name, sides] : sides_of(regions))
@@ -148,13 +148,13 @@ TEST_CASE("a plate of two faces bends as one", "[io][calculix]") {
   double on_cut = 0;
   for (const int id : mesh.sets.at("CUT")) on_cut += std::abs(mesh.nodes.at(id).x() - 40);
   CHECK(on_cut == 0);
-  // Normals agree; the load is along them.
+  // Normals are consistent; the load is along them.
   const double up = regions[0]->surface.jet({0}).normal().z();
   CHECK(up == Approx(regions[1]->surface.jet({0}).normal().z()));
   const auto load = [&] { return Vec3(up * DeckForces(sections(path)).all); };
   CHECK((load() - Vec3(0, 0, q * a * a)).norm() < 1e-12 * q * a * a);
   check_reaction(path);
-  // w = 0.00126532 q a⁴ / D in the middle, which is a node or nearly so.
+  // w = 0.00126532 q a⁴ / D in the middle, which is approximately a node.
   if (have_ccx()) {
     const std::string command = "python3 '" BATTEN_SOURCE_DIR "/scripts/ccx_max_displacement' '" +
                                 path.string() + "' > '" + path.string() + ".txt'";
@@ -194,7 +194,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
   const Vec3 force = DeckForces(rows).all;
   CHECK((force - 2200 * per_area).norm() < 1e-12 * force.norm());
   check_reaction(path);
-  // Each element in the set of its region, once.
+  // Each element is in the set of its face, once.
   int next = 1;
   for (const SkinnedRegion* region : regions) {
     std::string set = region->name;
@@ -205,7 +205,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
     CHECK(next - std::stoi(row[0]) == region->surface.mesh().triangle_count());
   }
   CHECK(next - 1 == static_cast<int>(mesh.elements.size()));
-  // Evenly blown up it carries itself.
+  // Uniformly inflated, it is in equilibrium with itself.
   deck.area_force = {};
   deck.pressure = 1;
   write_calculix(path, regions, deck);
@@ -215,7 +215,7 @@ TEST_CASE("a creased box is a closed shell of elements", "[io][calculix]") {
 TEST_CASE("faces with an embedded curve use the nodes of those to which it is edge-aligned",
           "[io][calculix]") {
   if (!have_delaunay_mesher()) return;
-  // A half disc, two corners, between two polygons.
+  // A half disc (two corners) between two polygons.
   using std::numbers::pi;
   const double r = 10;
   const std::vector<CharacterLine> lines{
@@ -240,7 +240,7 @@ TEST_CASE("faces with an embedded curve use the nodes of those to which it is ed
   const DeckMeshBuilder mesh(rows);
   check_edges(mesh, regions);
   CHECK(mesh.closest_nodes() > 1e-3);
-  // The chord's nodes are exactly those of the run.
+  // The nodes of the chord are exactly those of the mesh-aligned curve.
   for (const SkinnedRegion* region : regions)
     for (const EdgeAlignedLine& aligned_line : region->edge_aligned)
       if (aligned_line.line.name == "chord") {
@@ -365,7 +365,7 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   ModelOptions how;
   how.max_join_rounds = 0;
   const SurfaceModel model = skin_network(network, find_regions(network), how);
-  // One of them as a session leaves it.
+  // One of them as a session returns it.
   SculptingSession session(*model.layout, {});
   session.add(Load{"p", Load::Pressure{}}, {{.name = "p", .value = name == "vacuum" ? 2.0 : 0}});
   session.solve_to_equilibrium();
@@ -373,9 +373,9 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   std::vector<const SkinnedRegion*> regions;
   for (const SkinnedRegion& region : sculpted) regions.push_back(&region);
   const fs::path path = scratch("sketch_deck") / "sketch.inp";
-  // Pinned: for turns held at nodes where shells meet at an angle, ccx prints forces beside those
-  // of the loads (by 0.1 to 10 of this load, the thinner the more); without turns it balances to
-  // seven digits. Several lines, so that nothing turns freely.
+  // Pinned: if rotations are fixed at nodes where shells meet at an angle, ccx prints additional
+  // forces (0.1 to 10 times this load, larger for thinner shells); without fixed rotations, forces
+  // balance to seven digits. Several curves, to prevent free rotations.
   ShellDeck deck = deck_of(5e-4, {});
   for (const auto& [line, sides] : sides_of(regions))
     if (deck.supports.size() < 8) deck.supports.push_back({line, Kind::Pinned});
@@ -410,7 +410,7 @@ TEST_CASE("invalid decks of models are refused with the reason", "[io][calculix]
              Contains("'face 11'") && Contains("did you mean 'face 1'?"));
   deck.pressures = {{regions[0]->name, std::nan("")}};
   CHECK_THAT(answer(regions, deck), Contains("not finite"));
-  // Two lines of one name that are not one curve.
+  // Two different curves with one name.
   SkinnedRegion other = *regions[1];
   for (EdgeAlignedLine& aligned_line : other.edge_aligned)
     if (aligned_line.line.name == "east") aligned_line.line.name = "west";

@@ -1,4 +1,4 @@
-// Decks for frequencies hold the mesh as it is, and plates in ccx sound as plates do.
+// Decks for frequencies keep the mesh unchanged, and ccx gives the frequencies of plates.
 #include "batten/io/decks/modal_deck.h"
 
 #include <array>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kSide = 100;
 
-/// n × n squares, or triangles of them with diagonals that turn about.
+/// n × n squares, or triangles of them with alternating diagonals.
 ShellMesh plate(int n, bool triangles = false) {
   ShellMesh mesh;
   mesh.points.resize((n + 1) * (n + 1), 3);
@@ -153,7 +153,7 @@ TEST_CASE("rigid motions of a free plate are not counted", "[io][calculix]") {
 
 TEST_CASE("a deck has the mesh's own numbers", "[io][calculix]") {
   // A quad, a triangle written as a quad, a second-order triangle beside them, a collapsed face, a
-  // node of no face, a piece on its own.
+  // node without a face, a disconnected part.
   ShellMesh mesh;
   mesh.points.resize(13, 3);
   mesh.points << 0, 0, 0, /**/ 1, 0, 0, /**/ 1, 1, 0, /**/ 0, 1, 0, /**/ 2, 0, 0.1,    //
@@ -176,7 +176,7 @@ TEST_CASE("a deck has the mesh's own numbers", "[io][calculix]") {
   CHECK(found.at("*NSET,NSET=CLAMPED") == std::vector<std::string>{"2,3,15"});
   CHECK(found.at("*NODE,NSET=NALL").size() == 20);
   CHECK(found.at("*NODE,NSET=NALL").at(13) == "15,1,0.5,0");
-  CHECK(found.count("** Rigid-body modes: 6") == 1);  // of the piece on its own
+  CHECK(found.count("** Rigid-body modes: 6") == 1);  // of the disconnected part
   CHECK(found.at("*FREQUENCY") == std::vector<std::string>{"10"});
   if (have_ccx()) CHECK(frequencies(path).size() == 4);
 

@@ -1,4 +1,4 @@
-// What may be read, how deep it may be nested, and readers that die alone.
+// Which files may be read, the depth of nesting, and readers in separate processes.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -34,7 +34,7 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-// Reading in a child, until the end of a test.
+// Reads in a child process until the end of a test.
 struct SandboxScope {
   SandboxScope() { enable_sandboxed_read(true); }
   ~SandboxScope() { enable_sandboxed_read(false); }
@@ -64,7 +64,7 @@ TEST_CASE("only regular files are read", "[io][files]") {
   fs::create_symlink("round", folder / "trip");
   fs::create_symlink("trip", folder / "round");
   CHECK_THAT(says(folder / "trip"), Contains("found a cycle of symbolic links"));
-  // A file of holes, which takes no room on the disk.
+  // A sparse file, which needs no space on the disk.
   std::ofstream(folder / "large").put('x');
   fs::resize_file(folder / "large", kMaxInputFileSize + 1);
   CHECK_THAT(says(folder / "large"), Contains("found 2048 MB, more than the 2048 MB"));
@@ -83,7 +83,7 @@ TEST_CASE("text may be nested so deep and no deeper", "[io][files]") {
   }
   CHECK_NOTHROW(check_nesting_depth(repeated("a.", kMaxNestingDepth) + "a = 1", "f"));
   CHECK_THAT(says(repeated("a.", 65) + "a = 1"), Contains("f:1:130: "));
-  // Side by side is not in each other, and neither is what stands in quotes or comments.
+  // Neighbouring brackets are not nested; brackets in quotes or comments do not count.
   CHECK_NOTHROW(check_nesting_depth("x = [" + repeated("[1.5, 2.5],\n", 1000) + "]", "f"));
   const std::string deep = repeated("[", 1000);
   for (const std::string& text :
@@ -126,7 +126,7 @@ TEST_CASE("a crash of a reader in a child process is reported and harms nothing 
              Contains("requires more than 1025 MB"));
 #endif
   CHECK_THAT(says([]() -> std::string {
-               // Sooner than the limit for this file.
+               // Earlier than the limit for this file.
                const rlimit one{1, 2};
                setrlimit(RLIMIT_CPU, &one);
                const volatile bool forever = true;

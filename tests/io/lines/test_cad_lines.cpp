@@ -1,5 +1,5 @@
-// Curves and faces out of CAD files: all of them, once, in the model's unit, and nothing out of a
-// file that is not whole.
+// Curves and faces of CAD files: all of them, once, in the unit of the model, and none from
+// incomplete files.
 #include "batten/io/lines/cad_lines.h"
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
@@ -43,9 +43,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Shapes in millimetres as an IGES file in the given unit. `labels`: of the entities, in their
-/// order. `mode` 0: trimmed surfaces, 1: boundary representation. `first_use`: use flag of the
-/// first entity.
+/// Shapes in millimetres as an IGES file in the given unit. `labels`: of the entities, in order.
+/// `mode` 0: trimmed surfaces, 1: boundary representation. `first_use`: use flag of the first
+/// entity.
 void write_iges(const fs::path& file, const std::vector<TopoDS_Shape>& shapes, const char* unit,
                 const std::vector<const char*>& labels = {}, int mode = 0, int first_use = 0) {
   OccSettings occ;
@@ -68,7 +68,8 @@ void write_step_file(const fs::path& file, const TopoDS_Shape& shape, const char
   REQUIRE(writer.Write(file.string().c_str()) == IFSelect_RetDone);
 }
 
-/// A corner at t = 1 (knot as often as the degree), smoothest at t = 2, C1 and no more at t = 3.
+/// A corner at t = 1 (multiplicity equal to the degree), maximal continuity at t = 2, exactly C1 at
+/// t = 3.
 Handle(Geom_BSplineCurve) cornered_spline(int degree, bool rational = false) {
   TColStd_Array1OfReal knots(1, 5);
   TColStd_Array1OfInteger multiplicities(1, 5);
@@ -91,7 +92,7 @@ Handle(Geom_BSplineCurve) cornered_spline(int degree, bool rational = false) {
 Vec3 start(const CharacterLine& line) { return line.curve->evaluate(line.curve->start()); }
 Vec3 end(const CharacterLine& line) { return line.curve->evaluate(line.curve->end()); }
 
-/// Derivatives against differences of positions, away from breaks.
+/// Compares derivatives with finite differences of positions, away from breaks.
 void expect_true_derivatives(const InputCurve& curve) {
   const auto breaks = curve.breaks();
   REQUIRE(breaks.front() == curve.start());
@@ -161,12 +162,12 @@ TEST_CASE("A spline's breaks are its corners, and all its knots when it is cubic
     const auto spline = cornered_spline(c.degree, c.rational);
     write_iges(file, {BRepBuilderAPI_MakeEdge(spline)}, "MM");
     const auto lines = read_cad_lines(file, 1e-3);
-    REQUIRE(lines.size() == 1);  // corners do not cut it
+    REQUIRE(lines.size() == 1);  // corners do not split it
     const InputCurve& curve = *lines[0].curve;
     CHECK(curve.breaks() == c.breaks);
     CHECK(curve.piecewise_cubic() == c.cubic);
     expect_true_derivatives(curve);
-    // At a corner: the derivative of the piece after it.
+    // At a corner: the derivative of the following segment.
     const Vec3 after = curve.evaluate(1 + 1e-9, 1), before = curve.evaluate(1 - 1e-9, 1);
     CHECK((curve.evaluate(1, 1) - after).norm() < 1e-5 * after.norm());
     CHECK((before - after).norm() > 0.1 * after.norm());
@@ -199,7 +200,7 @@ TEST_CASE("Every edge comes once, and curves of parameter planes never", "[io][c
   REQUIRE(flagged.size() == 1);
   CHECK(end(flagged[0]).x() == Approx(700));
 
-  // A trimmed surface (type 144) brings its parameter curves along: they lie in [0, 1]².
+  // A trimmed surface (type 144) contains its pcurves: they are in [0, 1]².
   TColgp_Array2OfPnt poles(1, 3, 1, 3);
   for (int i = 1; i <= 3; ++i)
     for (int j = 1; j <= 3; ++j) poles(i, j) = gp_Pnt(100 * i, 100 * j, i == 2 && j == 2 ? 90 : 50);
@@ -239,7 +240,7 @@ TEST_CASE("A truncated CAD file is refused with the line where that shows", "[io
                       Catch::Contains(name) && Catch::Contains(message));
     CHECK_THROWS_AS(read_cad_surfaces(folder / name, 1), InputError);
   };
-  const size_t line = iges.find('\n') + 1;  // all lines are as long
+  const size_t line = iges.find('\n') + 1;  // all lines have the same length
   const size_t lines = iges.size() / line;
   const auto first_lines = [&](size_t n) { return iges.substr(0, n * line); };
   refused("a.igs", first_lines(lines - 1),
@@ -261,7 +262,7 @@ TEST_CASE("A truncated CAD file is refused with the line where that shows", "[io
   CHECK_THROWS_WITH(read_cad_lines(folder / "none.igs", 1), Catch::Contains("no such file"));
   CHECK_THROWS_WITH(read_cad_lines(folder / "box.igs", 0), Catch::Contains("unit"));
 
-  // Whole files, that hold no curve.
+  // Complete files without curves.
   const TopoDS_Shape point = BRepBuilderAPI_MakeVertex(gp_Pnt(1, 2, 3));
   write_iges(folder / "point.igs", {point}, "MM");
   CHECK_THROWS_WITH(read_cad_lines(folder / "point.igs", 1), Catch::Contains("no curve"));
@@ -326,14 +327,15 @@ TEST_CASE("The distance to a stored face is that to its nearest point, edges inc
               r * Vec3(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v));
           CHECK(faces[0].distance(p) == Approx(std::abs(r - 1000)).margin(1e-6));
         }
-    // Beyond the edge at u = 0: nearest is the edge, not the sphere's other part.
+    // Beyond the edge at u = 0: the closest point is on the edge, not on another part of the
+    // sphere.
     const Vec3 edge_point(1000 * std::cos(0.6), 0, 1000 * std::sin(0.6));
     CHECK(faces[0].distance(edge_point - Vec3(0, 300, 0)) == Approx(300).margin(1e-6));
   }
 }
 
 TEST_CASE("OpenCASCADE's settings are as before when a guard has gone", "[io][cad]") {
-  OccSettings outer;  // keeps other tests' settings out of this one
+  OccSettings outer;  // isolates the settings of other tests
   outer.set("xstep.cascade.unit", "INCH");
   const auto unit = [] { return std::string(Interface_Static::CVal("xstep.cascade.unit")); };
   const double cascade_unit = UnitsMethods::GetCasCadeLengthUnit();

@@ -1,4 +1,4 @@
-// What other programs read out of a curve file is the curve, and files are written whole or not at
+// Other programs read the same curves from a curve file, and files are written completely or not at
 // all.
 #include "batten/io/lines/curve_files.h"
 
@@ -27,7 +27,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Any C1 curve: uneven segments, no symmetry, about 100 across.
+/// A generic C1 curve: uneven segments, no symmetry, size about 100.
 HermiteCurve any_curve(int segments, bool closed, std::vector<int> corners, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> between(-1, 1);
@@ -40,7 +40,7 @@ HermiteCurve any_curve(int segments, bool closed, std::vector<int> corners, unsi
   return {mesh, dofs};
 }
 
-/// A cubic in one piece, cut into segments: C3 at its nodes.
+/// A single cubic divided into segments: C3 at its nodes.
 HermiteCurve cut_cubic() {
   HermiteCurve whole({0, 4}, (Points(2, 3) << 0, 0, 0, 30, 10, 5).finished(),
                      (Points(2, 3) << 10, 5, 0, 3, -9, 4).finished());
@@ -82,7 +82,7 @@ bool has_python(const std::string& module) {
   return false;
 }
 
-/// What a script writes to `out`, each number a word (OpenCASCADE talks on the standard output).
+/// Output of a script to `out`, one number per word (OpenCASCADE prints to the standard output).
 std::vector<double> numbers_of(const std::string& script, const fs::path& folder) {
   std::ofstream(folder / "script.py") << "out = open('numbers', 'w')\n" << script;
   const auto out = folder / "numbers";
@@ -168,7 +168,7 @@ TEST_CASE("CAD files hold exactly the curves, named, in the model's unit", "[io]
   // IGES readers may keep fewer digits of the unit than of the coordinates.
   CHECK(worst < 1e-9 * 100);
   CHECK(covered == Approx(whole).epsilon(1e-12));
-  // In another unit the numbers are others, the lengths the same.
+  // In another unit the numbers differ, the lengths are equal.
   const auto other = read_cad_lines(folder / ("a" + ending), 1e-3);
   const Vec3 p = other[0].curve->evaluate(other[0].curve->start());
   CHECK((p * 1e-3 - curves[0].curve.position(0) * metres).norm() < 1e-9 * 100 * metres);
@@ -233,7 +233,7 @@ print(worst, u.GetTuple1(d.GetCell(0).GetPointId(0)), u.GetTuple1(d.GetCell(0).G
   CHECK(n[3] == 2);
   CHECK(n[4] == 1);
   CHECK(n[5] == 0);
-  CHECK(n[6] < 1e-4);  // the cubic is that near to the circle
+  CHECK(n[6] < 1e-4);  // distance of the cubic from the circle
   CHECK(n[7] == 0);
   CHECK(n[8] == Approx(2 * std::numbers::pi * 20).epsilon(1e-12));
 }
@@ -259,7 +259,7 @@ print(*sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(1)), fi
     std::sort(lengths.begin(), lengths.end());
     REQUIRE(n.size() == lengths.size());
     for (size_t i = 0; i < n.size(); ++i)
-      CHECK(n[i] == Approx(lengths[i]).epsilon(2e-3));  // Gmsh measures roughly
+      CHECK(n[i] == Approx(lengths[i]).epsilon(2e-3));  // Gmsh's measurement is approximate
   }
 }
 
@@ -316,7 +316,7 @@ TEST_CASE("curvature combs are drawn, the same each time, and nothing without a 
     std::ifstream in(folder / name, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  // The size stands in the header, in bytes 16 to 23.
+  // The size is in bytes 16 to 23 of the header.
   const auto size_of = [](const std::string& png) {
     const auto word = [&](size_t at) {
       int value = 0;
@@ -330,7 +330,7 @@ TEST_CASE("curvature combs are drawn, the same each time, and nothing without a 
   CHECK(a == bytes("b.png"));
   CHECK(size_of(a).first == 1600);
   CHECK(size_of(bytes("c.png", PictureSize{400, 300})) == std::pair(400, 300));
-  // Another scale of teeth, another view: other pictures.
+  // Another scale of the comb or another view gives a different picture.
   picture.scale_panel = 0;
   CHECK(bytes("d.png") != a);
   picture.scale_panel = 1;

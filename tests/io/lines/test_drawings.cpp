@@ -1,4 +1,4 @@
-// Lines of drawings are what the drawing means: arcs exactly round, in place, in the stated unit.
+// Curves of drawings: exact arcs, at the right position, in the stated unit.
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/input_curve.h"
 #include "batten/io/lines/drawing.h"

@@ -1,4 +1,4 @@
-// Point files say the same whatever their dialect, and every mistake is named by its place.
+// Point files give the same result in all dialects, and every error message contains its position.
 #include "batten/io/lines/point_lines.h"
 
 #include <cmath>
@@ -19,7 +19,7 @@ fs::path file_with(const std::string& name, const std::string& text) {
   return folder / name;
 }
 
-/// What the message says after the file's name.
+/// The message after the file's name.
 std::string read_error(const std::string& name, const std::string& text) {
   const fs::path path = file_with(name, text);
   try {
@@ -190,7 +190,7 @@ TEST_CASE("OBJ polylines: indices, names, continued rows", "[io][points]") {
 }
 
 TEST_CASE("OBJ segments are chained into the curves to which they belong", "[io][points]") {
-  // A circle of 24 segments in disorder and any direction, a spoke at its first vertex, and the
+  // A circle of 24 segments in random order and direction, a spoke at its first vertex, and the
   // sides of a square, whose turns are corners.
   constexpr int n = 24;
   std::string text;
@@ -283,7 +283,7 @@ TEST_CASE("published sketches are read whole", "[io][points]") {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".curves") continue;
     ++sketches;
-    // Rows of the file: one a stroke, one a point.
+    // Rows of the file: one per stroke, one per point.
     std::ifstream in(entry.path());
     size_t strokes = 0, points = 0, found = 0;
     for (std::string row; std::getline(in, row);) ++(row.starts_with("v") ? strokes : points);

@@ -1,4 +1,4 @@
-// Sketch graphs become lines with every piece as it was.
+// Sketch graphs become curves with all segments unchanged.
 #include "batten/io/lines/sketch_graph.h"
 
 #include <filesystem>
@@ -48,7 +48,7 @@ TEST_CASE("A stroke is one curve, its pieces exactly those of the file", "[io][s
   CHECK(lines[1].name == "stroke 9");
   const InputCurve& curve = *lines[0].curve;
   CHECK(curve.piecewise_cubic());
-  CHECK(curve.breaks() == std::vector<double>{0, 1, 2});  // without the piece of no length
+  CHECK(curve.breaks() == std::vector<double>{0, 1, 2});  // without the segment of length 0
   // De Casteljau at 1/2.
   CHECK((curve.evaluate(0.5) - Vec3(11.0 / 8, 5.0 / 8, 0)).norm() < 1e-15);
   CHECK((curve.evaluate(0, 1) - Vec3(3, 0, 0)).norm() < 1e-15);

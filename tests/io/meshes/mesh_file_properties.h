@@ -1,4 +1,4 @@
-// What every mesh file must obey, whatever its format.
+// Properties of every mesh file, in any format.
 #pragma once
 
 #include <cstdio>
@@ -44,7 +44,7 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// What the message says after the file's name.
+/// The message after the file's name.
 inline std::string read_error(const std::string& name, const std::string& bytes) {
   const auto path = file_with(name, bytes);
   try {
@@ -68,7 +68,7 @@ inline void check_identity(const std::filesystem::path& path) {
   CHECK((bytes_of(copy) == bytes_of(path)));
 }
 
-/// Every third node moves by numbers with all their digits.
+/// Moves every third node by numbers with all their digits.
 inline Points moved(const MeshFile& file, double amount = 1.0 / 3, int every = 3) {
   Points points = file.shells().points;
   std::mt19937 random(7);
@@ -89,8 +89,8 @@ inline bool same_faces(const ShellMesh& a, const ShellMesh& b) {
   return true;
 }
 
-/// Writes other points, reads them again: they are what was given but for the reported rounding,
-/// which is attained where it says. Returns the file that was written.
+/// Writes other points and reads them back: they are the given ones up to the reported rounding,
+/// which is attained where it is reported. Returns the written file.
 inline std::filesystem::path check_round_trip(const std::filesystem::path& path,
                                               const Points& points, double most_rounding,
                                               const MeshWriteOptions& options = {}) {
@@ -114,7 +114,7 @@ inline std::filesystem::path check_round_trip(const std::filesystem::path& path,
   return target;
 }
 
-/// Damaged bytes give an answer or an InputError, and an answer can be written back as it was.
+/// Damaged bytes give a result or an InputError, and a result can be written back unchanged.
 inline void check_damage(const std::string& extension, const std::string& bytes, int times,
                          bool identical = true) {
   std::mt19937 random(11);
@@ -161,7 +161,7 @@ inline void check_damage(const std::string& extension, const std::string& bytes,
   CHECK(read > 0);
 }
 
-/// Positions by node number, as another program reads them: lines "number x y z".
+/// Positions by node number from another program: lines "number x y z".
 inline std::map<long, Vec3> positions_from(const std::string& command) {
   std::map<long, Vec3> positions;
   FILE* const pipe = popen(command.c_str(), "r");

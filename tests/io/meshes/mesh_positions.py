@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the nodes of a mesh file as another program reads them: "number x y z" a line.
+"""Prints the nodes of a mesh file as another program reads them: lines "number x y z".
 
 usage: mesh_positions.py gmsh|vtk FILE
 """

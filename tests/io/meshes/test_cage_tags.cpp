@@ -1,4 +1,4 @@
-// Tags of cages in OBJ files: what is sharp, and what is not known is said with its place.
+// Tags of control cages in OBJ files: creases, and messages with the position of unsupported tags.
 #include <fstream>
 
 #include "batten/io/meshes/mesh_file.h"
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A cage of two quads and some tags behind them, from line 9 on.
+/// A cage of two quads followed by some tags, from line 9 on.
 MeshFile cage(const std::string& tags) {
   const fs::path file = scratch("cage_tags") / "cage.obj";
   std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
@@ -50,7 +50,7 @@ TEST_CASE("the creases of OpenSubdiv's car are edges of its cage, and its limit 
     return;
   }
   const MeshFile file = MeshFile::read(data / "catmark_car.obj");
-  const CageTags& tags = file.cage_tags();  // each is an edge: counted from 1 most would be none
+  const CageTags& tags = file.cage_tags();  // all are edges: counted from 1, few would be
   CHECK(tags.creases.size() == 314);
   const ShellMesh once = catmull_clark(file.shells(), {1, tags}),
                   twice = catmull_clark(file.shells(), {2, tags}),

@@ -1,4 +1,4 @@
-// Whole decks as engineers have them, where they are beside the project.
+// Whole decks from practice, if they are available.
 #include <algorithm>
 
 #include "batten/tests/io/meshes/mesh_file_properties.h"
@@ -22,7 +22,7 @@ std::vector<fs::path> public_decks() {
   return files;
 }
 
-/// How many lines of a text begin with this name of a card.
+/// Number of lines of a text that begin with this card name.
 long cards(const std::string& text, const std::string& name) {
   long count = 0;
   for (const std::string& line : lines_of(text))
@@ -43,7 +43,7 @@ TEST_CASE("public decks: nothing moves and no byte changes, what moves is read a
     MeshWriteOptions wide;
     wide.large_field_nodes = true;
     check_round_trip(path, moved(file, 1e-3, 3), 1e-9, wide);
-    // What an edit that moves nothing leaves behind: the rounding of its sums.
+    // Remaining difference after an edit without motion: rounding of sums.
     const auto target = mesh_scratch() / ("noise_" + path.filename().string());
     Points noise = file.shells().points;
     std::mt19937 random(5);

@@ -1,4 +1,4 @@
-// What decks have beside shells, by its nodes.
+// Elements of decks other than shells, by their nodes.
 #include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
@@ -67,7 +67,7 @@ TEST_CASE("Nastran: bars, springs and masses, with the node of their direction",
         Lines{"beam CBAR 10: 1 2", "beam CBAR 11: 1 2 9", "beam CBEAM 12: 3 4 7",
               "beam CBEAM3 13: 1 2 3 8", "beam CROD 14: 5 6", "beam CONROD 15: 5 6",
               "beam CTUBE 16: 7 8"});
-  // Ends to the ground, and points without a place, are left out.
+  // Ends connected to the ground, and points without a position, are omitted.
   CHECK(nastran("CBUSH,10,1,1,2,,,,0\nCBUSH,11,1,3,,0.,0.,1.\nCBUSH,12,1,3,4,5\n"
                 "CELAS1,13,1,1,3,2,3\nCELAS2,14,1.+4,7,1\nCELAS2,15,1.+4,0,,8,2\n"
                 "SPOINT,1001,THRU,1005\nSPOINT,77\nCDAMP2,16,.5,1,1,1003\nCELAS1,17,1,77,,1\n"

@@ -1,4 +1,4 @@
-// Decks in several files: read as one, written beside one another.
+// Decks in several files: read as one, written side by side.
 #include <algorithm>
 
 #include "batten/tests/io/meshes/mesh_file_properties.h"
@@ -11,7 +11,7 @@ namespace {
 
 using Files = std::map<std::string, std::string>;
 
-/// Writes files into a fresh folder.
+/// Writes files into an empty folder.
 fs::path folder_with(const std::string& name, const Files& files) {
   const fs::path folder = scratch(name);
   for (const auto& [file, text] : files) {
@@ -29,7 +29,7 @@ Files files_in(const fs::path& folder) {
   return files;
 }
 
-/// The error of reading a tree, in which the folder is "@".
+/// The error of reading a file tree, with "@" for the folder.
 std::string read_error_in(const Files& files, const std::string& main) {
   const fs::path folder = folder_with("includes_wrong", files);
   try {
@@ -96,10 +96,10 @@ TEST_CASE("included files are read at their position and written beside the deck
             Vec3(label == 2 || label == 3, label > 2, 0).transpose());
     CHECK(file.included_files().size() + 1 == files.size());
     CHECK(file.warnings() == MeshFile::read(folder / main).warnings());
-    // Nothing moves: the same bytes in all files.
+    // No motion: the same bytes in all files.
     CHECK(file.write(out / main, file.shells().points).largest == 0);
     CHECK(files_in(out) == files);
-    // One node moves, then all: only files of nodes that moved change.
+    // One node moves, then all: only files of moved nodes change.
     Points points = file.shells().points;
     points(*file.node_of_label(2), 2) = 0.25;
     file.write(out / main, points);
@@ -189,7 +189,7 @@ TEST_CASE("included files outside of the deck's folder stay where they are", "[i
   CHECK_THROWS_WITH(file.write(folder / "out/second.bdf", points),
                     Contains("shared/node.bdf: node 3 moves, but its file lies outside"));
   CHECK_FALSE(fs::exists(folder / "out/second.bdf"));
-  // A whole path leads to the file that was read, wherever the deck is written.
+  // An absolute path refers to the file that was read, wherever the deck is written.
   std::ofstream(folder / "deck/whole.bdf")
       << "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nINCLUDE '" << (folder / "deck/node.bdf").string()
       << "'\nCTRIA3,1,1,1,2,3\n";
@@ -205,12 +205,12 @@ TEST_CASE("a deck of several files is never written over one that was read", "[i
   CHECK_THROWS_WITH(file.write(folder / "other.bdf", points),
                     Contains("found a file of the deck that was read, expected another folder"));
   CHECK(files_in(folder) == kNastran);
-  // Nor where a program would move it there.
+  // Likewise if a program would find it there.
   const fs::path hidden = scratch("includes_over_hidden");
   CHECK_THROWS_WITH(file.write(hidden / "other.bdf", points, {false, folder}),
                     Contains("found a file of the deck that was read, expected another folder"));
   CHECK(files_in(hidden).empty());
-  // Nor is the deck written under the name of a file that it includes.
+  // The deck is not written under the name of a file that it includes.
   const fs::path out = scratch("includes_over_out");
   Files renamed{{"main.bdf", "GRID,1\nGRID,2,,1.\nGRID,3,,,1.\nINCLUDE 'shells.bdf'\n"},
                 {"shells.bdf", "CTRIA3,1,1,1,2,3\n"}};

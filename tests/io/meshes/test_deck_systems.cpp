@@ -1,4 +1,4 @@
-// Nodes that decks give in coordinate systems of their own.
+// Nodes of decks in local coordinate systems.
 #include <cmath>
 #include <numbers>
 #include <regex>
@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A reader of its own, of decks whose cards are values between commas; a comma in front continues.
+/// An independent parser of decks with comma-separated cards; a leading comma continues a card.
 class OwnReader {
  public:
   explicit OwnReader(const std::string& text) {
@@ -71,7 +71,8 @@ class OwnReader {
   std::map<long, std::vector<std::string>> grids_, systems_;
 };
 
-/// Six systems, the last three in others, one of them by nodes; 20 nodes in them by turns.
+/// Six systems, the last three relative to others, one of them defined by nodes; 20 nodes in them
+/// alternately.
 std::string deck_of_systems() {
   std::string text =
       "BEGIN BULK\nCORD2R,1,,10.,0.,0.,10.,0.,1.\n,10.,1.,0.\n"
@@ -105,7 +106,7 @@ TEST_CASE("Nastran: nodes of local systems have their position in the basic one"
   const std::string text = deck_of_systems();
   check_node_positions(MeshFile::read(file_with("systems.bdf", text)), OwnReader(text).positions(),
                        1e-12);
-  // By hand: turned by a quarter, on the pole, an angle that is exact.
+  // Manual check: a rotation by a quarter turn, a point on the pole, an exact angle.
   const MeshFile file = MeshFile::read(file_with(
       "exact.bdf",
       "CORD2R,1,,10.,0.,0.,10.,0.,1.\n,10.,1.,0.\nCORD2C,2,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
@@ -153,7 +154,7 @@ TEST_CASE("Nastran: of a node in a local system only the numbers that change are
   const MeshFile file = MeshFile::read(path);
   Points points = file.shells().points;
   points(0, 2) += 0.5;  // along the axis
-  // Around the axis by 10 degrees: the angle goes on from where it was.
+  // Around the axis by 10 degrees: the angle continues from its previous value.
   const double angle = 5 * std::numbers::pi / 180;
   points.row(1) = Vec3(10 + 3.5 * std::cos(angle), 3.5 * std::sin(angle), 2).transpose();
   const auto target = mesh_scratch() / "angles_moved.bdf";
@@ -180,7 +181,7 @@ TEST_CASE(
   const auto target = check_round_trip(path, points, 0);
   CHECK_THAT(bytes_of(target),
              Contains("GRID,4,1,1.,1.,1.\nGRID,5,1,2.,0.,1.\n") && Contains("GRID,1,,0.,.25,0.\n"));
-  // The system turns and its nodes stay: all their numbers change.
+  // The system rotates and its nodes stay: all their numbers change.
   points = file.shells().points;
   points.row(2) = Vec3(0, 1, 0).transpose();
   CHECK_THAT(bytes_of(check_round_trip(path, points, 0)),
@@ -213,7 +214,7 @@ TEST_CASE("Nastran: unsupported systems are named with their position", "[io][de
         "spherical systems");
   CHECK(says("CORD2R,7,0" + points + "CORD2R,7,0" + points) ==
         "7:8: found coordinate system 7 a second time, the first is in line 5");
-  // What no node uses may be anything.
+  // Systems that no node uses may be invalid.
   CHECK(MeshFile::read(file_with("unused.bdf",
                                  "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
                                  "CTRIA3,1,1,1,2,3\nCORD3G,9,E,1,2,3\nCORD2R,7,8" +

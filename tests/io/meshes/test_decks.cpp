@@ -1,4 +1,5 @@
-// A deck that is written back is the deck that was read but for the places of the nodes that moved.
+// A deck that is written back equals the deck that was read, except for the positions of moved
+// nodes.
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -64,7 +65,8 @@ Vec3 place(const MeshFile& file, long label) {
   return file.shells().points.row(*file.node_of_label(label)).transpose();
 }
 
-/// Nastran's real numbers, by hand: sign, digits with a point, a signed exponent with no letter.
+/// Reference parser of Nastran's real numbers: sign, digits with a point, a signed exponent without
+/// a letter.
 double nastran_real(const std::string& text) {
   REQUIRE(text.find('.') != text.npos);
   const size_t sign = text.find_first_of("+-", 1);
@@ -79,8 +81,8 @@ std::string without_blanks(const std::string& text) {
   return result;
 }
 
-/// The smallest error that any text of `width` characters can have, found by trying all exponents
-/// and all positions of the point with the digits below and above.
+/// Smallest possible error of any text of `width` characters, by exhaustive search over exponents
+/// and positions of the point, with the digits below and above.
 double best_possible(double x, int width) {
   double best = INFINITY;
   const std::string sign = x < 0 ? "-" : "";
@@ -109,7 +111,7 @@ double best_possible(double x, int width) {
   return best;
 }
 
-/// The commands of a shell that is bent a little, for ccx.
+/// The commands for ccx that bend a shell slightly.
 std::string abaqus_plate() {
   std::string text =
       "*HEADING\nplate, * no keyword\n** a comment\n*NODE, NSET=ALL\n"
@@ -196,7 +198,7 @@ TEST_CASE("Nastran: nodes and shells of all three field formats", "[io][decks]")
   CHECK(nodes_of(file, 3) == std::vector<int>{2, 5, 6});
   CHECK(nodes_of(file, 4) == std::vector<int>{2, 5, 6, 7, 8, 12});
   CHECK(file.shells().second_order(*file.face_of_label(4)));
-  // A middle node on one edge only belongs to the outline.
+  // A mid-side node on only one edge belongs to the outline.
   CHECK(nodes_of(file, 5) == std::vector<int>{1, 7, 2, 3});
   CHECK_FALSE(file.shells().second_order(*file.face_of_label(5)));
   CHECK(nodes_of(file, 6) == std::vector<int>{1, 2, 5, 6, 7, 8, 11, 12});
@@ -226,7 +228,7 @@ TEST_CASE("decks with unchanged nodes keep every byte", "[io][decks]") {
 }
 
 TEST_CASE("Nastran: only coordinates of nodes that moved change", "[io][decks]") {
-  // Coordinates blanked out, by columns or between commas.
+  // Coordinates that are blank, in columns or between commas.
   const auto masked = [](const std::string& text) {
     std::vector<std::string> lines = lines_of(text);
     bool after_grid = false;
@@ -266,7 +268,7 @@ TEST_CASE("Nastran: only coordinates of nodes that moved change", "[io][decks]")
   for (const int every : {1, 2, 3, 4}) {
     const auto target = check_round_trip(path, moved(file, 0.3, every), 1e-4);
     CHECK(masked(bytes_of(target)) == masked(kNastran));
-    // Lines of nodes that stayed are the same as they were.
+    // Lines of unmoved nodes are unchanged.
     const auto before = lines_of(kNastran), after = lines_of(bytes_of(target));
     REQUIRE(before.size() == after.size());
     int changed = 0;
@@ -274,7 +276,7 @@ TEST_CASE("Nastran: only coordinates of nodes that moved change", "[io][decks]")
     CHECK(changed <= 12 / every + 3);
     CHECK(changed > 0);
   }
-  // One coordinate alone, in a line that ends before it.
+  // A single coordinate, in a line that ends before it.
   Points points = file.shells().points;
   points(*file.node_of_label(7), 2) = 0.25;
   points(*file.node_of_label(8), 2) = 0.25;
@@ -347,7 +349,7 @@ TEST_CASE("Nastran: wide nodes keep the digits that small fields lose", "[io][de
     CHECK_THAT(written, Contains("GRID*                 12") && Contains("$ a comment"));
     CHECK(std::count(written.begin(), written.end(), '\r') ==
           (text == kNastran ? 0 : std::count(written.begin(), written.end(), '\n')));
-    // Other fields of the line come along.
+    // Other fields of the line are preserved.
     Points one = file.shells().points;
     one(*file.node_of_label(10), 0) = 1.0 / 3;
     CHECK(file.write(target, one, options).largest < 1e-15);
@@ -454,7 +456,7 @@ TEST_CASE("Abaqus: nodes, shells, sets and sections", "[io][decks]") {
 TEST_CASE("Abaqus: only coordinates between commas change", "[io][decks]") {
   const auto path = file_with("m.inp", abaqus_plate());
   const MeshFile file = MeshFile::read(path);
-  // Small numbers would need more than the 20 characters that the programs read.
+  // Small numbers would need more than the 20 characters that the programs accept.
   Points points = moved(file, 0.3, 1);
   points(3, 0) = -1.2345678901234567e-5;
   const auto target = check_round_trip(path, points, 1e-18);
@@ -469,7 +471,7 @@ TEST_CASE("Abaqus: only coordinates between commas change", "[io][decks]") {
     std::istringstream values(after[i]);
     for (std::string value; std::getline(values, value, ',');) CHECK(value.size() <= 22);
   }
-  // A coordinate that is left out is 0, and can be moved.
+  // An omitted coordinate is 0, and can be moved.
   const auto shorter = file_with("short.inp", "*NODE\n1\n2,1.\n3,0.,1.\n*ELEMENT,TYPE=S3\n1,1,2,3");
   const MeshFile sparse = MeshFile::read(shorter);
   Points high = sparse.shells().points;
@@ -483,7 +485,7 @@ TEST_CASE("CalculiX runs a deck that was written back", "[io][decks]") {
     WARN("ccx or python3 is not installed: decks were written but not run");
     return;
   }
-  // ccx follows no keyword into the next line, and wants quotes wherever a name has blanks.
+  // ccx does not continue a keyword in the next line, and needs quotes for names with blanks.
   std::string text = abaqus_plate();
   text.replace(text.find("*NSET,\n NSET"), 12, "*NSET,NSET");
   text.replace(text.find("skin a"), 6, "\"skin a\"");
@@ -608,7 +610,7 @@ TEST_CASE("LS-DYNA: standard, I10 and long cards are equivalent", "[io][decks]")
                    : text.find("\n         1") < text.npos          ? 10
                                                                     : 8;
     const int real = id == 20 ? 20 : 16;
-    // 13 digits of 16 columns and 17 of 20 are there whatever the number.
+    // 13 of 16 columns and 17 of 20 hold the digits, whatever the number.
     const auto target = check_round_trip(path, moved(file, 0.3, 1), real == 20 ? 2e-16 : 2e-12);
     const auto before = lines_of(text), after = lines_of(bytes_of(target));
     REQUIRE(before.size() == after.size());
@@ -694,7 +696,7 @@ TEST_CASE("decks and polygons that may be cut short are named", "[io][decks]") {
     std::ostringstream text;
     text << std::ifstream(folder / name, std::ios::binary).rdbuf();
     CHECK_THAT(joined(MeshFile::read(folder / name).warnings()), !Contains("cut short"));
-    // The last line but its last two characters: that of the end, or of the last faces.
+    // Truncates the last two characters: of the end keyword, or of the last faces.
     std::ofstream(cut / name, std::ios::binary) << text.str().substr(0, text.str().size() - 3);
     if (std::string(name) == "sheet.bdf") {
       CHECK_THROWS_WITH(MeshFile::read(cut / name), Contains("it may be cut short"));

@@ -1,4 +1,4 @@
-// Mesh files come back as they were, and say what they are to other programs.
+// Mesh files are written back unchanged, and other programs read the same content.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -95,7 +95,7 @@ const std::string kStl =
     "  outer loop\n   vertex 0 0 -0.0\n   vertex 1e0 1 0\n   vertex 0 1 0\n  endloop\n"
     " endfacet\nendsolid two\n";
 
-/// Triangle, quad, six- and eight-node faces side by side.
+/// Faces with three, four, six and eight nodes side by side.
 ShellMesh mixed_mesh() {
   ShellMesh mesh;
   mesh.points.resize(17, 3);
@@ -159,7 +159,7 @@ TEST_CASE("unchanged nodes keep every byte of a text file", "[io][meshes]") {
 }
 
 TEST_CASE("free text takes every digit, and only coordinates change", "[io][meshes]") {
-  // Words that differ must be the ones that are coordinates.
+  // Differing words must be coordinates.
   const auto check = [](const std::string& name, const std::string& text, auto&& is_coordinate) {
     const auto path = file_with(name, text);
     const MeshFile file = MeshFile::read(path);
@@ -328,13 +328,13 @@ TEST_CASE("STL: corners become nodes, normals follow", "[io][meshes]") {
   REQUIRE(file.sets().size() == 2);
   CHECK(file.sets()[1].faces == std::vector<int>{1});
   Points points = file.shells().points;
-  points.col(2) = points.col(1);  // turned up by 45°
+  points.col(2) = points.col(1);  // tilted by 45°
   const auto target = mesh_scratch() / "turned.stl";
   CHECK(file.write(target, points).largest == 0);
   const std::string text = bytes_of(target);
   CHECK_THAT(text, Contains("facet normal 0 -0.70710677 0.70710677\n"));
   CHECK_THAT(text, Contains("vertex 1.00 0 0\n") && Contains("endsolid two"));
-  // Binary, made from it, has the same nodes; attribute bytes and header stay.
+  // The binary file made from it has the same nodes; attribute bytes and header are unchanged.
   ShellMesh mesh = MeshFile::read(target).shells();
   const auto binary = mesh_scratch() / "b.stl";
   write_mesh(binary, mesh);
@@ -381,7 +381,7 @@ TEST_CASE("a mesh is the same in every format that can hold it", "[io][meshes]")
     check_round_trip(path, moved(file), 0);
     if (extension != ".vtp" && extension != ".vtu") check_identity(path);
   }
-  // STL: the area of flat faces does not depend on how they are cut.
+  // STL: the area of flat faces does not depend on their triangulation.
   ShellMesh flat;
   flat.points.resize(8, 3);
   flat.points << 0, 0, 0, 4, 0, 0, 4, 2, 0, 0, 2, 0, 2, 0, 0, 4, 1, 0, 2, 2, 0, 0, 1, 0;
@@ -399,7 +399,7 @@ TEST_CASE("a mesh is the same in every format that can hold it", "[io][meshes]")
     const Vec3 a = p.row(n[0]), b = p.row(n[1]), c = p.row(n[2]);
     area += (b - a).cross(c - a).z() / 2;
   }
-  CHECK(area == Approx(3 * 8 + 4 + 2));  // the last one's middle nodes stick out
+  CHECK(area == Approx(3 * 8 + 4 + 2));  // the last one's mid-side nodes protrude
 }
 
 TEST_CASE("write_mesh refuses invalid meshes", "[io][meshes]") {
@@ -493,7 +493,7 @@ TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][meshes]") 
     CHECK(again.face_label(0) == 1);
     std::string text = bytes_of(mesh_scratch() / (surface ? "moved_x.vtp" : "moved_x.vtu"));
     CHECK_THAT(text, Contains("Name=\"t\"") && Contains("Name=\"pid\""));
-    // Cells that name nodes which are not there.
+    // Cells that refer to missing nodes.
     std::string broken = surface ? vtp : vtu;
     broken.replace(broken.find("0 4"), 3, "0 6");
     CHECK_THAT(read_error(surface ? "n.vtp" : "n.vtu", broken), Contains("found node number 6"));

@@ -1,4 +1,4 @@
-// Meshes that are written for other programs: what these read of parts, colours, units and normals.
+// Meshes written for other programs: parts, colours, units and normals as these read them.
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <vtkActor.h>
 #include <vtkCellData.h>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A block of 1 × 2 × 3 as quads; face 4 is that with z = 3.
+/// A block of 1 × 2 × 3 as quads; face 4 is at z = 3.
 ShellMesh block() {
   ShellMesh mesh;
   mesh.points.resize(8, 3);
@@ -63,7 +63,7 @@ nlohmann::json json_of_glb(const fs::path& file) {
   return nlohmann::json::parse(bytes.substr(20, number(12)));
 }
 
-/// Points of a ball, as triangles of n × n cells.
+/// A sphere's points, as triangles of n × n cells.
 ShellMesh ball(int n) {
   ShellMesh mesh;
   mesh.points.resize((n - 1) * n + 2, 3);
@@ -174,7 +174,7 @@ TEST_CASE("colours of sets are materials of OBJ, in a file beside it", "[io][mes
   REQUIRE(back.properties().size() == 2);
   CHECK(back.properties()[0].colour == "#ff8000");
   CHECK(back.properties()[0].faces == std::vector<int>{0, 1, 2, 3});
-  // Materials that are not there, or damaged, take colours and nothing else.
+  // Missing or damaged materials lose only the colours.
   std::ofstream(beside[0]) << "newmtl ff8000\nKd one two\n";
   CHECK(MeshFile::read(file).properties()[0].colour.empty());
   fs::remove(beside[0]);
@@ -187,7 +187,7 @@ TEST_CASE("colours of sets are materials of OBJ, in a file beside it", "[io][mes
 TEST_CASE("where one of two files cannot be written there is none, and old ones stay",
           "[io][meshes]") {
   const fs::path folder = scratch("written_both");
-  fs::create_directories(folder / "b.mtl");  // a folder has the name
+  fs::create_directories(folder / "b.mtl");  // the name is that of a folder
   std::ofstream(folder / "b.obj") << "old";
   CHECK_THAT(error_message([&] { write_mesh(folder / "b.obj", block(), sets()); }),
              Contains("b.mtl"));

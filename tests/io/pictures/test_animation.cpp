@@ -1,4 +1,4 @@
-// Pictures that move, and series of files: read back by others than wrote them.
+// Animations and file series, read back by other programs.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -140,7 +140,7 @@ TEST_CASE("a series has all digits of its values, in their direction", "[io][pic
     values.push_back(std::stod((*it)[1]));
   CHECK(values == std::vector<double>{-1, third, 1e30});
   CHECK_THAT(text, Contains("file=\"b&lt;&amp;&quot;>.vtp\""));
-  write_pvd(file, {{3, "a"}, {2, "b"}, {0, "c"}});  // downwards, too
+  write_pvd(file, {{3, "a"}, {2, "b"}, {0, "c"}});  // also in descending order
   CHECK_THAT(error_message([&] { write_pvd(file, {}); }), Contains("no files"));
   CHECK_THAT(error_message([&] {
                write_pvd(file, {{0, "a"}, {0, "b"}});

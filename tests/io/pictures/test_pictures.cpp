@@ -1,5 +1,5 @@
-// Pictures show what the scene says: everything inside the frame, the right colours, or a plain
-// sentence where there is no display.
+// Pictures show the scene: everything inside the frame, correct colours, or a clear message without
+// a display.
 #include "batten/io/pictures/comb_pictures.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A height field over [-1,1]² with its sides as lines.
+/// A height field over [-1,1]² with its sides as curves.
 SkinnedRegion region(double height) {
   constexpr int n = 8;
   const auto z = [height](const Vec2& p, int derivative) {
@@ -151,7 +151,8 @@ TEST_CASE("everything is in the frame, from wherever one looks", "[io][pictures]
   const Picture picture(path);
   REQUIRE(picture.width == 320);
   REQUIRE(picture.height == 200);
-  // The tubes around the surface reach near the frame in one direction, and cross it nowhere.
+  // The tubes around the surface reach close to the frame in one direction, and intersect it
+  // nowhere.
   int left = 320, right = -1, top = 200, bottom = -1;
   for (int y = 0; y < 200; ++y)
     for (int x = 0; x < 320; ++x)
@@ -191,7 +192,7 @@ TEST_CASE("curves, contours, elements and fields are drawn on request", "[io][pi
   CHECK(with_contours->count(dark) > plain_dark + 500);
   scene.contours = 0;
   scene.mesh = true;
-  // In how many pixels a picture differs from the plain one.
+  // Number of pixels in which a picture differs from the shaded one.
   const auto differs = [&](const Picture& other) {
     long n = 0;
     for (int y = 0; y < 300; ++y)
@@ -204,8 +205,8 @@ TEST_CASE("curves, contours, elements and fields are drawn on request", "[io][pi
   scene.parameter_lines = 10;
   CHECK(differs(*draw()) > 1000);
   scene.parameter_lines = 0;
-  // The top of the dome bends away from its normal: mean curvature below 0 is blue, its Gauss
-  // curvature is above 0, red. The scale below shows both.
+  // The top of the dome bends away from its normal: mean curvature is negative (blue), its Gauss
+  // curvature positive (red). The legend below shows both.
   const auto top_half = [](const Picture& p, const std::function<bool(const Vec3&)>& wanted) {
     long n = 0;
     for (int y = 0; y < 200; ++y)
@@ -218,7 +219,7 @@ TEST_CASE("curves, contours, elements and fields are drawn on request", "[io][pi
   CHECK(mean->count(red) > 50);
   scene.field = PictureScene::Field::Gauss;
   CHECK(top_half(*draw(), red) > 500);
-  // The same scene is the same picture, bit for bit.
+  // The same scene gives the same picture, bit for bit.
   const auto text = [&](const char* name) {
     std::ifstream in(folder / name, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
@@ -231,7 +232,7 @@ TEST_CASE("curves, contours, elements and fields are drawn on request", "[io][pi
 TEST_CASE("a zebra has the requested number of stripes, given by the normals", "[io][pictures]") {
   using Catch::Matchers::Contains;
   const fs::path path = batten_test::scratch("zebra") / "a.png";
-  // A quarter of a cylinder along y: the angle to x is even in its height's angle.
+  // A quarter of a cylinder along y: the angle to x is uniform in the angle of its parameter.
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(12));
   const SkinnedRegion roof{"roof",
                            interpolated(mesh, TriangleElement::HCT,
@@ -264,7 +265,7 @@ TEST_CASE("a zebra has the requested number of stripes, given by the normals", "
   if (!have_display()) return;
   draw_picture(path, scene, {640, 400});
   const Picture picture(path);
-  // Along the middle from left to right, x = cos a: changes at even steps of a. The height of 1
+  // Along the middle from left to right, x = cos a: changes at uniform steps of a. The height of 1
   // fills 88 % of the frame.
   const double scale = 0.88 * 400;
   std::vector<double> changes;
@@ -296,7 +297,7 @@ TEST_CASE("pictures of embedded faces show holes as holes", "[io][pictures]") {
   const auto at = [&](double x, double y) {
     return picture.pixel(static_cast<int>(200 + 176 * x), static_cast<int>(200 - 176 * y));
   };
-  // Inside of the hole and outside of the disc there is background only.
+  // Inside the hole and outside the disc there is only background.
   for (const double r : {0.0, 0.2, 0.34})
     for (int k = 0; k < 12; ++k) {
       const double a = 2 * pi * k / 12;
@@ -365,7 +366,7 @@ TEST_CASE("a contact sheet shows every scene in its own position", "[io][picture
   CHECK(lines[0][1] == 0);
   CHECK(lines[1][0] == lines[0][0]);
   CHECK(lines[1][1] == 0);
-  // The place without a scene is white.
+  // A cell without a scene is white.
   for (int y = 210; y < 390; y += 10) CHECK(sheet.pixel(480, y) == Vec3::Ones());
 }
 
@@ -384,7 +385,8 @@ TEST_CASE("pictures of a series share camera, heights and colours", "[io][pictur
   CHECK(scenes[1].azimuth == scenes[0].azimuth);
   REQUIRE(scenes[1].contour_range);
   CHECK(scenes[0].contour_range == scenes[1].contour_range);
-  // The higher dome spans more: its top is 1 - 0, its corners are at -0.6 of its height and a bit.
+  // The higher dome has the larger range: its top is 1 - 0, its corners are slightly below -0.6 of
+  // its height.
   CHECK(scenes[0].contour_range->second == Approx(2).epsilon(1e-3));
   CHECK(scenes[0].contour_range->first < -1);
   CHECK(scenes[0].field_limit == scenes[1].field_limit);
@@ -396,7 +398,7 @@ TEST_CASE("pictures of a series share camera, heights and colours", "[io][pictur
     scene.lines = false;
   }
   const PictureSize size{400, 300};
-  // Everything of the higher one fits, and so touches the frame more than the lower one does.
+  // The higher one fits completely, and so comes closer to the frame than the lower one.
   const auto rows = [&](const PictureScene& scene) {
     const Image image = picture_image(scene, size);
     const Image empty = [&] {

@@ -1,5 +1,5 @@
-// The network of the computer mouse under random changes: order and direction of lines, ends that
-// move, lines that are missing or doubled.
+// The network of the computer mouse under random changes: order and direction of curves, displaced
+// ends, missing or duplicate curves.
 #include <algorithm>
 #include <limits>
 #include <random>
@@ -18,8 +18,8 @@ using namespace batten;
 
 namespace {
 
-constexpr double kCorner = 60;  // as the scene says
-constexpr double kEdge = 20;    // coarse: connections are what is looked at
+constexpr double kCorner = 60;  // as in the scene
+constexpr double kEdge = 20;    // coarse: only the topology matters
 
 struct Line {
   std::string name;
@@ -41,7 +41,7 @@ class Mouse {
 
   std::vector<Line> lines;
 
-  /// `without`: what the scene says about this line is not said.
+  /// `without`: omits the settings of this curve from the scene.
   MouseModel make(const std::vector<Line>& given, const std::string& without = "") const {
     std::vector<CharacterLine> curves;
     for (const Line& line : given)
@@ -74,7 +74,7 @@ Vec3 middle(const NetworkEdge& edge) { return edge.curve.evaluate(0.5 * edge.cur
 
 using RegionEdges = std::multiset<std::multiset<int>>;
 
-// Regions by their arcs, these by the arcs of `first` of the same line that lie nearest.
+// Faces by their edges; each edge is mapped to the closest one of `first` on the same curve.
 RegionEdges region_edges(const MouseModel& made, const MouseModel& first) {
   std::vector<int> same;
   for (const NetworkEdge& edge : made.network.edges()) {
@@ -109,8 +109,8 @@ bool whole(const MouseModel& made) {
          made.model.skinned().size() == made.model.regions.size();
 }
 
-// Largest distance between two models of the same meshes, infinite where these differ. Only where
-// there is surface: what a cut triangle has outside is hardly held.
+// Largest distance between two models with the same meshes; infinite if these differ. Only inside
+// the trim: the outer parts of cut triangles are hardly constrained.
 double apart(const SurfaceModel& a, const SurfaceModel& b) {
   constexpr double other = std::numeric_limits<double>::infinity();
   const auto all_a = a.skinned(), all_b = b.skinned();
@@ -133,7 +133,7 @@ double apart(const SurfaceModel& a, const SurfaceModel& b) {
 
 using DiagnosticKind = NetworkDiagnostic::Kind;
 
-// Whether a finding of one of these kinds is about these lines.
+// Whether a diagnostic of one of these kinds is about these curves.
 bool named(const MouseModel& made, const std::vector<DiagnosticKind>& kinds,
            const std::vector<std::string>& lines) {
   return std::any_of(made.network.diagnostics().begin(), made.network.diagnostics().end(),
@@ -146,7 +146,7 @@ bool named(const MouseModel& made, const std::vector<DiagnosticKind>& kinds,
                      });
 }
 
-// A dangling end, a rim, a choice, a region that failed: whatever the user is told.
+// A dangling end, a free edge, an ambiguity, a failed face: anything that is reported to the user.
 bool has_diagnostics(const MouseModel& made) {
   return !made.found.free_edges.empty() || !made.found.unused_edges.empty() ||
          !made.found.ambiguous_regions.empty() || !made.model.defects.empty() ||
@@ -211,7 +211,7 @@ void check_changes(int count, unsigned seed) {
         REQUIRE(most_apart <= 1e-12 * size);
         break;
       }
-      case 1: {  // every end: any two still lie within the tolerance of each other
+      case 1: {  // all ends: any two remain within the tolerance
         for (Line& line : lines)
           if (!line.closed())
             for (Vec3* end : {&line.points.front(), &line.points.back()})
@@ -221,7 +221,7 @@ void check_changes(int count, unsigned seed) {
         REQUIRE(whole(made));
         break;
       }
-      case 2: {  // one end, almost by the tolerance
+      case 2: {  // one end, by almost the tolerance
         change.move_end(change.open_line(lines), change.between(0.5, 0.99) * tolerance);
         const MouseModel made = mouse.make(lines);
         REQUIRE(region_edges(made, first) == plan);
@@ -233,14 +233,14 @@ void check_changes(int count, unsigned seed) {
         change.move_end(line, change.between(1.2, 20) * tolerance);
         const MouseModel made = mouse.make(lines);
         INFO("line '" << line.name << "'");
-        // An end that went along another line meets it still.
+        // An end that moved along another curve still meets it.
         const bool meets = region_edges(made, first) == plan && whole(made);
         REQUIRE((meets ||
                  named(made, {DiagnosticKind::NearMiss, DiagnosticKind::Dangling}, {line.name})));
         loose += !meets;
         break;
       }
-      case 4: {  // doubled
+      case 4: {  // duplicate
         Line copy = lines[change.below(lines.size())];
         const Vec3 moved = change.between(0, 0.9) * tolerance * change.direction();
         for (Vec3& p : copy.points) p += moved;
@@ -260,7 +260,7 @@ void check_changes(int count, unsigned seed) {
         lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(gone));
         INFO("line '" << name << "'");
         const MouseModel made = mouse.make(lines, name);
-        // Another closed body, with fewer regions, or it is said what is open.
+        // Another closed body with fewer faces, or the open part is reported.
         REQUIRE(region_edges(made, first) != plan);
         REQUIRE((whole(made) || has_diagnostics(made)));
         if (name == "base" || name == "belt" || name == "seam")

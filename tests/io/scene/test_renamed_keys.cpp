@@ -1,4 +1,5 @@
-// Keys of older versions and of other programs: each is refused at its position, with its present name.
+// Keys of older versions and of other programs: each is rejected at its position, with its present
+// name.
 #include <array>
 #include <string>
 #include <utility>
@@ -19,7 +20,7 @@ namespace {
 
 const std::string kRenamedNote = " (renamed in Batten 1.0)";
 
-/// The message that refuses a scene, or "".
+/// The message that rejects a scene, or "".
 std::string refusal(SceneKind kind, const std::string& text) {
   return batten_test::error_message([&] {
     if (kind == SceneKind::Deform)
@@ -99,8 +100,7 @@ const std::vector<RenamedTable> kRenamedTables = {
 
 }  // namespace
 
-TEST_CASE("an old key is refused at its position, with its present name",
-          "[io][scene][renamed_keys]") {
+TEST_CASE("an old key is refused at its position, with its present name", "[io][scene]") {
   for (const RenamedTable& table : kRenamedTables)
     for (const auto& [old_name, now, value] : table.keys) {
       CAPTURE(table.header, old_name);
@@ -112,7 +112,7 @@ TEST_CASE("an old key is refused at its position, with its present name",
     }
 }
 
-TEST_CASE("an old table is refused in each kind of scene", "[io][scene][renamed_keys]") {
+TEST_CASE("an old table is refused in each kind of scene", "[io][scene]") {
   const auto refused = [](SceneKind kind, const std::string& old_name, const std::string& now) {
     CAPTURE(old_name);
     CHECK(refusal(kind, "\n[[" + old_name + "]]\n") ==
@@ -132,17 +132,17 @@ TEST_CASE("an old table is refused in each kind of scene", "[io][scene][renamed_
   CHECK(refusal(SceneKind::Deform, "[[edit]]\n[[edit.turn_feature]]\nfeature = \"a\"\n") ==
         "s.toml:2:8: found the key 'turn_feature' in 'edit', expected 'rotate_feature'" +
             kRenamedNote);
-  // Scenes that only fair curves have the keys of surfaces.
+  // Scenes that only fair curves have the keys of surface scenes.
   CHECK(batten_test::error_message([] { parse_fair_scene("[[line]]\n", "s.toml"); }) ==
         "s.toml:1:3: found the key 'line', expected 'curve'" + kRenamedNote);
 }
 
-TEST_CASE("of several old keys the first in the file is named", "[io][scene][renamed_keys]") {
+TEST_CASE("of several old keys the first in the file is named", "[io][scene]") {
   const std::string skin = "[skin]\nfair = \"loft\"\nhold = \"lines\"\n",
                     line = "[[line]]\nturn = {}\n";
   CHECK(refusal(SceneKind::Surface, skin + line).starts_with("s.toml:3:1: found the key 'hold'"));
   CHECK(refusal(SceneKind::Surface, line + skin).starts_with("s.toml:1:3: found the key 'line'"));
-  // Also of two on one line, and of two tables of one name.
+  // Also for two on one line, and for two tables of one name.
   CHECK(refusal(SceneKind::Surface, "[[curve]]\nscale = { point = [0, 0, 0] }\n[[curve]]\nmove = 1\n")
             .starts_with("s.toml:2:11: found the key 'point' in 'curve.scale'"));
   CHECK(refusal(SceneKind::Sequence, "[[operation]]\nspans = 1\nalong = 2\n")
@@ -150,7 +150,7 @@ TEST_CASE("of several old keys the first in the file is named", "[io][scene][ren
 }
 
 TEST_CASE("old keys in inline tables are refused, below tables with old and present names",
-          "[io][scene][renamed_keys]") {
+          "[io][scene]") {
   const auto refused = [](SceneKind kind, const std::string& text, const std::string& message) {
     CAPTURE(text);
     CHECK(refusal(kind, text) == message + kRenamedNote);
@@ -179,7 +179,7 @@ TEST_CASE("old keys in inline tables are refused, below tables with old and pres
           "'distance'");
 }
 
-TEST_CASE("old values are refused, too", "[io][scene][renamed_keys]") {
+TEST_CASE("old values are refused, too", "[io][scene]") {
   struct OldValue {
     SceneKind kind;
     std::string header, key, old_value, now;
@@ -211,12 +211,12 @@ TEST_CASE("old values are refused, too", "[io][scene][renamed_keys]") {
               v.old_value + "\", expected \"" + v.now + "\"" + kRenamedNote);
     CHECK(refusal(v.kind, text(v.now)).find(kRenamedNote) == std::string::npos);
   }
-  // An old key with an old value: the key.
+  // An old key with an old value: the key is reported.
   CHECK(refusal(SceneKind::Surface, "[[join]]\nkind = \"crease\"\n")
             .starts_with("s.toml:2:1: found the key 'kind' in 'join', expected 'continuity'"));
 }
 
-TEST_CASE("keys that moved to another table name that table", "[io][scene][renamed_keys]") {
+TEST_CASE("keys that moved to another table name that table", "[io][scene]") {
   for (const char* key : {"element", "domain", "mesher", "edge_length", "refine"}) {
     CAPTURE(key);
     const std::string name = key;
@@ -233,8 +233,7 @@ TEST_CASE("keys that moved to another table name that table", "[io][scene][renam
             .starts_with("s.toml:2:1: found the key 'hold' in 'curve', expected trim_only = true"));
 }
 
-TEST_CASE("the removed table [network] is refused with the keys that replace it",
-          "[io][scene][renamed_keys]") {
+TEST_CASE("the removed network table is refused with the keys that replace it", "[io][scene]") {
   const std::string message =
       refusal(SceneKind::Surface, "unit = \"mm\"\n[network]\ntolerance = 0.5\n");
   CAPTURE(message);
@@ -245,7 +244,7 @@ TEST_CASE("the removed table [network] is refused with the keys that replace it"
     CHECK(message.find(part) != std::string::npos);
 }
 
-TEST_CASE("names of other programs lead to those of Batten", "[io][scene][renamed_keys]") {
+TEST_CASE("names of other programs lead to those of Batten", "[io][scene]") {
   const auto refused = [](const std::string& text, const std::string& message) {
     CAPTURE(text);
     CHECK(refusal(SceneKind::Surface, text).starts_with(message));
@@ -257,9 +256,9 @@ TEST_CASE("names of other programs lead to those of Batten", "[io][scene][rename
           "s.toml:2:1: found the key 'mesh_size' in 'mesh', expected 'edge_length'");
 }
 
-TEST_CASE("names that are old in one kind of scene are kept in others",
-          "[io][scene][renamed_keys]") {
-  // A chain of a mesh was a line, a curve stays one; a helix has turns; a line load acts on a curve.
+TEST_CASE("names that are old in one kind of scene are kept in others", "[io][scene]") {
+  // A chain of a mesh was a line, a curve remains one; a helix has turns; a line load acts on a
+  // curve.
   const std::string surface = R"(unit = "mm"
 [[curve]]
 name = "a"

@@ -1,4 +1,4 @@
-// Scenes: what they mean, and how every mistake is answered.
+// Scenes: their interpretation, and the message for every error.
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -19,7 +19,7 @@ name = "rim"
 points = [[0,0,0], [1,0,0], [1,1,0], [0,0,0]]
 )";
 
-/// The message that a scene is answered with, "" when it is accepted.
+/// The message for a scene, "" if it is accepted.
 std::string error_message_of(const std::string& text) {
   try {
     parse_scene(text, "s.toml");
@@ -186,7 +186,7 @@ max = 10
   s.set("crown", 10, "");
   CHECK(s.loads[0].value == 10);
   s.set("peak.y", 2.5, "");
-  s.set("peak.y", 3, "");  // the range stays where the scene put it
+  s.set("peak.y", 3, "");  // the range of the scene does not change
   CHECK(s.constraints[0].goal[1] == 3);
   s.set("beta", 4, "");
   CHECK(s.skin.material.beta == Vec3::Constant(4));

@@ -1,4 +1,4 @@
-// Scenes changed in their text: what is edited changes, and not a letter of anything else.
+// Edits of a scene's text: the edited values change, and no other character.
 #include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/tests/support/catch.h"
@@ -211,7 +211,7 @@ TEST_CASE("every example can be edited and comes back as it was", "[io][scene]")
       scene.set(table, "extra_key", "1");
       scene.erase(table, "extra_key");
       for (const auto& [key, value] : scene.values(table)) {
-        if (key == "name") continue;  // another name is another table
+        if (key == "name") continue;  // another name denotes another table
         CHECK(value == scene.value(table, key));
         scene.set(table, key, "0");
         scene.set(table, key, value);
@@ -251,7 +251,7 @@ mesh = "b.obj"
   scene.set_parameter("first.right.angle", 12);
   CHECK(scene.value({"edit.handle", "first.right"}, "rotate") ==
         "{ axis = [0, -1, 0], angle = 12 }");
-  // A new one belongs to the last edit, before what stands behind it.
+  // A new one is part of the last edit, before the text that follows it.
   SceneText more(edits);
   CHECK(more.add("edit.handle", R"({ name = "nose" })") ==
         SceneTable{"edit.handle", "second.nose"});

@@ -1,4 +1,5 @@
-// Scenes for sculpting: areas, weights, moves, rules, values over time, and every mistake in them.
+// Scenes for sculpting: areas, stiffness fields, offsets, rules, values over time, and every error
+// in them.
 #include <cmath>
 
 #include "batten/io/scene/read_scene.h"
@@ -10,7 +11,7 @@ using namespace batten;
 
 namespace {
 
-// Ten lines; what a test adds begins in line 11.
+// Ten lines; the text of a test starts in line 11.
 const std::string kLines = R"(unit = "mm"
 [[curve]]
 name = "rim"
@@ -206,7 +207,7 @@ theta = 0.5
   CHECK(s.motion.density == 2);
   CHECK(s.motion.damping == 0);
   CHECK(s.motion.theta == 0.5);
-  // Line normals have no numbers to set.
+  // Normals along curves have no parameters.
   const auto parameters = s.parameters();
   CHECK(find(parameters, "stiff spine"));
   CHECK(find(parameters, "rib"));
@@ -242,7 +243,7 @@ value = 0
   s.set("finer", 2, "");
   CHECK(value_of(s, "swell") == 4);
   CHECK(value_of(s, "rib") == -1);
-  s.set("bolder", 1, "");  // held to its range
+  s.set("bolder", 1, "");  // clamped to its range
   CHECK(value_of(s, "swell") == 150);
   const std::string message =
       batten_test::error_message([&] { s.set("swell", 1, "--set swell=1: "); });

@@ -1,4 +1,4 @@
-// Sequences that tests write and read.
+// Sequences for tests of readers and writers.
 #pragma once
 
 #include <array>
@@ -20,12 +20,12 @@
 namespace batten_test {
 using namespace batten;
 
-/// What reading a file is told, or "".
+/// The error message of reading a file, or "".
 inline std::string reading(const std::filesystem::path& path, const SequenceOptions& options = {}) {
   return error_message([&] { read_sequence(path, options); });
 }
 
-/// A strip of quads that waves; its last faces are a triangle and a pentagon.
+/// A waving strip of quads; its last faces are a triangle and a pentagon.
 inline MeshSequence wave(int frames, double step = 0.25) {
   constexpr int length = 5;
   MeshSequence s;
@@ -57,7 +57,7 @@ inline void write_sequence(const std::filesystem::path& path, const MeshSequence
   writer.finish();
 }
 
-/// Largest distance of a node from where it is in the other sequence.
+/// Largest distance of a node from its position in the other sequence.
 inline double apart(const MeshSequence& a, const MeshSequence& b) {
   REQUIRE(a.frame_count() == b.frame_count());
   REQUIRE(a.node_count() == b.node_count());
@@ -83,7 +83,7 @@ inline void put_bytes(const std::filesystem::path& path, const std::string& byte
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-/// Names of all that is in a folder, hidden files too.
+/// Names of all files in a folder, including hidden ones.
 inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -91,7 +91,7 @@ inline std::set<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-/// A number in a buffer, little end first.
+/// A number in a buffer, little-endian.
 template <class T>
 T number_in(const std::string& bytes, size_t at, bool big = false) {
   std::array<char, sizeof(T)> part;

@@ -1,4 +1,4 @@
-// Results of CalculiX as sequences: skins of all its elements.
+// Results of CalculiX as sequences: boundary surfaces of all its elements.
 #include <Eigen/Geometry>
 #include <map>
 
@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Two tetrahedra with a face in common, two steps; columns as ccx writes them.
+/// Two tetrahedra with a shared face, two steps; columns as ccx writes them.
 const std::string kHead =
     "    1C\n"
     "    2C                             5                                     1\n"
@@ -42,7 +42,7 @@ std::string step(const std::string& value, const std::string& up) {
          " -3\n";
 }
 
-/// Volume that a skin of triangles and quads bounds; middle nodes are passed over.
+/// Enclosed volume of a surface of triangles and quads, ignoring mid-side nodes.
 double volume(const ShellMesh& mesh, const Points& p) {
   double six = 0;
   for (int f = 0; f < mesh.face_count(); ++f) {
@@ -53,7 +53,7 @@ double volume(const ShellMesh& mesh, const Points& p) {
   return six / 6;
 }
 
-/// One element of each type, as a deck: nodes by corners, then middles of the named edges.
+/// One element of each type, as a deck: corner nodes, then mid-side nodes of the listed edges.
 struct Kind {
   std::string name;
   std::vector<Vec3> corners;
@@ -96,7 +96,7 @@ std::vector<Kind> kinds() {
           {"S8", square, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}, 6, 0.5}};
 }
 
-/// Stretched along x by a tenth, then by two, all corners held.
+/// Stretched along x by a tenth, then by two tenths, with all corners prescribed.
 std::string deck_of(const Kind& kind) {
   std::string deck = "*NODE, NSET=ALL\n";
   int label = 0;
@@ -133,7 +133,7 @@ TEST_CASE("results are frames of their skin", "[io][sequences]") {
   const MeshSequence s = read_sequence(file);
   CHECK(s.times == std::vector<double>{0.5, 1});
   CHECK(s.node_count() == 5);
-  CHECK(s.shells.face_count() == 6);  // the face in common is inside
+  CHECK(s.shells.face_count() == 6);  // the shared face is inside
   CHECK(s.frames[0](3, 2) == 2);
   CHECK(s.frames[1](3, 2) == 3.5);
   CHECK(s.frames[1](4, 2) == -1);
@@ -147,7 +147,7 @@ TEST_CASE("results are frames of their skin", "[io][sequences]") {
   // Modes with one frequency.
   put_bytes(file, kHead + step("3.00000E+00", "1.00000E+00") + step("3.00000E+00", "2.00000E+00"));
   CHECK(read_sequence(file).times == std::vector<double>{1, 2});
-  // The results of the last step are those that they were.
+  // The results of the last step are unchanged.
   CHECK(read_frd(file).nodes[3].displacement == Vec3(0, 0, 2));
 }
 
@@ -203,7 +203,7 @@ TEST_CASE("ccx' own results have closed skins, whatever the element", "[io][sequ
     CHECK(s.shells.face_count() == kind.faces);
     CHECK(volume(s.shells, s.frames[0]) == Approx(1.1 * kind.volume).epsilon(1e-4));
     CHECK(volume(s.shells, s.frames[1]) == Approx(1.2 * kind.volume).epsilon(1e-4));
-    // Every edge once in each direction, every middle node in the middle of its edge.
+    // Every edge once in each direction, every mid-side node in the middle of its edge.
     std::map<std::array<int, 2>, int> edges;
     for (int f = 0; f < s.shells.face_count(); ++f) {
       const auto corners = s.shells.corners(f), nodes = s.shells.face(f);

@@ -1,4 +1,4 @@
-// Animated scenes of glTF: what moves, what is refused.
+// Animated scenes of glTF: supported motions, and rejected files.
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -26,7 +26,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// A scene of one triangle that tests add to.
+/// A scene of one triangle, extended by tests.
 struct Scene {
   Json root = Json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
       "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {}}]}]})");
@@ -84,7 +84,8 @@ MeshSequence read_at(const fs::path& path, double rate, const std::string& anima
 TEST_CASE("nodes of a scene move by their keys", "[io][sequences]") {
   const fs::path folder = gltf_folder("nodes");
   Scene scene = triangle();
-  // The mesh hangs on a node that turns by 90 degrees, below one that steps and one that is scaled.
+  // The mesh is a child of a node that rotates by 90 degrees, below one with stepped animation and
+  // one that is scaled.
   scene.root["nodes"] = Json::parse(
       R"([{"children": [1], "scale": [2, 2, 2]}, {"children": [2], "translation": [5, 0, 0]},
           {"mesh": 0}])");
@@ -94,8 +95,8 @@ TEST_CASE("nodes of a scene move by their keys", "[io][sequences]") {
   scene.move(1, "translation", times, scene.vectors({1, 0, 0, 3, 0, 0}), "STEP");
   const MeshSequence s = read_at(scene.write(folder / "a.gltf"), 2);
   REQUIRE(s.times == std::vector<double>{0, 0.5, 1});
-  // Vertex 1 at (1, 0, 0), turned by 0, 45, 90 degrees (the nearer way, though the key's sign is
-  // the other one), moved by 1, 1, 3, twice as large.
+  // Vertex 1 at (1, 0, 0), rotated by 0, 45, 90 degrees (the shorter rotation, though the key has
+  // the opposite sign), translated by 1, 1, 3, scaled by 2.
   CHECK((s.frames[0].row(1) - Vec3(4, 0, 0).transpose()).norm() < 1e-6);
   CHECK((s.frames[1].row(1) - 2 * Vec3(1 + h, h, 0).transpose()).norm() < 1e-6);
   CHECK((s.frames[2].row(1) - Vec3(6, 2, 0).transpose()).norm() < 1e-6);
@@ -125,7 +126,7 @@ TEST_CASE("skins blend joints and ignore the node's own transform", "[io][sequen
   std::vector<float> inverse(32, 0.f);
   for (size_t m = 0; m < 2; ++m)
     for (size_t i = 0; i < 4; ++i) inverse[16 * m + 5 * i] = 1;
-  inverse[12] = -1;  // the first joint is bound at x = 1
+  inverse[12] = -1;  // the bind pose of the first joint is x = 1
   scene.root["skins"] = {
       {{"joints", {1, 2}}, {"inverseBindMatrices", scene.add(inverse, "MAT4", 16, 5126)}}};
   scene.primitive()["attributes"]["JOINTS_0"] =
@@ -176,7 +177,7 @@ TEST_CASE("morph targets, sparse ones too, add up", "[io][sequences]") {
 TEST_CASE("seams are one chain of nodes while their sides stay together", "[io][sequences]") {
   const fs::path folder = gltf_folder("seams");
   Scene scene;
-  // Two triangles with an edge at one place, as four plus two vertices.
+  // Two triangles with coincident edges, as four plus two vertices.
   scene.primitive()["attributes"]["POSITION"] =
       scene.vectors({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0});
   CHECK(read_sequence(scene.write(folder / "a.gltf")).node_count() == 4);
@@ -215,7 +216,7 @@ TEST_CASE("strips, fans and several parts are one mesh", "[io][sequences]") {
 TEST_CASE("whole numbers stand for fractions where they are normalized", "[io][sequences]") {
   Scene scene = triangle();
   scene.root["extensionsRequired"] = {"KHR_mesh_quantization"};
-  // Rows of eight bytes, of which six are used.
+  // Rows of eight bytes, six of them used.
   const int position = scene.add(
       std::vector<std::int16_t>{0, 0, 0, 9, 32767, 0, 0, 9, -32768, 32767, 0, 9}, "VEC3", 4, 5122);
   scene.root["accessors"][position]["normalized"] = true;
@@ -237,7 +238,7 @@ TEST_CASE("clips are chosen by name or number", "[io][sequences]") {
   CHECK(read_at(file, 1).frames[1](0, 0) == 1);
   CHECK(read_at(file, 1, "Run").frames[1](0, 0) == 1);
   CHECK(read_at(file, 1, "2").frames[1](0, 0) == 2);
-  CHECK(read_at(file, 1, "1").frames[1](0, 0) == 2);  // a name before a number
+  CHECK(read_at(file, 1, "1").frames[1](0, 0) == 2);  // a name takes precedence over a number
   CHECK_THAT(error_message([&] { read_at(file, 1, "Walk"); }),
              Contains("found no animation 'Walk', expected one of: 1 Run, 2 1"));
   CHECK_THAT(error_message([&] { read_at(file, -1); }), Contains("expected a rate above 0"));
@@ -358,7 +359,7 @@ TEST_CASE("no damage to a GLB brings the reader down", "[io][sequences]") {
       if (round % 8 == 0)
         bad.resize(random() % bad.size());
       else
-        // Digits and marks of the JSON, bytes of the numbers.
+        // Corrupts digits and punctuation of the JSON, and bytes of the numbers.
         for (int k = 0; k < 3 && !bad.empty(); ++k) {
           const size_t at = round % 2 ? begin + random() % json : random() % bad.size();
           bad[at] = round % 4 == 1 ? static_cast<char>('0' + random() % 10)

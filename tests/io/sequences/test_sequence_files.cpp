@@ -1,4 +1,4 @@
-// Numbered files, lists of files and point caches: what is a sequence and what is not.
+// Numbered files, lists of files and point caches: valid and invalid sequences.
 #include <limits>
 
 #include "batten/tests/io/sequences/sequence_file_helpers.h"
@@ -132,12 +132,12 @@ TEST_CASE("STL corners that were one node stay one", "[io][sequences]") {
     put_bytes(folder / "s2.stl", text);
     return reading(folder);
   };
-  // Two nodes meet: by itself this file has three nodes.
+  // Two nodes coincide: alone, this file has three nodes.
   CHECK(second(stl_text({{a, b, c}, {c, b, b}})).empty());
   const MeshSequence s = read_sequence(folder);
   CHECK(s.node_count() == 4);
   CHECK(s.frames[1].row(3) == b.transpose());
-  // A corner that is off by digits of its text.
+  // A corner that differs by the rounding of its text.
   CHECK(second(stl_text({{a, b, c}, {c, b + Vec3(1e-6, 0, 0), d}})).empty());
   CHECK_THAT(second(stl_text({{a, b, c}, {c, b + Vec3(1e-5, 0, 0), d}})),
              Contains("s2.stl: node 1 of the first file (s1.stl) has two positions") &&

@@ -1,4 +1,4 @@
-// What is written comes back, through our readers and through those of others.
+// Written sequences are read back, by our readers and by those of other programs.
 #include <vtkCellArray.h>
 #include <vtkCompositeDataIterator.h>
 #include <vtkGLTFReader.h>
@@ -55,7 +55,7 @@ TEST_CASE("STL frames keep their triangles", "[io][sequences]") {
   REQUIRE(back.node_count() == s.node_count());
   CHECK(back.shells.face_count() == 3 * 2 + 3 + 1);
   CHECK(back.times == std::vector<double>{1, 2, 3});
-  // Nodes are numbered anew: each is somewhere in the frames, at one place in all of them.
+  // Nodes are renumbered: each one corresponds to one node of all frames.
   for (int i = 0; i < s.node_count(); ++i) {
     int same = -1;
     for (int j = 0; j < s.node_count(); ++j)
@@ -156,7 +156,7 @@ TEST_CASE("GLB files come back and move in VTK", "[io][sequences]") {
   CHECK(apart(back, s) < 2e-7 * size_of(s));
   CHECK(back.times == s.times);
   CHECK(back.shells.face_count() == 3 * 2 + 3 + 1);
-  // Between frames they are blended.
+  // Interpolated between frames.
   SequenceOptions between;
   between.frames_per_second = 4;
   const MeshSequence finer = read_sequence(file, between);

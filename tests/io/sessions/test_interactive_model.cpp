@@ -1,4 +1,4 @@
-// Whole models under the hands of a session: the mouse of the examples, and real sketches.
+// Whole models in a session: the mouse of the examples, and real sketches.
 #include <cstdio>
 
 #include "batten/io/lines/sketch_graph.h"
@@ -11,7 +11,7 @@ using namespace batten_test;
 
 namespace {
 
-// What has to be true of a model at every answer.
+// Invariants of a model after every update.
 class SessionInvariants {
  public:
   explicit SessionInvariants(const SurfaceModel& model) : model_(model) {
@@ -35,7 +35,7 @@ class SessionInvariants {
       largest_ = std::max(largest_, angle);
     }
     max_deviation_ = std::max(max_deviation_, session.residual());
-    // Both sides of a line have it: what the surfaces' edges leave of the curves.
+    // Both sides of a curve agree: deviation of the surfaces' edges from the curves.
     const Points& x = session.dofs();
     for (const ModelLine& line : session.layout().lines()) {
       const HermiteCurve curve = session.line(line.name);
@@ -71,7 +71,7 @@ class SessionInvariants {
   int updates_ = 0;
 };
 
-// The longest line of a kind that is neither closed nor embedded.
+// The longest mesh-aligned or embedded curve that is not closed.
 std::string longest(const SurfaceModel& model, ModelJoin::Kind kind) {
   std::string best;
   double most = 0;
@@ -88,8 +88,8 @@ std::string longest(const SurfaceModel& model, ModelJoin::Kind kind) {
   return best;
 }
 
-// Pressure on one region and on all, shared lines moved, a point held, a weight across a join,
-// motion.
+// Pressure on one face and on all, shared curves that move, a fixed point, a stiffness field across
+// a shared edge, motion.
 void drag(const SurfaceModel& model, SessionInvariants& invariants) {
   const double size = model.layout->size();
   SculptingSession session(*model.layout, {});

@@ -125,7 +125,7 @@ TEST_CASE("a log with every operation is read back bit-identically",
     CHECK(bool(back[i].edit) == bool(operations[i].edit));
     if (back[i].edit) CHECK(back[i].edit->index() == operations[i].edit->index());
   }
-  // Numbers have all digits, so equal texts mean that nothing was lost.
+  // Numbers have all digits, so equal texts prove that nothing is lost.
   CHECK(session_log_text(back) == text);
 
   const auto& add = std::get<Operation::Add>(*back[10].edit);

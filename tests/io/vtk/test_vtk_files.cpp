@@ -1,4 +1,4 @@
-// What VTK reads back is the surface; and files are written whole or not at all.
+// VTK reads back the same surface, and files are written completely or not at all.
 #include "batten/io/vtk/vtk_files.h"
 
 #include <sys/resource.h>
@@ -40,7 +40,7 @@ namespace {
 
 constexpr int kN = 4;
 
-/// A cubic surface over [0,1]², which the elements hold exactly.
+/// A cubic surface over [0,1]², which the elements represent exactly.
 SurfaceJet cubic(double u, double v, double height) {
   return {{u, v, height * (u * u * v - v * v)},
           {1, 0, height * 2 * u * v},
@@ -50,7 +50,7 @@ SurfaceJet cubic(double u, double v, double height) {
           {0, 0, -2 * height}};
 }
 
-/// Its lines: the south side, and the diagonal backwards.
+/// Its curves: the south side, and the reversed diagonal.
 SkinnedRegion region(const std::string& name, double height) {
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(kN));
   const Surface surface = interpolated(mesh, TriangleElement::HCT,
@@ -78,7 +78,8 @@ Vec3 tuple(vtkDataArray* array, vtkIdType i) {
   return value;
 }
 
-/// Points lie on the surface at their uv, normals are exact, curvatures near, displacements exact.
+/// Points are on the surface at their (u, v), normals are exact, curvatures approximate,
+/// displacements exact.
 void check_points(vtkPointSet& data, const std::vector<double>& heights, double reference) {
   vtkPointData& values = *data.GetPointData();
   const vtkIdType each = data.GetNumberOfPoints() / static_cast<vtkIdType>(heights.size());
@@ -98,7 +99,7 @@ void check_points(vtkPointSet& data, const std::vector<double>& heights, double 
     mean += std::abs(H - c.mean) / data.GetNumberOfPoints();
     gauss += std::abs(K - c.gauss) / data.GetNumberOfPoints();
     mean_k = std::max(mean_k, std::abs((k1 + k2) / 2 - H));
-    // Where averaging leaves H² < K there is no such pair.
+    // If averaging gives H² < K, there are no principal curvatures.
     if (H * H > K) gauss_k = std::max(gauss_k, std::abs(k1 * k2 - K));
     if (vtkDataArray* moved = values.GetArray("Displacement"))
       displacement = std::max(
@@ -179,7 +180,7 @@ TEST_CASE("VTP: facets and curves of all faces, read back by VTK", "[io][vtk]") 
     } else {
       ++facets_of[{region_index, triangle}];
       CHECK(line == -1);
-      // Its middle lies in its element.
+      // Its centroid is in its element.
       Vec3 middle = Vec3::Zero();
       for (int i = 0; i < 3; ++i)
         middle += tuple(data.GetPointData()->GetArray("uv"), cell.GetPointId(i)) / 3;
@@ -242,7 +243,7 @@ TEST_CASE("VTP and VTU of an embedded face end at its boundary", "[io][vtk]") {
   const SkinnedRegion disc = wavy_disc({}), square = region("square", 0.2);
   const double area = disc.surface.area(), square_area = square.surface.area();
   const fs::path folder = batten_test::scratch("embedded");
-  // Area of cells in space, by VTK's own triangles: quadratic ones are cut in four.
+  // Area of cells in space with VTK's own triangulation: quadratic cells are divided into four.
   const auto cell_area = [](vtkDataSet& data, int wanted_region) {
     double sum = 0;
     vtkNew<vtkIdList> ids;
@@ -279,7 +280,7 @@ TEST_CASE("VTP and VTU of an embedded face end at its boundary", "[io][vtk]") {
     REQUIRE(names->GetNumberOfValues() == 5);
     const char* const expected[] = {"south", "diagonal", "rim", "hole", "rib"};
     for (int i = 0; i < 5; ++i) CHECK(names->GetValue(i) == expected[i]);
-    // Points of the rim are the surface's over the curve.
+    // Points on the boundary are points of the surface at the curve.
     for (vtkIdType c = 2; c < 5; ++c) {
       CHECK(data.GetCellData()->GetArray("Curve")->GetTuple1(c) == c);
       const HermiteCurve& pcurve = disc.embedded[static_cast<size_t>(c) - 2].pcurve;
@@ -325,13 +326,13 @@ TEST_CASE("VTK writers refuse inconsistent data, and leave nothing behind", "[io
   CHECK(files_in(folder) == 0);
 }
 
-TEST_CASE("a file is written whole or not at all", "[io][vtk][atomic_file]") {
+TEST_CASE("a file is written whole or not at all", "[io][vtk]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("whole"), path = folder / "note.tar.txt";
   write_file_atomically(path, [](std::ostream& out) { out << "first\n" << 0.5; });
   CHECK(bytes(path) == "first\n0.5");
 
-  // A writer that fails leaves the old file and nothing else.
+  // A writer that fails keeps the old file and leaves no other files.
   CHECK_THROWS_AS(write_file_atomically(path,
                                         [](std::ostream& out) {
                                           out << "half";
@@ -353,13 +354,13 @@ TEST_CASE("a file is written whole or not at all", "[io][vtk][atomic_file]") {
   { AtomicFile abandoned(path); }
   CHECK(files_in(folder) == 1);
 
-  // Through a link, the file it leads to is the one that changes.
+  // With a link, the target file changes.
   fs::create_symlink(path, folder / "link.txt");
   write_file_atomically(folder / "link.txt", [](std::ostream& out) { out << "third"; });
   CHECK(fs::is_symlink(folder / "link.txt"));
   CHECK(bytes(path) == "third");
 
-  // A disk that is full, played by a limit on the size of files.
+  // A full disk, simulated by a limit on the file size.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -375,7 +376,7 @@ TEST_CASE("a file is written whole or not at all", "[io][vtk][atomic_file]") {
   CHECK(files_in(folder) == 2);
 }
 
-TEST_CASE("paths where no file can be written are named at the start", "[io][vtk][atomic_file]") {
+TEST_CASE("paths where no file can be written are named at the start", "[io][vtk]") {
   using Catch::Matchers::Contains;
   const fs::path folder = batten_test::scratch("places");
   std::ofstream(folder / "file") << "x";

@@ -1,4 +1,4 @@
-// A curve under loads with names.
+// A curve under named loads.
 #include <cmath>
 
 #include "batten/sculpting/curves/deformable_curve.h"
@@ -142,7 +142,7 @@ TEST_CASE("motion converges to the static solution, its energy never growing",
     if (i == 0) CHECK(difference(moving, still) > 1e-4);
   }
   CHECK(difference(moving, still) < 1e-8);
-  // A stiffness may change on the way.
+  // A stiffness may change during the motion.
   curve.set("spring", 500);
   for (int i = 0; i < 2000; ++i) moving = curve.step();
   CHECK(difference(moving, curve.solve()) < 1e-8);
@@ -160,7 +160,7 @@ HermiteCurve bar(int segments = 12) {
   return {u, x, d};
 }
 
-// The bar that a uniform load held bent and has let go of.
+// The bar bent by a uniform load that is then removed.
 struct ReleasedBar {
   HermiteCurve rest = bar();
   ConstraintSet held = ends(rest, false);
@@ -209,7 +209,7 @@ TEST_CASE("a bar's frequency and damping, first and second order in dt", "[sculp
     std::vector<double> error;
     for (const int steps : {200, 400, 800}) {
       ReleasedBar bar(1, damping);
-      // Ends held by their places: λ = π⁴.
+      // Ends fixed in position: λ = π⁴.
       CHECK(bar.modes.lambda[0] == Approx(lambda).epsilon(1e-5));
       bar.curve.start_motion(2 * period / steps, theta);
       HermiteCurve shape;
@@ -256,7 +256,7 @@ TEST_CASE("a stiffness that changes in motion changes neither position nor speed
   curve.set("wind", 30);
   for (int i = 0; i < 20; ++i) curve.step();
   const HermiteCurve before = curve.step();
-  curve.solve();  // a look at the static shape is no step
+  curve.solve();  // solving for the static shape is not a step
   curve.set("spring", 1e-9);
   const HermiteCurve after = curve.step();
   DeformableCurve reference_curve(shape, ends(shape), {}, loads());

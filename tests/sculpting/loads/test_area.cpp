@@ -35,7 +35,7 @@ struct Skinned {
 
 double bump(double ratio) { return ratio < 1 ? std::pow(1 - ratio * ratio, 2) : 0; }
 
-// The mean of w(x) over a triangle by many points.
+// The mean of w(x) over a triangle from many points.
 template <class Weight>
 double mean(const Surface& shape, int t, const Weight& w) {
   const TriangleRule rule = split_triangle_rule(8);
@@ -90,7 +90,7 @@ TEST_CASE("strokes add up to 1 at most, and an eraser takes away what was there 
   CHECK(worst(weights({{a, 0.5}, {b, 0.4, -0.8}}), region.shape, [&](const Vec3& x) {
           return std::max(0.0, at(x, a, 0.5) - 0.8 * at(x, b, 0.4));
         }) < 5e-3);
-  // An eraser first takes nothing away.
+  // An eraser at first removes nothing.
   CHECK(weights({{b, 0.4, -0.8}, {a, 0.5}}) == weights({{a, 0.5}}));
   CHECK(weights({{a, 0.5, 30}}).maxCoeff() <= 1);
   CHECK(weights({{a, 0.5, 30}}).maxCoeff() > 0.999);
@@ -110,7 +110,7 @@ TEST_CASE("weights are the same on any number of threads", "[sculpting][loads]")
 TEST_CASE("directions are those of the nearest point of the curve's pcurve", "[sculpting][loads]") {
   if (!have_delaunay_mesher()) return;
   constexpr double pi = std::numbers::pi;
-  // A flat disc, whose domain is the plane itself: around it, and along an arc inside.
+  // A flat disc, whose domain is the plane itself: around its centre, and along an arc inside.
   const auto loop = [&](double radius, CharacterLine::Role role, const std::string& line_name) {
     return CharacterLine{
         line_name,

@@ -1,4 +1,4 @@
-// Named numbers: ranges, moments, and rules between them.
+// Parameters: ranges, keyframes, and rules between them.
 #include <cmath>
 #include <limits>
 
@@ -31,7 +31,7 @@ ScalarParameter ranged(const std::string& name, double value, double min, double
 TEST_CASE("one parameter drives several by linear rules, whatever their order",
           "[sculpting][parameters]") {
   Parameters all;
-  // Followers first, so that the order of the rules is not the order of adding.
+  // Dependent ones first, so that the order of the rules is not that of adding.
   for (const char* name : {"far", "near", "depth", "bolder", "finer"}) all.add(named(name));
   all.set_rule("far", {{"near", 2}, {"finer", -1}}, 1);
   all.set_rule("near", {{"bolder", 10}}, 3);
@@ -46,7 +46,7 @@ TEST_CASE("one parameter drives several by linear rules, whatever their order",
 
   CHECK_THROWS_WITH(all.set("near", 1), Contains("'near'") && Contains("follows 'bolder'"));
   CHECK_THROWS_WITH(all.remove("bolder"), Contains("the rule of 'near' depends on it"));
-  all.set_rule("near", {}, 5);  // stands alone again
+  all.set_rule("near", {}, 5);  // independent again
   CHECK(all.value("far") == 10.75);
   all.set("near", 0);
   CHECK(all.value("far") == 0.75);
@@ -142,7 +142,7 @@ TEST_CASE("values over time are linear between moments and constant outside",
   }
   CHECK_THROWS_AS(all.set_time(std::nan("")), InputError);
 
-  all.set("swell", 7);  // by hand: time goes on without it
+  all.set("swell", 7);  // set by the user: not controlled by time
   CHECK_FALSE(all.set_time(2));
   CHECK(all.value("swell") == 7);
 }

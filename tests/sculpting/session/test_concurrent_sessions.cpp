@@ -1,4 +1,4 @@
-// Sessions inside of other programs: several at a time, and many one after the other.
+// Sessions inside other programs: several at a time, and many in succession.
 #include <thread>
 
 #include "batten/tests/support/random_sculptor.h"
@@ -7,7 +7,7 @@ using namespace batten_test;
 
 namespace {
 
-// A patch that is pressed, pinned, refined and taken back: what a user does in a minute.
+// A patch with a pressure, a fixed point, refinement and undo: typical operations of a user.
 Points sculpted(double force) {
   SculptingSession session(ModelLayout(patch_layout(0.25)), small_history());
   session.add(Load{"swell", Load::Pressure{}});
@@ -52,6 +52,6 @@ TEST_CASE("ten thousand sessions that were made and dropped leave no memory behi
     session.solve_preview(1, 1e-6);
     if (n == 1000) early = bytes_in_use();
   }
-  // Less than a byte for each session.
+  // Less than a byte per session.
   CHECK(static_cast<double>(bytes_in_use()) <= static_cast<double>(early) + 8192);
 }

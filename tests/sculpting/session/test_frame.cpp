@@ -1,4 +1,4 @@
-// Hand-over of frames from the thread that sculpts to the one that draws.
+// Transfer of frames from the thread that solves to the one that draws.
 #include "batten/sculpting/session/session_results.h"
 
 #include <algorithm>
@@ -40,8 +40,8 @@ TEST_CASE("frames: the reader gets the newest one, once", "[sculpting][session]"
   REQUIRE(frame != nullptr);
   CHECK(frame->number == 3);
   CHECK(exchange.latest() == nullptr);
-  CHECK(frame->number == 3);  // stays valid
-  // However often the writer goes on, the frame in the reader's hands stands still.
+  CHECK(frame->number == 3);  // remains valid
+  // The reader's frame does not change while the writer continues.
   for (long number = 4; number <= 20; ++number) {
     REQUIRE(&exchange.writing() != frame);
     fill(exchange.writing(), number, 4);
@@ -88,7 +88,7 @@ TEST_CASE("frames: writer and reader on threads of their own see whole frames in
   });
   long last = 0, seen = 0, torn = 0, backwards = 0;
   for (bool finished = false; !finished;) {
-    finished = done;  // a last look after the last frame
+    finished = done;  // one more read after the last frame
     while (const Frame* frame = exchange.latest()) {
       ++seen;
       if (frame->number <= last) ++backwards;

@@ -1,5 +1,5 @@
-// Sessions on models of several regions: joins that survive motion, lines that move all their
-// sides, and a model of one region that is that region.
+// Sessions on models of several faces: smooth edges during motion, curves that move all adjacent
+// faces, and models of one face that equal this face.
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
@@ -25,7 +25,7 @@ double angle_at(const SculptingSession& session, const std::string& line) {
       .max_inside_deg;
 }
 
-// Largest distance of the surfaces from a line, on every side of it.
+// Largest distance of the surfaces from a curve, on all of its sides.
 double off_line(const SculptingSession& session, const std::string& line) {
   double most = 0;
   for (const SkinnedRegion& region : session.regions())
@@ -94,7 +94,7 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
     pair.solve_to_equilibrium();
     CHECK(difference(pair.dofs(), rest) > 0.05);
     const SkinnedRegion a = pair.region(0), b = pair.region(1);
-    // Half a turn about x + z takes the octants into each other, and their meshes as well.
+    // A half turn about x + z maps the octants to each other, including their meshes.
     double lopsided = 0;
     for (int t = 0; t < a.surface.mesh().triangle_count(); t += 5) {
       const Vec3 x = a.surface.position({t});
@@ -102,7 +102,7 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
     }
     CHECK(lopsided < 1e-8);
     CHECK(angle_at(pair, "zx") < 0.1);
-    // Where the ray through the middle of the octant meets it.
+    // The intersection with the ray through the middle of the octant.
     const Surface::ClosestPoint middle = a.surface.closest_point(Vec3(1, 1, 1).normalized());
     tops.push_back(a.surface.position(middle.where));
   }
@@ -114,7 +114,7 @@ TEST_CASE("two octants joined smoothly under pressure are symmetric, and converg
 
 TEST_CASE("two faces that unfold into one plane, under pressure, are the one face",
           "[sculpting][session]") {
-  // Over [0, 2] × [0, 1], with a line across at 1 that both models hold.
+  // Over [0, 2] × [0, 1], with an inner curve at 1 in both models.
   const auto high = [](const Vec2& p) { return 0.2 * std::sin(1.5 * p.x()) * std::cos(p.y()); };
   const auto lifted = [&](const Vec2& a, const Vec2& b) {
     std::vector<Vec3> points;
@@ -142,7 +142,7 @@ TEST_CASE("two faces that unfold into one plane, under pressure, are the one fac
       line.role = name == "middle" ? CharacterLine::Role::Inner : CharacterLine::Role::Outline;
       lines.push_back(line);
     }
-    // The outline begins with the line that u runs along.
+    // The outline starts with the curve along u.
     std::swap(lines[0], *std::find_if(lines.begin(), lines.end(),
                                       [](const auto& l) { return l.name == "s1"; }));
     const RegionLayout whole("whole", lines, p.options);
@@ -210,7 +210,7 @@ TEST_CASE("a smooth join holds after every operation, at every update", "[sculpt
   session.stop_motion();
   CHECK(worst < std::max(rest, 0.1) + 0.05);
   CHECK(off < 1e-10);
-  // The line is where the move has it.
+  // The curve is at its offset position.
   const HermiteCurve moved = session.line("zx");
   CHECK((moved.evaluate(0.5 * moved.end()).norm()) == Approx(1.08).epsilon(1e-3));
 }
@@ -236,7 +236,7 @@ TEST_CASE("a pressure on one face reaches others only by the join, one without f
   session.set("one", 0);
   session.add(Load{"all", Load::Pressure{}}, {slider("all", 5)});
   session.solve_to_equilibrium();
-  // The four walls are one another's images under a quarter turn.
+  // A quarter turn maps the four walls to each other.
   const auto made = session.regions();
   const auto bulge = [&](int r) {
     double most = 0;
@@ -271,7 +271,7 @@ TEST_CASE("a shared crease moves with both faces, and along the normal it needs 
     }
   CHECK(sides == 2);
   CHECK((moved.evaluate(0.5 * moved.end()) - Vec3(1.2, -1.2, 0.5)).norm() < 1e-12);
-  // All of it at once leaves the lines that end there behind: they are named.
+  // As a whole it would be separated from the curves that end there: they are named.
   session.add(LineOffset{"n", "post 2", Vec3(1, 1, 0), 0});
   session.set("n", 0.1);
   CHECK_THROWS_AS(session.solve_to_equilibrium(), ConflictError);
@@ -308,7 +308,7 @@ TEST_CASE("a model fixed at its corners stays connected along its curves", "[scu
     session.add(Load{"p", Load::Pressure{}}, {slider("p", 1)});
     session.solve_to_equilibrium();
     CHECK(session.residual() < 1e-12);
-    // Positions on both sides of every line are the same, between vertices too.
+    // Positions on both sides of every curve are the same, also between vertices.
     for (const ModelLine& line : session.layout().lines()) {
       if (line.sides.size() < 2) continue;
       const SkinnedRegion a = session.region(line.sides[0].region),
@@ -342,7 +342,7 @@ TEST_CASE("a model's update is the solution of the KKT system", "[sculpting][ses
 
 TEST_CASE("curves that rotate the tangents at a node have their joins planned again at equilibrium",
           "[sculpting][session]") {
-  // A strip of two squares; its far sides are lifted, and the line between them turns with them.
+  // A strip of two squares; its far sides are lifted, and the curve between them rotates with them.
   TestModelBuilder p;
   const double h = 0.2;
   p.options.edge_length = h;
@@ -360,7 +360,7 @@ TEST_CASE("curves that rotate the tangents at a node have their joins planned ag
   p.region({"-middle", "s1", "w", "n1"});
   p.region({"middle", "n2", "e", "s2"});
   SculptingSession session(p.model({p.join_line("middle", 0, 1)}), {});
-  // Both sides of the strip are bent alike: tangents at the nodes stay in one plane, and turn.
+  // Both sides of the strip bend equally: tangents at the nodes stay in one plane, and rotate.
   const auto bent = [&](const std::string& name, double by) {
     const HermiteCurve old = session.layout().line(name);
     Points dofs = old.dofs();

@@ -1,4 +1,4 @@
-// Constraints that come, move and go while the surface is sculpted.
+// Constraints that are added, moved and removed during a session.
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
@@ -36,7 +36,7 @@ std::vector<ConstraintSet::CoupledEntry> along(const std::vector<ConstraintSet::
   return all;
 }
 
-// Vertex numbers of a fitted line.
+// Vertex numbers of a mesh-aligned curve.
 std::vector<int> vertices_of(const ModelLayout& layout, const std::string& line) {
   for (const EdgeAlignedLine& aligned_line : layout.region(0).edge_aligned())
     if (aligned_line.line.name == line) return aligned_line.vertices;
@@ -87,7 +87,7 @@ TEST_CASE("constraints added and removed at random: the solution of the independ
       session.remove(all[k].constraint.name);
       all.erase(all.begin() + static_cast<long>(k));
     }
-    // Each is at the foot of its place: found with the shape as it was when it was added.
+    // Each is at the closest point of its position, computed on the shape when it was added.
     ConstraintSet set = lines;
     for (const Added& a : all) {
       const auto& c = a.constraint;
@@ -179,7 +179,7 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was",
   CHECK(same_bits(before, session.dofs()));
   CHECK(session.names() == names);
   CHECK(session.parameters().values() == values);
-  // Against a line.
+  // Contradicting a curve.
   const Vec3 on_line = session.line("bottom").evaluate(0.3);
   try {
     session.add(pin("third", on_line, on_line + Vec3(0, 0, 1)));
@@ -188,7 +188,7 @@ TEST_CASE("a conflict names its constraints and leaves every bit as it was",
     CHECK_THAT(e.what(), Contains("third") && Contains("bottom"));
   }
   CHECK(same_bits(before, session.dofs()));
-  // Said twice is no conflict, until one of them moves.
+  // A duplicate is no conflict until one of them moves.
   session.add(pin("again", where, at));
   CHECK(difference(before, session.dofs()) < 1e-11);
   session.set("again.z", at.z() + 0.1);
@@ -203,7 +203,7 @@ TEST_CASE("the rib: a curve displaced along the normal, exactly, while its neigh
   const Surface rest = shape_of(session);
   const ModelLayout& layout = session.layout();
   const std::vector<int> vertices = vertices_of(layout, "rib");
-  // Isolation: the tangent planes along the rib stay as they are.
+  // Isolation: the tangent planes along the rib do not change.
   session.add(Constraint{"plane", Constraint::LineNormal{"rib", {}}});
   CHECK(difference(session.dofs(), rest.dofs()) < 1e-9);
   session.add(LineOffset{"raise", "rib", {}, 0.25});
@@ -232,10 +232,10 @@ TEST_CASE("the rib: a curve displaced along the normal, exactly, while its neigh
     CHECK(on_line < 1e-10);
     CHECK(off_normal < 2e-3 * std::abs(height));
     CHECK(highest == Approx(std::abs(height)).epsilon(1e-6));
-    // The ends of a rib with fade stay where they are.
+    // The ends of a rib with a fade are fixed.
     CHECK((shape.dofs().row(3 * vertices.front()) - rest.dofs().row(3 * vertices.front())).norm() <
           1e-12);
-    // Held across the line; along it the line itself turns them.
+    // Fixed across the curve; along it, the curve itself rotates them.
     INFO("normals turned by " << turned);
     INFO("residual " << session.residual());
     CHECK(session.residual() < 1e-11);

@@ -1,4 +1,4 @@
-// Motion of surfaces against closed forms.
+// Motion of surfaces compared with closed-form solutions.
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"
@@ -8,7 +8,7 @@ using namespace batten_test;
 
 namespace {
 
-// A square plate that a uniform load held bent and is gone.
+// A square plate bent by a uniform load that is then removed.
 struct Released {
   SculptingSession session;
   Points still;
@@ -67,7 +67,7 @@ TEST_CASE("frequency and damping of the first mode, first and second order in dt
   Released plate;
   const Modes modes(plate.session.layout().line_constraints(), plate.matrices.K, plate.matrices.M);
   const double lambda = modes.lambda[0];
-  // The plate of size 1 is held at its rim, sides of 1/√2: λ = (2π²/side²)² = (4π²)².
+  // The boundary of the plate of size 1 is fixed, sides of 1/√2: λ = (2π²/side²)² = (4π²)².
   CHECK(lambda == Approx(std::pow(4 * pi * pi, 2)).epsilon(2e-3));
   const double period = 2 * pi / std::sqrt(lambda), damping = 4;
   const double start = modes.of(plate.session.dofs() - plate.still)(0, 2);
@@ -113,7 +113,7 @@ TEST_CASE("energy never grows under a load that stands, whatever the step",
       const double start = difference(session.dofs(), plate.still);
       plate.pull(1000);
       session.start_motion({.dt = dt, .density = 1, .damping = 0.5, .theta = theta});
-      session.step();  // the load comes within it
+      session.step();  // the load changes during the step
       double before = session.total_energy();
       const double scale = std::abs(before);
       double worst = -1e300, farthest = 0;
@@ -195,13 +195,13 @@ TEST_CASE("values over time drive a motion: a ramp ends at the equilibrium of it
   CHECK(difference(session.dofs(), moved) < 1e-9);
   session.set_time(0.25);
   session.solve_to_equilibrium();
-  // Linear: half of the load, half of the way.
+  // Linear: half of the load, half of the displacement.
   CHECK(difference(2 * (session.dofs() - start), moved - start) < 1e-9);
 }
 
 TEST_CASE("a load that grows evenly: the exact motion, second order in dt",
           "[sculpting][session]") {
-  // λ x + ẍ = f t, from rest: x = x₁ (t - sin ωt / ω), x₁ the static answer to f.
+  // λ x + ẍ = f t, from rest: x = x₁ (t - sin ωt / ω), x₁ the static solution for f.
   std::vector<double> error;
   for (const int steps : {100, 200, 400}) {
     SculptingSession session(square_layout(0.3), with_material(0, 1));

@@ -9,7 +9,7 @@ namespace {
 
 RegionLayout region() { return patch_layout(0.3); }
 
-// One of each kind of operation, each a step of the history.
+// One operation of each type, each a step of the history.
 std::vector<std::function<void(SculptingSession&)>> story() {
   const auto then = [](auto&& work) {
     return [work](SculptingSession& s) {
@@ -86,7 +86,7 @@ TEST_CASE("undo and redo go through a whole story bit for bit", "[sculpting][ses
     for (size_t k = 1; k < stages.size(); ++k) {
       REQUIRE(session.redo());
       INFO("stage " << k);
-      // What was not settled when it was undone is settled again.
+      // A shape that had not converged when it was undone is solved again.
       session.solve_to_equilibrium();
       CHECK(difference(session.dofs(), stages[k].dofs) < 1e-10);
       stages[k] = Snapshot(session);
@@ -167,7 +167,7 @@ TEST_CASE("a recorded session plays again bit for bit", "[sculpting][session]") 
   session.start_motion({.dt = 0.01});
   for (int n = 0; n < 10; ++n) session.step();
   session.stop_motion();
-  // A mistake on the way is played, too.
+  // A failed operation in between is replayed, too.
   CHECK_THROWS_AS(session.add(Constraint{"bad", Constraint::Point{{9, 9, 9}, {0, 0, 0}}}),
                   InputError);
   session.set("p", 1);
@@ -175,7 +175,7 @@ TEST_CASE("a recorded session plays again bit for bit", "[sculpting][session]") 
   SculptingSession again(region(), with_material(0.1, 1));
   again.replay(session.recorded());
   CHECK(Snapshot(session) == Snapshot(again));
-  // And from there both go on alike.
+  // From there both continue identically.
   session.set("p", -1);
   again.set("p", -1);
   session.solve_preview(3, 1e-9);
@@ -196,6 +196,6 @@ TEST_CASE("the history keeps to its bytes", "[sculpting][session]") {
     most = std::max(most, session.history_bytes());
   }
   CHECK(most > (1 << 20));
-  CHECK(most <= options.history_bytes + (1 << 20));  // one step more than fits
+  CHECK(most <= options.history_bytes + (1 << 20));  // one step more than the limit
   CHECK(session.undo());
 }

@@ -1,5 +1,4 @@
-// Surfaces under a pressure that follows them, against converged references
-// (reference/inflation.py).
+// Surfaces under a follower pressure, compared with converged references (reference/inflation.py).
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/session_scenes.h"
@@ -37,7 +36,7 @@ double error(SculptingSession& session, const nlohmann::json& reference, double 
     const SurfaceEnergy energy = session.energy();
     const double volume = state["volume"], all = state["energy"].get<double>() / 2;  // of qᵀK q
     worst = std::max(worst, std::abs(session.enclosed_volume() / volume - 1));
-    // A bending energy of 1e-9 is a difference of rounding beside the flat disc's own numbers.
+    // A bending energy of 1e-9 is rounding relative to the flat disc's own values.
     if (all > 1e-6)
       worst = std::max(worst, std::abs((energy.bending + energy.stretching) / all - 1));
   }
@@ -90,7 +89,7 @@ TEST_CASE("an inflated tube tends to the converged reference", "[sculpting][sess
     }
     INFO("alpha " << alpha << ": " << errors[0] << ", " << errors[1]);
     CHECK(errors[1] < 5e-3);
-    CHECK(errors[1] < 0.15 * errors[0]);  // O(h⁴) comes to 1/16
+    CHECK(errors[1] < 0.15 * errors[0]);  // O(h⁴) gives 1/16
   }
 }
 
@@ -113,10 +112,10 @@ TEST_CASE("past the limit load the session reports the values reached, and stays
     reached = std::stod(text.substr(text.find('(') + 1));
   }
   CHECK(reached == Approx(fold).epsilon(0.01));
-  // The last answer that converged.
+  // The last result that converged.
   CHECK(session.parameters().value("p") == 0.9 * fold);
   CHECK(same_bits(session.dofs(), good));
-  // And on from there.
+  // And further from there.
   session.set("p", 0.5 * fold);
   CHECK(session.solve_to_equilibrium().converged);
   SculptingSession fresh = inflated(tube_layout(0.35), reference);

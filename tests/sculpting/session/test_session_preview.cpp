@@ -1,4 +1,4 @@
-// Answers to sliders: superposed, solved, iterated.
+// Updates after slider changes: superposition, solves, iterations.
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/facets/facets.h"
@@ -12,7 +12,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// The patch with loads of every linear kind; each slider at 0.
+// The patch with one load of every linear type; each slider at 0.
 SculptingSession loaded_patch(double edge = 0.25) {
   SculptingSession session(patch_layout(edge), with_material(0.1, 1));
   session.add(Load{"uniform", Load::Uniform{{0, 0.3, 1}, {}}});
@@ -56,7 +56,7 @@ TEST_CASE("superposed sliders equal a full solve", "[sculpting][session]") {
     CHECK_FALSE(answer.factored);
     solves += answer.iterations;
   }
-  CHECK(solves == static_cast<int>(linear_loads.size()));  // one for each, at its first move
+  CHECK(solves == static_cast<int>(linear_loads.size()));  // one each, at its first change
   const Points dragged = session.dofs();
   session.solve_to_equilibrium();
   const double moved = difference(session.dofs(), loaded_patch().dofs());
@@ -87,7 +87,7 @@ TEST_CASE("loads of every linear kind are those of an independent assembly",
   const Points finger =
       solved(matrices.assembler.point_load(foot.where, 0.5 * size * Vec3(0.2, 0, 1)));
   CHECK(difference(answered("finger", 0.5), finger) < 1e-9);
-  // Weight: as much on each piece as it had area without loads.
+  // Weight: proportional to the area without loads in each part.
   const Points weight = solved(matrices.assembler.load(
       [&](const Location& where, const Vec2&) {
         return Vec3(0, 0, -3 * unloaded.jet(where).area_vector().norm() / size);
@@ -189,7 +189,7 @@ TEST_CASE("frames show the current surface, and report changes", "[sculpting][se
     CHECK_FALSE(same.remeshed);
     CHECK(same.number == number + 1);
     session.set("f", 20);
-    CHECK_FALSE(session.frame().moved);  // not answered yet
+    CHECK_FALSE(session.frame().moved);  // not solved yet
     session.solve_preview();
     const Frame& moved = session.frame();
     CHECK(moved.moved);
@@ -230,7 +230,7 @@ TEST_CASE("the same bits on one thread or two", "[sculpting][session]") {
 
 TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it or below",
           "[sculpting][session]") {
-  // Springs that wear off with distance draw the sheet to whichever of two rings is nearer.
+  // Springs that weaken with distance attract the sheet to the closer of two circles.
   const auto settled_from = [](double start) {
     SculptingSession session(square_layout(0.15, 2), with_material(0, 1));
     std::vector<Vec3> feet;
@@ -262,7 +262,7 @@ TEST_CASE("the same loads, two minima: springs to a ring hold a sheet above it o
   INFO(up << " " << down << " " << energy_up << " " << energy_down);
   CHECK(up > 0.1);
   CHECK(down < -0.1);
-  CHECK(energy_up == Approx(energy_down).epsilon(1e-6));  // each other's mirror image
+  CHECK(energy_up == Approx(energy_down).epsilon(1e-6));  // mirror images of each other
 }
 
 TEST_CASE("alpha and beta are parameters, everywhere or in areas", "[sculpting][session]") {

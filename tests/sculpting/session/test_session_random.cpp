@@ -1,4 +1,4 @@
-// Operations at random on the door.
+// Random operations on the door.
 #include "batten/tests/support/random_sculptor.h"
 
 using namespace batten_test;

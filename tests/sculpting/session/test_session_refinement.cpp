@@ -1,4 +1,4 @@
-// Refinement while sculpting.
+// Refinement during a session.
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/session_scenes.h"
@@ -43,7 +43,7 @@ TEST_CASE("a refinement keeps the surface on every old edge, and reports the cha
   CHECK(report.max_displacement >= 0);
   CHECK(report.max_displacement < 0.01);
   CHECK(session.residual() < 1e-11);
-  // Lines hold on the children.
+  // Curves are interpolated on the refined triangles.
   const Surface after = shape_of(session);
   for (const char* name : {"bottom", "rib", "left"}) {
     const HermiteCurve line = session.line(name);
@@ -76,7 +76,7 @@ TEST_CASE("loads and constraints go along: refined everywhere it is the session 
     worst = std::max(worst, a.closest_point(b.position(foot_point.where)).distance);
   }
   CHECK(worst < 5e-3);
-  // Sliders go on.
+  // Sliders still work.
   session.set("f", 0);
   session.set("p", 0);
   session.set("finger", 0);
@@ -112,7 +112,7 @@ TEST_CASE("the brush refines under its strokes only, down to the smallest edge",
   const auto [in2, out2] = small_triangles(at, 1);
   CHECK(in2 < in / 16);
   CHECK(out2 >= out / 4);
-  // No edge is under the smallest.
+  // No edge is shorter than the limit.
   const ParametricMesh& mesh = *session.layout().mesh();
   for (int e = 0; e < mesh.edge_count(); ++e)
     CHECK(mesh.edge_length(e) * session.layout().size() > 0.99 * 0.02 / std::sqrt(2.0));
@@ -125,7 +125,7 @@ TEST_CASE("jumps of curvature find where a finger presses", "[sculpting][session
   double before = energy_of(session);
   for (int round = 0; round < 4; ++round) {
     session.refine({Refinement::JumpIndicator{0.2}});
-    // More freedom under the same force: it gives way more, E = the force's work grows.
+    // More dofs under the same force: the displacement and E, the work of the force, increase.
     CHECK(energy_of(session) > before);
     before = energy_of(session);
   }

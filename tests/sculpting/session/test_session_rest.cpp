@@ -1,4 +1,4 @@
-// Sessions that bend a rest shape: a fair one, or any other.
+// Sessions with a rest shape: a fair one, or any other.
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -10,11 +10,11 @@ using namespace batten_test;
 
 namespace {
 
-/// A quarter cylinder of radius 1 and length 2 from its four lines.
+/// A quarter cylinder of radius 1 and length 2 from its four curves.
 RegionLayout quarter_cylinder() {
   const auto arc = [](double y, bool back) {
     std::vector<Vec3> points;
-    constexpr int n = 400;  // their spline has no curvature at its ends
+    constexpr int n = 400;  // the spline has zero curvature at its ends
     for (int i = 0; i <= n; ++i) {
       const double a = pi / 2 * (back ? n - i : i) / n;
       points.emplace_back(std::cos(a), y, std::sin(a));
@@ -32,7 +32,7 @@ RegionLayout quarter_cylinder() {
           skin(0.35, 1e-4)};
 }
 
-/// Rest shapes of least change of curvature, and how often they were asked for.
+/// Rest shapes of minimum variation, and the number of requests for them.
 SessionOptions fair_options(int& calls) {
   SessionOptions options = with_material(0, 1);
   options.rest = [&calls](const RestShapeInput& task) {
@@ -86,7 +86,7 @@ TEST_CASE("linear loads bend a rest shape by as much as they bend any", "[sculpt
   const Points by = bent.dofs() - bent_before;
   CHECK(by.cwiseAbs().maxCoeff() > 1e-3);
   CHECK(difference(fair.dofs() - fair_before, by) < 1e-10);
-  // A drag that superposes, a new material, and back.
+  // A drag with superposition, a new material, and back.
   for (const double value : {0.1, 0.7, 0.5}) {
     fair.set("push", value);
     fair.solve_preview();
@@ -98,7 +98,7 @@ TEST_CASE("linear loads bend a rest shape by as much as they bend any", "[sculpt
   fair.set("beta", 1);
   fair.solve_to_equilibrium();
   CHECK(difference(fair.dofs() - fair_before, by) < 1e-9);
-  // Reactions balance the load: K acts on what is bent only.
+  // Reactions balance the load: K acts only on the displacement from the rest shape.
   Vec3 sum = Vec3::Zero(), expected = Vec3::Zero();
   for (const Reaction& r : fair.reactions()) sum += r.force;
   for (const Reaction& r : bent.reactions()) expected += r.force;
@@ -127,13 +127,14 @@ TEST_CASE("at rest the surface is fair again, wherever its rows have gone meanwh
   const Points there = at(0.75);
   at(0.68);
   CHECK(difference(at(0.75), there) < 1e-9);
-  // Fairer than the linear answer that it replaces: less change of curvature under the same rows.
+  // Fairer than the linear result that it replaces: less curvature variation under the same
+  // constraints.
   SculptingSession linear(quarter_cylinder(), fair_options(calls));
   linear.add(held);
   linear.set("held.z", 0.75);
   linear.solve_preview(20, 1e-12);
   CHECK(difference(linear.dofs(), there) > 1e-5);
-  // Undo and redo bring the bits back, rest shape and all: nothing is made again.
+  // Undo and redo restore the bits, including the rest shape: nothing is computed again.
   const Points now = session.dofs();
   const int before = calls;
   REQUIRE(session.undo());

@@ -1,4 +1,4 @@
-// What an answer remembers of the ones before, and what is good after one that failed.
+// State that an update reuses from previous ones, and valid state after a failed one.
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/tests/support/catch.h"
@@ -133,6 +133,6 @@ TEST_CASE("a session replays its own record while it records", "[sculpting][sess
     session.solve_preview();
   }
   const size_t done = session.recorded().size();
-  session.replay(session.recorded());  // the load is there already: that one is refused
+  session.replay(session.recorded());  // the load exists already: this operation is rejected
   CHECK(session.recorded().size() == 2 * done);
 }

@@ -1,4 +1,4 @@
-// Loads: what they mean, and that pressure follows the surface.
+// Loads: their definitions, and the follower pressure.
 #include "batten/core/errors.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/domains/mesher.h"
@@ -66,7 +66,7 @@ TEST_CASE("pressure equilibrium: the fixed point satisfies K x = p ∬ N (x_u ×
   const Points F = p / layout.size() * assembler.pressure_load(result.dofs);
   const AffineReduction reduction(constraints);
   const Points unbalanced = K.selfadjointView<Eigen::Lower>() * result.dofs - F;
-  // Rounding of K x is relative to what is added up in it.
+  // Rounding of K x is relative to the terms of its sums.
   const SparseMatrix sizes = K.cwiseAbs();
   const Points added = sizes.selfadjointView<Eigen::Lower>() * Points(result.dofs.cwiseAbs());
   CHECK((reduction.D().transpose() * unbalanced).cwiseAbs().maxCoeff() < 1e-13 * added.maxCoeff());
@@ -163,7 +163,7 @@ TEST_CASE("the limit of a pressure is found whatever was asked for", "[sculpting
 
 TEST_CASE("springs bring a surface to measured points, as stiffly as they are",
           "[sculpting][statics]") {
-  // Points of a dome over a square; some beyond its rim.
+  // Points of a dome over a square; some are beyond its boundary.
   SpringLoad springs{{}, 0};
   for (double x = 0.05; x < 2; x += 0.1)
     for (double y = 0.05; y < 2; y += 0.1)

@@ -1,4 +1,5 @@
-// Rings: periodic strips between two smooth rims hold both rims exactly, without a seam.
+// Annular domains: periodic strips between two smooth boundary circles reproduce both exactly,
+// without a seam.
 #include "batten/fem/surface_assembler.h"
 #include "batten/skinning/domains/annulus_domain.h"
 
@@ -26,11 +27,11 @@ namespace {
 
 using std::numbers::pi;
 
-// radius(t) (cos t, sin t) at height(t), t from `start` once around, turned by Q and moved to
+// radius(t) (cos t, sin t) at height(t), one full turn from `start`, rotated by Q and moved to
 // `origin`.
 struct RimShape {
   double radius = 1, height = 0;
-  double wave = 0, hills = 0;  // of cos 3t in the radius, of cos 2t in the height
+  double wave = 0, hills = 0;  // amplitudes of cos 3t in the radius, of cos 2t in the height
   double start = 0;
   int direction = 1;
   Mat3 Q = Mat3::Identity();
@@ -57,7 +58,7 @@ SmoothSegment whole(const std::string& name, const RimShape& shape) {
   return {name, CharacterLine::Role::Outline, curve_from_formula(0, 2 * pi, shape)};
 }
 
-// The rim in parts, from one share of it to the next; odd ones drawn backwards.
+// The boundary divided at the given fractions; odd segments are reversed.
 std::vector<SmoothSegment> parts(const std::string& name, const RimShape& shape,
                                  const std::vector<double>& shares) {
   std::vector<SmoothSegment> all;
@@ -70,13 +71,15 @@ std::vector<SmoothSegment> parts(const std::string& name, const RimShape& shape,
   return all;
 }
 
-// Both rims, in lines of any order; the first line is of rim A.
+// Both boundaries, with segments in any order; the first segment is on boundary A.
 RegionGeometry make_annulus_geometry(const std::vector<SmoothSegment>& a,
                                      const std::vector<SmoothSegment>& b, double size,
                                      double tolerance, double edge) {
   std::vector<SmoothSegment> all = a;
   all.insert(all.end(), b.begin(), b.end());
-  const DomainInput task{{}, size, tolerance, edge, std::max(tolerance, 1e-6 * size)};
+  DomainInput task{{}, size, std::max(tolerance, 1e-6 * size)};
+  task.options.tolerance = tolerance;
+  task.options.edge_length = edge;
   const auto loops = make_loops(all, size, task.gap_tolerance, task.options.corner_angle);
   REQUIRE(loops.size() == 2);
   return make_annulus_geometry(loops[0], loops[1], task);
@@ -110,7 +113,7 @@ void check_exact(const SkinnedRegion& region, double tolerance, double size_of_n
   CHECK(q.singular_nodes == 0);
 }
 
-// The two loops close once around, with the strip to their left.
+// The two loops are closed, with the strip to their left.
 void check_boundary(const SkinnedRegion& region) {
   REQUIRE(region.boundary.size() == 2);
   const double period = region.surface.mesh().period();
@@ -141,9 +144,9 @@ double distance(const Surface& from, const Surface& to) {
 
 TEST_CASE("two equal circles make the minimiser of the bending energy, of order 3 or more",
           "[skinning][domains]") {
-  // x = f(v) (cos u, sin u), u and v in units of the circle's angle:
-  // ∬ w_uu² + 2 w_uv² + w_vv² = π ∫ f² + 2 f'² + f''², so f'''' - 2 f'' + f = 0, and f'' = 0 at the
-  // rims: f = a cosh v + b v sinh v.
+  // x = f(v) (cos u, sin u), u and v in units of the circle's angle: ∬ w_uu² + 2 w_uv² + w_vv² = π
+  // ∫ f² + 2 f'² + f''², so f'''' - 2 f'' + f = 0, and f'' = 0 at the boundaries: f = a cosh v + b
+  // v sinh v.
   constexpr double height = 1.2, size = 3.1;
   const double h = height / 2, c = std::cosh(h), s = std::sinh(h);
   Mat2 A;
@@ -187,7 +190,7 @@ TEST_CASE("an annulus has no dofs twice: Euler's number 0, every column meets it
   std::set<std::pair<double, double>> places;
   for (const Vec2& p : mesh.vertices()) places.insert({p.x(), p.y()});
   CHECK(static_cast<int>(places.size()) == mesh.vertex_count());
-  // Right triangles, near-square cells of the wished length.
+  // Right triangles, nearly square cells of the requested length.
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     std::vector<double> l;
     for (const int e : mesh.edges_of(t)) l.push_back(3 * mesh.edge_length(e));
@@ -233,7 +236,7 @@ TEST_CASE("unequal, wavy and tilted boundaries, near and far, converge to one sh
       CHECK(first < 2e-3);
       CHECK(first / second > 4);
     }
-  // The same ring far away.
+  // The same annulus far from the origin.
   RimShape far[2] = {goblet[0], goblet[1]};
   for (RimShape& rim : far) rim.origin = Vec3(1e4, -2e4, 3e4);
   const auto near_ring = make_annulus_geometry({whole("a", goblet[0])}, {whole("b", goblet[1])}, 3,
@@ -262,7 +265,7 @@ TEST_CASE("where a boundary's curve starts, and in which direction it runs, does
                                         0.01 * std::pow(edge, 4), edge),
                   3);
   };
-  // Rim B alone: the domain, and all of the shape, is the same.
+  // Only boundary B changes: the domain and the whole shape are the same.
   const SkinnedRegion plain = ring(0, 0, 1, 0.15);
   for (const int direction : {1, -1})
     for (const double start : {0.7, 6.2}) {
@@ -271,7 +274,7 @@ TEST_CASE("where a boundary's curve starts, and in which direction it runs, does
       check_boundary(other);
       CHECK(distance(other.surface, plain.surface) < 5e-5);
     }
-  // Rim A: the columns move, the shape only by the discretisation.
+  // Boundary A changes: the columns move, the shape changes only by the discretisation error.
   const double coarse = distance(ring(1.1, 2.3, 1, 0.3).surface, ring(0, 0, 1, 0.3).surface),
                fine = distance(ring(1.1, 2.3, 1, 0.15).surface, plain.surface);
   INFO(coarse << ", " << fine);
@@ -296,7 +299,7 @@ TEST_CASE("boundaries of several curves, one run each, in any order and directio
       const SkinnedRegion region = solved(ring, 3);
       check_exact(region, 1e-5);
       check_boundary(region);
-      // The user's line, in the user's direction.
+      // The input curve, in its input direction.
       for (const EdgeAlignedLine& aligned_line : ring.edge_aligned)
         if (!aligned_line.fitted.closed()) {
           const InputCurve& line = *aligned_line.line.curve;

@@ -1,4 +1,4 @@
-// Inner lines of rings: around, across, over the seam, with corners.
+// Inner curves of annular domains: around, across, over the seam, with corners.
 #include <Eigen/Geometry>
 #include <map>
 #include <numbers>
@@ -24,7 +24,7 @@ namespace {
 using std::numbers::pi;
 using Role = CharacterLine::Role;
 
-// radius (cos t, sin t), height + rise t, from `from` to `to`, turned by `turn` and scaled.
+// radius (cos t, sin t), height + rise t, from `from` to `to`, rotated by `turn` and scaled.
 CharacterLine helix(const std::string& name, Role role, double radius, double height,
                     double from = 0, double to = 2 * pi, double rise = 0, double unit = 1) {
   return {name,
@@ -55,7 +55,7 @@ CharacterLine square(const std::string& name, double radius, double height, doub
   return {name, curve_through_points(name, points), Role::Inner};
 }
 
-// Nearly a square: the radius waves by a twelfth, t begins at `start`.
+// Approximately a square: the radius varies by a twelfth, t starts at `start`.
 CharacterLine rounded_square(const std::string& name, double radius, double height, double turn = 0,
                              double start = 0) {
   return {name,
@@ -109,7 +109,7 @@ void check_quality(const SculptedRegion& made) {
   CHECK(made.quality.max_normal_jump_deg < 1e-9);
 }
 
-// The points that hold each line, as the surface has them.
+// The points of the surface along each curve.
 double worst_point(const SculptedRegion& made) {
   const Surface& surface = made.region.surface;
   const TriangleLocator locator(surface.mesh());
@@ -133,7 +133,7 @@ double distance(const Surface& from, const Surface& to, const Mat3& turn = Mat3:
   return worst;
 }
 
-// Facets close around: Euler's number 0, two rims, no facet turned over.
+// Facets are closed around: Euler characteristic 0, two boundaries, no inverted facet.
 void check_facets(const SkinnedRegion& region) {
   if (!have_delaunay_mesher()) return;
   const QuadraticElements facets = quadratic_elements(region);
@@ -161,7 +161,7 @@ void check_facets(const SkinnedRegion& region) {
         0);
   CHECK(once > 0);
   CHECK(area == Approx(region.surface.area()).epsilon(0.02));
-  // Lines are chains of edges from end to end.
+  // Curves are chains of edges from end to end.
   for (const auto& line : facets.lines)
     for (size_t k = 0; k + 1 < line.size(); ++k) CHECK(line[k][1] == line[k + 1][0]);
 }
@@ -178,7 +178,7 @@ TEST_CASE("a curve that lies on the surface of the boundaries changes nothing",
   double top = 0;
   for (const Vec2& p : surface.mesh().vertices()) top = std::max(top, p.y());
   const TriangleLocator locator(surface.mesh());
-  // x(u, v) over lines of the strip: once around with waves, a slanted one over the seam, a small
+  // x(u, v) over curves of the strip: a wavy one once around, a slanted one over the seam, a small
   // loop on it.
   const auto on_surface = [&](const std::string& name, const Vec2& from, const Vec2& along,
                               const Vec2& cosine, const Vec2& sine) {
@@ -247,13 +247,14 @@ TEST_CASE("where u begins does not matter to inner curves", "[skinning][domains]
     };
     const SculptedRegion straight = made(0, 0, 0, 0);
     check_quality(straight);
-    // The rims turn with the lines, and u begins with the rims: the same mesh, turned.
+    // The boundaries rotate with the curves, and u starts with the boundaries: the same mesh,
+    // rotated.
     for (const double turn : {0.4, 2.9}) {
       const SculptedRegion turned = made(turn, 0, 0, 0);
       CHECK(distance(straight.region.surface, turned.region.surface,
                      Mat3(Eigen::AngleAxisd(turn, Vec3::UnitZ()))) < 1e-8);
     }
-    // Every line begins elsewhere, and u with the rims.
+    // Every curve starts elsewhere, and u with the boundaries.
     const SculptedRegion shifted = made(0, 0.37, 1.3, 5);
     check_quality(shifted);
     const double away = distance(straight.region.surface, shifted.region.surface);
@@ -303,13 +304,13 @@ TEST_CASE(
     lines.push_back({"rib " + std::to_string(k),
                      bezier_curve(at(1, 0), at(0.75, 0.5), at(0.75, 1), at(1, 1.5)), Role::Inner});
   }
-  // The ribs at half height: radius (1 + 3·0.75·2 + 1) / 8.
+  // The ribs at half the height: radius (1 + 3·0.75·2 + 1) / 8.
   lines.push_back(circle("waist", Role::Inner, 0.8125, 0.75, 0.1));
   const SculptedRegion made(lines, 0.2, 1e-3);
   check_quality(made);
   CHECK(worst_point(made) < 1e-12);
   check_facets(made.region);
-  // Ribs at equal angles under the symmetry of five: turned by one, the same shape.
+  // Ribs at equal angles, five-fold symmetry: the same shape after a rotation by one fifth.
   CHECK(distance(made.region.surface, made.region.surface,
                  Mat3(Eigen::AngleAxisd(2 * pi / 5, Vec3::UnitZ()))) < 5e-3);
 }
@@ -379,7 +380,7 @@ TEST_CASE("holes in an annulus, one of them where u begins", "[skinning][domains
   check_quality(made);
   CHECK(worst_point(made) < 1e-12);
   REQUIRE(made.region.boundary.size() == 4);
-  // The tube is held on its radius along the lines; between them the wall sinks in a little.
+  // The radius of the tube is prescribed along the curves; between them the wall sinks slightly.
   CHECK(made.quality.area == Approx(2 * pi * 1.5 - pi * (0.3 * 0.3 + 0.25 * 0.25)).epsilon(0.05));
   if (have_delaunay_mesher()) {
     const QuadraticElements facets = quadratic_elements(made.region);
@@ -400,7 +401,7 @@ TEST_CASE("holes in an annulus, one of them where u begins", "[skinning][domains
           -2);
     CHECK(area == Approx(made.quality.area).epsilon(0.02));
   }
-  // The window where u begins is like one elsewhere.
+  // The window where u starts equals one elsewhere.
   lines = rims;
   lines.push_back(window("a", 0, 0.75, 0.3));
   const SculptedRegion here(lines, edge, 1e-3);

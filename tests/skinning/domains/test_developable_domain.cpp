@@ -1,4 +1,4 @@
-// Fillings of loops, and the domains that unfolding them makes.
+// Hole-filling triangulations of loops, and the domains from unfolding them.
 #include <numbers>
 
 #include "batten/constraints/constrained_solver.h"
@@ -25,7 +25,7 @@ SkinnedRegion solved(const RegionLayout& layout) {
   return layout.region(solver.solve(Points::Zero(assembler.dofs().count(), 3)));
 }
 
-// Derivatives by central differences of fourth order.
+// Derivatives by fourth-order central differences.
 std::shared_ptr<const InputCurve> formula(double a, double b, std::function<Vec3(double)> f) {
   return curve_from_formula(a, b, [f](double t, int order) -> Vec3 {
     constexpr double h = 1e-3;
@@ -41,7 +41,7 @@ std::vector<Vec3> sampled(const std::function<Vec3(double)>& f, int n) {
   return points;
 }
 
-// Two meridians of the unit sphere, so far apart.
+// Two meridians of the unit sphere at this distance.
 std::vector<CharacterLine> lune(double degrees) {
   const double a = degrees * pi / 180;
   return {{"a", formula(0, pi, [](double t) { return Vec3(std::sin(t), 0, -std::cos(t)); })},
@@ -68,7 +68,7 @@ std::vector<CharacterLine> stadium(double length, double radius, double bend) {
           {"start", round(0, pi / 2)}};
 }
 
-// Of ½ ∮ c × c' over the images of the outline.
+// ½ ∮ c × c' over the pcurves of the outline.
 double domain_area(const RegionLayout& layout) {
   double area = 0;
   for (const EmbeddedLine& line : layout.embedded())
@@ -138,7 +138,7 @@ TEST_CASE("fillings refuse invalid loops", "[skinning][domains]") {
 }
 
 TEST_CASE("a planar loop is its own developable domain", "[skinning][domains]") {
-  // Turned out of the axes; the image is congruent to the loop over its size.
+  // Rotated away from the axes; the pcurve is congruent to the loop over its size.
   const Vec3 e1 = Vec3(1, 2, -1).normalized(), e2 = e1.unitOrthogonal();
   const auto heart = formula(0, 2 * pi, [&](double t) {
     const double r = 1 + 0.3 * std::cos(2 * t) + 0.2 * std::sin(3 * t);
@@ -159,11 +159,11 @@ TEST_CASE("a planar loop is its own developable domain", "[skinning][domains]") 
 
 TEST_CASE("developable strips unfold to their own outline, however far they are bent",
           "[skinning][domains]") {
-  // A strip bent around a cylinder has the area and the length that it had before.
+  // A strip bent around a cylinder keeps its area and its length.
   for (const double degrees : {0.0, 120.0, 200.0, 270.0}) {
     INFO(degrees);
     const double length = 4, bend = degrees * pi / 180 / length;
-    // Flat ones and those that are bent a little project simply.
+    // Flat and slightly bent loops are simply projected.
     CHECK(RegionLayout("r", stadium(length, 0.4, bend), {}).domain() ==
           (degrees > 150 ? Domain::Developable : Domain::Projected));
     SkinOptions options;
@@ -216,7 +216,7 @@ TEST_CASE(
     CHECK(quality.min_jacobian_ratio > 0.1);
     CHECK(quality.max_line_gap < layout.tolerance());
   }
-  // The ball's seam has no area seen from any side.
+  // The seam of the ball has no area in any projection.
   CHECK(RegionLayout("r", {{"seam", formula(0, 2 * pi, ball)}}, {}).domain() ==
         Domain::Developable);
 }
@@ -293,7 +293,7 @@ TEST_CASE("developable domains do not depend on the unit", "[skinning][domains]"
 }
 
 TEST_CASE("a knot is refused with the reason", "[skinning][domains]") {
-  // Some fillings of it can be laid flat: surfaces on those pass through themselves, and say so.
+  // Some of its fillings can be flattened: their surfaces intersect themselves, which is reported.
   std::vector<Vec3> knot;
   for (int i = 0; i < 120; ++i) {
     const double t = 2 * pi * i / 120;

@@ -63,7 +63,7 @@ void check_quality(const SculptedRegion& made) {
   CHECK(made.quality.max_normal_jump_deg < 1e-9);
 }
 
-// A rectangle with rounded corners, its sides straight lines and its corners quarter circles.
+// A rectangle with rounded corners, its sides straight and its corners quarter circles.
 std::vector<CharacterLine> rounded_rectangle(double a, double b, double r, bool one_line) {
   std::vector<CharacterLine> lines;
   std::vector<Vec3> points;
@@ -150,16 +150,17 @@ TEST_CASE("holes, ribs, closed inner curves, intersections and junctions on one 
       loop("outline", Role::Outline, 0, 0, 1, 0.8), loop("hole", Role::Hole, 0.5, 0.1, 0.12, 0.1),
       loop("hollow", Role::Inner, -0.5, -0.2, 0.2, 0.15), track("rib", -0.6, 0.3, 0.3, 0.35, 0.1),
       track("across", -0.1, -0.5, -0.05, 0.6, 0.02)};
-  // A rib from the outline: its start lies on it.
+  // A rib from the outline: its start is on it.
   const Vec3 rim = lines[0].curve->evaluate(lines[0].curve->start());
   lines.push_back(
       arc("from rim", {rim, on(0.85, -0.02), on(0.75, -0.1), on(0.6, -0.2)}, Role::Inner));
-  // Points of a sheet that is not of least energy: the lines cross within the tolerance only.
+  // Points of a surface that does not minimise the energy: the curves intersect within the
+  // tolerance only.
   const SculptedRegion made(lines, fine(0.12, 4e-3));
   check_quality(made);
   CHECK(made.layout.trim()->area() > 0);
   CHECK(made.region.boundary.size() == 2);
-  // Where lines meet, one row holds the surface for both.
+  // Where curves meet, one constraint equation fixes the surface for both.
   CHECK(AffineReduction(made.layout.line_constraints()).redundant_count() == 0);
 }
 
@@ -202,8 +203,8 @@ TEST_CASE("the same polygonal face, aligned and embedded, is the same shape, wit
                        .distance);
     }
   CHECK(largest < 3e-3);
-  // Over one and the same domain, a flat parallelogram under a load, they agree the better the
-  // finer the mesh.
+  // Over the same domain, a flat parallelogram under a load, they converge to each other under
+  // refinement.
   std::vector<CharacterLine> flat;
   const Vec3 edge[4] = {{0, 0, 0}, {1, 0, 0}, {1.3, 0.9, 0}, {0.3, 0.9, 0}};
   for (int i = 0; i < 4; ++i)
@@ -280,7 +281,7 @@ TEST_CASE("a hole in a polygonal face is embedded, its outline stays exact",
   CHECK(made.layout.edge_aligned().size() == 4);
   CHECK(made.quality.max_line_residual < 1e-14);
   CHECK(made.region.boundary.size() == 2);
-  // The hole is empty, and smaller by what it takes away.
+  // The hole is empty, and the area decreases by that of the hole.
   square.pop_back();
   const SculptedRegion whole(square, fine(0.2, 1e-3));
   CHECK(whole.quality.area - made.quality.area == Approx(pi * 0.06).epsilon(0.02));
@@ -326,7 +327,7 @@ TEST_CASE("an inner curve between corners is embedded, and refused if it must be
 
 TEST_CASE("a wave between points that another curve displaced is still measured",
           "[skinning][domains]") {
-  // Two ribs 0.03 apart, the second with ripples that the grid cannot follow.
+  // Two ribs at a distance of 0.03, the second with ripples that the grid cannot resolve.
   std::vector<Vec3> a, b;
   for (int i = 0; i <= 200; ++i) {
     const double x = -0.5 + i / 200.0;
@@ -400,7 +401,7 @@ TEST_CASE("embedding refuses invalid curves with the reason", "[skinning][domain
   polygon.domain = SkinOptions::Domain::Annulus;
   CHECK_THROWS_WITH(layout({rim}, polygon),
                     Contains("found 1 loop of outline curves, expected two"));
-  // A loop that stands on edge somewhere has no image in its plane.
+  // A loop with a vertical part has no projection to its plane.
   CHECK_THROWS_WITH(layout({ellipse("rim", Role::Outline, {0, 0, 0}, 1, 1, 5, 2)}),
                     Contains("perpendicular") || Contains("does not bound"));
   CHECK_THROWS_WITH(layout({rim}, fine(1e-5, 1e-3)), Contains("triangles"));

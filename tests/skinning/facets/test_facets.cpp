@@ -1,4 +1,4 @@
-// Facets follow the lines of a region: nothing outside, nothing missing, nothing folded.
+// Facets of a region: nothing outside the curves, nothing missing, no folds.
 #include "batten/skinning/facets/facets.h"
 
 #include <Eigen/Geometry>
@@ -56,7 +56,7 @@ Count count(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& 
   return c;
 }
 
-/// The directed edges that the loops' polylines have.
+/// The directed edges of the loops' polylines.
 std::set<std::pair<int, int>> loop_edges(const SkinnedRegion& region,
                                          const std::vector<std::vector<std::vector<int>>>& lines) {
   std::set<std::pair<int, int>> edges;
@@ -150,7 +150,7 @@ TEST_CASE("facets of a disc with a hole and a rib fill it and end at its curves"
       if (n > 2) CHECK(std::log2(before / error) == Approx(2).margin(0.1));
       before = error;
     }
-    // Lines: on their curves; the rib between the rim and the hole, in one piece.
+    // Curves: facet edges are on them; the rib between the outline and the hole is connected.
     REQUIRE(f.lines.size() == 3);
     double away = 0;
     for (size_t l = 0; l < 3; ++l) {
@@ -217,7 +217,7 @@ TEST_CASE("quadratic facets have their midpoints on the curves and are oriented 
   CHECK(least > 0.2);
   CHECK(one_middle);
   CHECK(count(uv, corners).euler == 0);
-  // Mean edge of the grid's squares: 1.14 sides. Small holes make small triangles.
+  // Mean edge of the grid's squares: 1.14 sides. Small holes lead to small triangles.
   CHECK(mean < 1.3 * how.spacing);
   if (how.hole > 0.2) CHECK(mean > 0.6 * how.spacing);
 
@@ -291,7 +291,8 @@ TEST_CASE("facets of edge-aligned faces are their elements", "[skinning][facets]
 TEST_CASE("edge-aligned runs keep their vertices when a hole is embedded, ribs may cross it",
           "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
-  // The unit square, its sides fitted, a hole, and a rib across both hole and a fitted inner run.
+  // The unit square with mesh-aligned sides, a hole, and a rib across the hole and a mesh-aligned
+  // inner curve.
   const int n = 8;
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(n));
   std::vector<EdgeAlignedLine> edge_aligned(5);
@@ -355,7 +356,8 @@ TEST_CASE("edge-aligned runs keep their vertices when a hole is embedded, ribs m
                         [&](int p) { return (uv[p] - mesh->vertices()[v]).norm() < 1e-15; }));
     }
   }
-  // The rib: up to the hole, and beyond it; it crosses the run at v = 1/8 in one point of both.
+  // The rib: up to the hole, and beyond it; it intersects the curve at v = 1/8 in one point of
+  // both.
   REQUIRE(f.lines[6].size() == 2);
   const auto& lower = f.lines[6][0];
   const std::set<int> aligned_line(f.lines[4][0].begin(), f.lines[4][0].end());
@@ -384,7 +386,7 @@ TEST_CASE("edge-aligned runs keep their vertices when a hole is embedded, ribs m
 
 TEST_CASE("faces that share a curve share its points", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
-  // A disc that fills the hole of another, over another grid, its (u, v) three times as large.
+  // A disc that fills the hole of another one, over another grid, with (u, v) three times as large.
   constexpr double scale = 3;
   const HermiteCurve hole = circle({0.1, 0.2}, 0.5, 8);
   const SkinnedRegion around = sheet_region({circle({0, 0}, 1, 24), hole}, {}, 0.2);
@@ -421,7 +423,7 @@ TEST_CASE("faces that share a curve share its points", "[skinning][facets]") {
 
 TEST_CASE("edges end where neighbours ask for it", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
-  // Embedded lines: there and, as far as nothing folds, nowhere else.
+  // Embedded curves: edges along them and, unless something would fold, nowhere else.
   const SkinnedRegion region =
       sheet_region({circle({0, 0}, 1, 24), circle({0, 0}, 0.4, 8)}, {}, 0.2);
   const HermiteCurve& rim = region.embedded[0].pcurve;
@@ -443,7 +445,8 @@ TEST_CASE("edges end where neighbours ask for it", "[skinning][facets]") {
   }
   CHECK(requested.parameters[1] == free.parameters[1]);
 
-  // A run keeps its vertices and gets the others; without others the elements stay as they are.
+  // A mesh-aligned curve keeps its vertices and gets the additional ones; without these the
+  // elements are unchanged.
   const auto mesh = std::make_shared<const ParametricMesh>(ParametricMesh::unit_square(4));
   Points dofs = Points::Zero(DofMap(*mesh).count(), 3);
   for (int v = 0; v < mesh->vertex_count(); ++v)
@@ -477,8 +480,8 @@ TEST_CASE("edges end where neighbours ask for it", "[skinning][facets]") {
 TEST_CASE("a model's facets are those of its faces with common nodes on common curves",
           "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
-  // The hole of one region, run the other way round, is the rim of another. Alone they divide it
-  // for themselves.
+  // The hole of one face, reversed, is the boundary of another one. Separately, they divide it on
+  // their own.
   const SkinnedRegion around =
       sheet_region({circle({0, 0}, 1, 24), circle({0.1, 0.2}, 0.5, 8)}, {}, 0.2);
   SkinnedRegion inside = sheet_region({circle({0.1, 0.2}, 0.5, 8)}, {}, 0.06);
@@ -515,7 +518,7 @@ TEST_CASE("a model's facets are those of its faces with common nodes on common c
       CHECK(std::abs(around.embedded[1].fitted.closest_point(p).distance) < 1e-12);
     }
 
-  // One region alone: as quadratic_elements has it.
+  // A single region: the same as quadratic_elements().
   const ModelElements one = model_elements({&around});
   const QuadraticElements same = quadratic_elements(around);
   CHECK(one.regions[0].triangles == same.triangles);
@@ -526,7 +529,7 @@ TEST_CASE("a model's facets are those of its faces with common nodes on common c
 TEST_CASE("facets of random outlines with holes never fold", "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
   Random random(20);
-  // r(a) = r0 (1 + Σ c_k cos(k a + p_k)), held by cubics.
+  // r(a) = r0 (1 + Σ c_k cos(k a + p_k)), represented by cubics.
   const auto wobble = [&](const Vec2& centre, double r0, double strength, int segments) {
     std::array<double, 5> c, p;
     for (size_t k = 0; k < 5; ++k) {
@@ -570,7 +573,7 @@ TEST_CASE("facets of random outlines with holes never fold", "[skinning][facets]
 TEST_CASE("facets of faces with corners and cusps, and curves that touch wrongly",
           "[skinning][facets]") {
   if (!have_delaunay_mesher()) return;
-  // A lens between two arcs that meet at `angle`, each a line of its own.
+  // A lens between two arcs that meet at `angle`, each a separate curve.
   const auto lens = [](double angle) {
     const auto arc = [&](double side) {
       return hermite(0, 1, 4, false, [=](double t, int order) {
@@ -602,7 +605,7 @@ TEST_CASE("facets of faces with corners and cusps, and curves that touch wrongly
     CHECK(c.rim == loop_edges(region, f.lines));
     CHECK(c.area == Approx(region.surface.trim()->loops().area()).epsilon(1e-2));
   }
-  // An outline through a hole.
+  // An outline that passes through a hole.
   SkinnedRegion wrong = wavy_disc({});
   wrong.embedded[1] = line_on_sheet("hole", circle({0.9, 0}, 0.25, 8), 0.15);
   CHECK_THAT(error_message([&] { facets(wrong, 1); }), Catch::Matchers::Contains("'rim'") &&

@@ -1,4 +1,4 @@
-// Lines whose curves are given: taken as they are, with the same vertices on both sides.
+// Prescribed curves: used unchanged, with the same vertices on both sides.
 #include <numbers>
 #include <random>
 
@@ -45,8 +45,8 @@ const EdgeAlignedLine& edge_aligned_line(const SkinnedRegion& region, const std:
   throw InputError("no run " + name);
 }
 
-// A loop of three to six big corners, its sides cut where they turn by 1 to 20 degrees, this way or
-// that, and bent by up to `bulge` of their length.
+// A loop of three to six large corners; its sides are divided at turns of 1 to 20 degrees in either
+// direction, and bent by up to `bulge` of their length.
 std::vector<CharacterLine> kinked_loop(unsigned seed, double bulge) {
   std::mt19937 engine(seed);
   const auto random = [&](double a, double b) { return a + (b - a) * (engine() / 4294967296.0); };
@@ -109,7 +109,7 @@ TEST_CASE("a given curve is the run, bit for bit, with its vertices and no other
 }
 
 TEST_CASE("faces on both sides of given curves share positions along them", "[skinning][layout]") {
-  // Two quadrilaterals with a wavy line between them, of quite different shape and edge length.
+  // Two quadrilaterals with a common wavy curve, of different shape and edge length.
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const auto wave = bezier_curve(p(0, 0, 0), p(0.4, 0.3, 0.2), p(0.2, 0.7, -0.2), p(0, 1, 0));
   const CharacterLine shared = prescribed_line("shared", wave, kSize, 0.11);
@@ -137,7 +137,7 @@ TEST_CASE("faces on both sides of given curves share positions along them", "[sk
 
 TEST_CASE("smoothly continuing curves share a side, others form a corner, however small its angle",
           "[skinning][layout]") {
-  // A side of two lines that are one curve, and one that turns by a degree.
+  // A side of two segments of one curve, and one with a turn of a degree.
   const auto p = [](double x, double y, double z) { return Vec3(x, y, z); };
   const auto arc = curve_from_formula(0, 1, [](double t, int order) -> Vec3 {
     if (order == 0) return {t, 0.2 * t * (t - 1), 0};
@@ -177,13 +177,13 @@ TEST_CASE("smoothly continuing curves share a side, others form a corner, howeve
   REQUIRE(layout.corners().size() == 5);
   const SkinnedRegion region = skinned(layout);
   CHECK(measure(region).min_jacobian_ratio > 0.3);
-  // C1 across the joint: the two runs lie on one straight line and run on at one speed.
+  // C1 across the junction: the two segments are on one straight line, with the same speed.
   const EdgeAlignedLine &a = edge_aligned_line(region, "first"),
                         &b = edge_aligned_line(region, "second");
   const HermiteCurve in = edge_aligned_pcurve(*layout.mesh(), a),
                      out = edge_aligned_pcurve(*layout.mesh(), b);
   CHECK((in.slope_in(1) - out.slope_out(0)).norm() < 1e-12 * in.slope_in(1).norm());
-  // The corner of a degree, or two, has a Jacobian like any other.
+  // The corner of one or two degrees has a Jacobian like any other.
   for (const DomainCorner& corner : layout.corners())
     if (corner.line_angle_deg > 170)
       CHECK(std::sin(corner.line_angle_deg * degree) / std::sin(corner.domain_angle_deg * degree) ==
@@ -222,7 +222,7 @@ TEST_CASE("reversing the first curve of an outline flips the normal and nothing 
   CHECK(along.surface.jet(middle).normal().dot(against.surface.jet(foot_point.where).normal()) <
         -0.99);
   CHECK(measure(along).area == Approx(measure(against).area).epsilon(1e-4));
-  // Of fitted lines too.
+  // Also for mesh-aligned curves.
   for (const bool turned : {false, true}) {
     SkinOptions plain;
     plain.reverse_orientation = turned;
@@ -244,7 +244,7 @@ TEST_CASE("given curves in mm and in m make one mesh", "[skinning][layout]") {
 
 TEST_CASE("given curves around a loop without corners enough are embedded as they are",
           "[skinning][layout]") {
-  // Two arcs that meet smoothly, in the plane's and in the sheet's domain.
+  // Two smoothly connected arcs, in the projected and in the developable domain.
   const auto half = [](double from) {
     return curve_from_formula(from, from + pi, [](double t, int order) -> Vec3 {
       if (order == 0) return {std::cos(t), std::sin(t), 0.2 * std::cos(2 * t)};

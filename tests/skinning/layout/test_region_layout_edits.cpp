@@ -1,4 +1,4 @@
-// Edits of a layout: refined anywhere, lines of another shape, inner lines that come and go.
+// Edits of a layout: local refinement, other shapes of curves, added and removed inner curves.
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -43,7 +43,8 @@ SkinOptions coarse(double edge = 0.25, double tolerance = 2e-3) {
   return options;
 }
 
-// A door in small: a cornered outline on runs, a hole and a closed hollow, both embedded.
+// A small door: an outline with corners on mesh-aligned curves, a hole and a closed hollow, both
+// embedded.
 std::vector<CharacterLine> panel() {
   auto lines = polygon_lines({{0, 0, 0}, {2, 0, 0.2}, {2, 1.4, 0}, {0, 1.4, 0.2}});
   lines.push_back(flat_ellipse("hole", Role::Hole, {0.5, 0.7, 0.1}, 0.2, 0.25));
@@ -158,14 +159,14 @@ TEST_CASE("another shape of a curve changes values and keeps coefficients", "[sk
     const ConstraintSet after = layout.line_constraints();
     CHECK(same_rows(before, after, 0, false));
     CHECK_FALSE(same_rows(before, after, 0.01, true));
-    // The rows of this line have risen, no others.
+    // Only the equations of this curve have changed.
     for (size_t r = 0; r < after.constraints().size(); ++r) {
       const Vec3 moved = after.constraints()[r].value - before.constraints()[r].value;
       if (after.names()[static_cast<size_t>(after.constraints()[r].name)] != name)
         CHECK(moved.norm() == 0);
     }
   }
-  // Inputs follow, so that quality is measured against the line as it is now.
+  // The inputs follow, so that quality is measured against the present curve.
   for (const EmbeddedLine& line : layout.embedded())
     CHECK(
         (line.line.curve->evaluate(line.fitted.start()) - line.fitted.evaluate(line.fitted.start()))

@@ -1,4 +1,4 @@
-// Regions from sections alone.
+// Faces from sections alone.
 #include "batten/skinning/surfaces/section_region.h"
 
 #include <cmath>

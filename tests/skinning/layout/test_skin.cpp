@@ -1,4 +1,5 @@
-// Regions as surfaces: the lines are held exactly, the surface is C1, and the unit does not matter.
+// Faces as surfaces: curves are interpolated exactly, the surface is C1, and the result is
+// independent of the unit.
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/fairing/curves/curve_through_points.h"
@@ -76,7 +77,7 @@ TEST_CASE("the surface passes through an inner curve as exactly as through the o
   const auto lines = patch_with_inner_line();
   const SkinnedRegion region = skinned(lines, {}, {{"p", PressureLoad{30}}});
   check_skin(region, 1e-12);
-  // The rib is inside: both its sides carry triangles.
+  // The rib is inside: both sides have triangles.
   for (const int e : region.edge_aligned.back().edges)
     CHECK_FALSE(region.surface.mesh().edges()[e].boundary());
 }
@@ -102,7 +103,8 @@ TEST_CASE(
     CHECK(q.max_line_gap <= layout.tolerance());
     return q.max_line_gap;
   };
-  // Across the rib, through a point of it: the rib stays a run, this one crosses its elements.
+  // Across the rib, through one of its points: the rib stays mesh-aligned, this curve crosses its
+  // elements.
   auto crossing = lines;
   crossing.push_back(
       {"second",
@@ -123,7 +125,7 @@ TEST_CASE(
                    Role::Inner, MeshAlignment::EdgeAligned});
   CHECK_THROWS_WITH(RegionLayout("region", loose, {}),
                     Contains("'loose' cannot be mesh-aligned") && Contains("away from curve"));
-  // The same place at two heights.
+  // The same position at two heights.
   auto bent = lines;
   bent.push_back({"bent", curve_through_points("bent", {a, Vec3(0.5 * (a + b) + Vec3(0, 0, 1)), b}),
                   Role::Inner});
@@ -154,7 +156,7 @@ TEST_CASE("curves that are not cubic are met within the tolerance, in both direc
 }
 
 TEST_CASE("curves that continue each other smoothly share one side", "[skinning][layout]") {
-  // A square whose lower side is two lines, one of them drawn backwards.
+  // A square whose lower side consists of two curves, one of them reversed.
   std::vector<CharacterLine> lines = {
       {"left half", bezier_curve({1, 0, 0.2}, {0.7, 0, 0.2}, {0.3, 0, 0.1}, {0, 0, 0})},
       {"right half", bezier_curve({1, 0, 0.2}, {1.3, 0, 0.2}, {1.7, 0, 0.1}, {2, 0, 0})},

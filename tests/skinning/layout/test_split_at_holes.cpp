@@ -1,5 +1,5 @@
-// Holes take the surface away: inner lines end at their rims, and holes that do not hold leave the
-// shape as it is without them.
+// Holes remove the surface: inner curves end at their boundaries, and trim-only holes do not change
+// the shape.
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -28,7 +28,7 @@ CharacterLine circle(const std::string& name, const Vec3& centre, double radius)
       Role::Hole};
 }
 
-// A flat sheet of 4 × 2 with a line along its middle.
+// A flat sheet of 4 × 2 with a curve along its middle.
 std::vector<CharacterLine> sheet() {
   return {line("rim", Role::Outline, {{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}, {0, 0, 0}}),
           line("middle", Role::Inner, {{0, 1, 0}, {4, 1, 0}})};
@@ -106,7 +106,7 @@ TEST_CASE("curves that miss a hole's boundary are named with position and distan
 
 TEST_CASE("a hole that does not hold leaves the shape as it is without it",
           "[skinning][layout][holes]") {
-  // An arched roof: two arcs over straight sides, with a hole that was drawn flat below it.
+  // An arched roof: two arcs over straight sides, with a hole drawn in a plane below it.
   std::vector<CharacterLine> lines = {{"front", arc_through({0, 0, 0}, {1, 0, 0.4}, {2, 0, 0})},
                                       {"right", arc_through({2, 0, 0}, {2, 1.5, 0.3}, {2, 3, 0})},
                                       {"back", arc_through({2, 3, 0}, {1, 3, 0.4}, {0, 3, 0})},
@@ -130,8 +130,8 @@ TEST_CASE("a hole that does not hold leaves the shape as it is without it",
                                         (rim->fitted.end() - rim->fitted.start()) * i / 64);
     from_whole = std::max(from_whole, whole.surface.closest_point(p).distance);
   }
-  // Without the stiffness of what was cut out the rest bends a little otherwise, far less than
-  // held.
+  // Without the stiffness of the removed part, the rest bends slightly differently, far less than
+  // with a constrained hole.
   CHECK(from_whole < 0.02);
   CHECK(measure(free).max_line_deviation < 1e-3);
   CHECK(measure(free).min_jacobian_ratio > 0.3);

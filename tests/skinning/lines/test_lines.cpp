@@ -1,4 +1,4 @@
-// Input lines, their fits, the loop and the polygon they make.
+// Input curves, their fits, the loop and its polygon.
 #include <numbers>
 
 #include "batten/core/errors.h"
@@ -52,7 +52,7 @@ TEST_CASE("a curve through points passes them, is C2 between corners and breaks 
     CHECK((curve->evaluate(t - 1e-9, 1) - curve->evaluate(t + 1e-9, 1)).norm() < 1e-7);
     CHECK((curve->evaluate(t - 1e-9, 2) - curve->evaluate(t + 1e-9, 2)).norm() < 1e-6);
   }
-  // Ends are curved as what is beside them.
+  // The curvature at the ends is that of the neighbourhood.
   CHECK((curve->evaluate(curve->start(), 2) - curve->evaluate(curve->breaks()[1], 2)).norm() <
         1e-9);
   const auto bow = curve_through_points("bow", {{0, 0, 0}, {1, 1, 0}, {2, 0, 0}}, 100);
@@ -98,7 +98,7 @@ TEST_CASE("a fit with given ends reaches its tolerance, with fourth-order econom
       worst = std::max(
           worst, fitted.closest_point(curve->evaluate(2 * std::numbers::pi * i / 1000)).distance);
     CHECK(worst <= tolerance);
-    CHECK(worst > 1e-4 * tolerance);  // not more nodes than it takes
+    CHECK(worst > 1e-4 * tolerance);  // no more nodes than necessary
     for (int i = 0; i < fitted.node_count(); ++i)
       CHECK(fitted.slope_out(i).norm() == Approx(1).epsilon(1e-2));
     if (before > 0) CHECK(fitted.node_count() <= 5 * before);

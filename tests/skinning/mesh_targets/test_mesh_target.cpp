@@ -45,7 +45,8 @@ void append_octahedron(TargetFaces& faces, const std::vector<int>& part) {
 
 }  // namespace
 
-TEST_CASE("a mesh is one target, with a part for each patch between creases") {
+TEST_CASE("a mesh is one target, with a part for each patch between creases",
+          "[skinning][target]") {
   TargetFaces faces;
   faces.append(cube(), 2);
   const TargetParts target = target_parts(faces);
@@ -61,7 +62,7 @@ TEST_CASE("a mesh is one target, with a part for each patch between creases") {
   CHECK_FALSE(found->at_boundary);
 }
 
-TEST_CASE("samples are closer than 1/100 of the size, and on the target") {
+TEST_CASE("samples are closer than 1/100 of the size, and on the target", "[skinning][target]") {
   TargetFaces faces;
   faces.append(cube(), 1);
   const auto samples = target_parts(faces).whole->samples();
@@ -73,7 +74,8 @@ TEST_CASE("samples are closer than 1/100 of the size, and on the target") {
   }
 }
 
-TEST_CASE("a part with a boundary has a parametrization, a closed target has none") {
+TEST_CASE("a part with a boundary has a parametrization, a closed target has none",
+          "[skinning][target]") {
   TargetFaces faces;
   faces.append(cube(), 1);
   const TargetParts target = target_parts(faces);
@@ -91,7 +93,8 @@ TEST_CASE("a part with a boundary has a parametrization, a closed target has non
   CHECK(on_z == 2);
 }
 
-TEST_CASE("curved facets are nearer to the sphere than flat ones, and parts are CAD faces") {
+TEST_CASE("curved facets are nearer to the sphere than flat ones, and parts are CAD faces",
+          "[skinning][target]") {
   TargetFaces faces;
   append_octahedron(faces, {0, 0, 0, 0, 1, 1, 1, 1});
   const TargetParts target = target_parts(faces);
@@ -108,7 +111,7 @@ TEST_CASE("curved facets are nearer to the sphere than flat ones, and parts are 
   CHECK(target_parts(two).parts.size() == 8);
 }
 
-TEST_CASE("degenerate curved facets are left out") {
+TEST_CASE("degenerate curved facets are left out", "[skinning][target]") {
   ShellMesh mesh;
   mesh.points.resize(4, 3);
   mesh.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0;
@@ -121,7 +124,7 @@ TEST_CASE("degenerate curved facets are left out") {
   CHECK(faces.part == std::vector<int>{0});
 }
 
-TEST_CASE("the limit of a cage is as fine as its chord requires") {
+TEST_CASE("the limit of a cage is as fine as its chord requires", "[skinning][target]") {
   const ShellMesh coarse = catmull_clark_limit(cube(), {}, 0.05),
                   fine = catmull_clark_limit(cube(), {}, 1e-3);
   CHECK(coarse.face_count() < fine.face_count());

@@ -1,4 +1,4 @@
-// Shapes that lines alone give: spheres, cylinders, cones and tori come back.
+// Shapes from curves alone: spheres, cylinders, cones and tori are reproduced.
 #include "batten/skinning/model/model_shapes.h"
 
 #include <cmath>
@@ -29,7 +29,7 @@ struct FairedShape {
   ModelLayout model;
   Points bending;
   MinimumVariationSurface fair;
-  double before, after;  // distance to the formula, over the size
+  double before, after;  // distance from the exact surface over the size
 };
 FairedShape make(const bench::AnalyticShape& shape) {
   SkinOptions options;
@@ -65,7 +65,7 @@ TEST_CASE("boundary curves alone give back cylinders, spheres, tori and annuli",
           "[skinning][model]") {
   struct Expected {
     std::string name;
-    double least_before, most_after;  // over the size
+    double least_before, most_after;  // relative to the size
   };
   for (const auto& [name, before, after] : {Expected{"cylinder 90", 1e-2, 3e-4},
                                             {"cylinder 200", 5e-3, 3e-4},
@@ -194,7 +194,7 @@ TEST_CASE("joined octants are a sphere whose curvature goes on across the join",
 
 namespace {
 
-// An octant over a quarter of a cylinder, side by side along "rim".
+// An octant over a quarter of a cylinder, adjacent along "rim".
 batten_test::TestModelBuilder cap_on_cylinder() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), down = -1.2 * z;
   batten_test::TestModelBuilder p;
@@ -243,7 +243,7 @@ TEST_CASE("a cap on a cylinder: the curves across its edge show the cap's curvat
 
 TEST_CASE("where curvature goes on, its jump is ten times smaller than where it may jump",
           "[skinning][model]") {
-  // A free form: two wavy strips side by side.
+  // A free form: two adjacent wavy strips.
   batten_test::TestModelBuilder p;
   p.options.edge_length = 0.15;
   const auto wave = [&](const std::string& name, double y, double tilt) {
@@ -262,7 +262,8 @@ TEST_CASE("where curvature goes on, its jump is ten times smaller than where it 
     p.add(batten_test::prescribed_line(name,
                                        curve_from_formula(from, from + 1,
                                                           [=](double t, int order) -> Vec3 {
-                                                            // One parabola for both strips, from z0 over y = -1 and 1 to z1 at 0.
+                                                            // One parabola for both strips, from z0
+                                                            // over y = -1 and 1 to z1 at 0.
                                                             if (order == 0)
                                                               return {x, t, z1 + (z0 - z1) * t * t};
                                                             if (order == 1)

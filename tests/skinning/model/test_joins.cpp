@@ -1,4 +1,4 @@
-// Smooth joins between regions on lines of their own.
+// Smooth edges between faces on prescribed curves.
 #include <array>
 #include <cmath>
 #include <map>
@@ -24,7 +24,7 @@ struct Joined {
   double worst = 0;
 };
 
-// `rests`: the surface bends least from the sweeps of its regions, instead of from nothing.
+// `rests`: the rest shape consists of the sweeps of the faces, instead of being flat.
 Joined join(const TestModelBuilder& p, const std::vector<JoinLine>& join_lines,
             bool rests = false) {
   Joined result;
@@ -45,7 +45,7 @@ Joined join(const TestModelBuilder& p, const std::vector<JoinLine>& join_lines,
   return result;
 }
 
-// A curve over a straight line of the plane, at height f.
+// A curve at height f over a straight line of the plane.
 template <class F>
 std::shared_ptr<const InputCurve> over(const Vec2& a, const Vec2& b, const F& f) {
   return curve_from_formula(0, 1, [=](double t, int order) -> Vec3 {
@@ -88,7 +88,7 @@ TEST_CASE("octants of a sphere share tangent planes along their curve, with h³ 
 
 TEST_CASE("faces that unfold into one plane are C1 across their curve to rounding",
           "[skinning][model]") {
-  // Two squares of a bent sheet, not plane: right angles, so that γ and δ are constant.
+  // Two squares of a bent, non-planar sheet: right angles, so that γ and δ are constant.
   TestModelBuilder p;
   p.options.edge_length = 0.2;
   const auto f = [](const Vec2& q) { return 0.2 * std::cos(std::numbers::pi * q.x()); };
@@ -147,7 +147,7 @@ TEST_CASE("two joined faces are the same as one face with an inner curve", "[ski
       most = std::max(most, surface.surface.closest_point(r.surface.position({t})).distance);
     return most;
   };
-  // Creases alone would leave it by some percent of the height of 0.2.
+  // With creases, it would deviate by some percent of the height of 0.2.
   for (const auto& r : joined.regions) CHECK(far(r) < 2e-3);
   const SkinnedRegion crease = p.layouts[0]->region(p.first[0]);
   CHECK(far(crease) > 4 * far(joined.regions[0]));
@@ -171,7 +171,7 @@ TEST_CASE("four faces around an intersection, three around a T-junction: smooth 
     line("m1", {0, 1}, {0.9, 1});
     line("m2", {0.9, 1}, {2, 1});
     line("v1", {0.9, 0}, {0.9, 1});
-    // The pieces of one line have the same slope where they meet.
+    // The segments of one curve have the same slope where they meet.
     const auto same_slope = [&](const std::string& a, const std::string& b) {
       auto ga = std::make_shared<PrescribedCurve>(*p.lines.at(a).prescribed),
            gb = std::make_shared<PrescribedCurve>(*p.lines.at(b).prescribed);
@@ -229,7 +229,7 @@ TEST_CASE("four faces around an intersection, three around a T-junction: smooth 
 
 TEST_CASE("a node without a tangent plane stays a crease, the curve away from it is smooth",
           "[skinning][model]") {
-  // The far end of the shared line: its neighbours leave by 10 degrees to either side.
+  // The far end of the shared curve: its neighbours deviate by 10 degrees to either side.
   const double h = 0.1, lift = std::tan(10 * std::numbers::pi / 180);
   TestModelBuilder p;
   p.options.edge_length = h;
@@ -279,7 +279,7 @@ TEST_CASE("faces that double back on each other are not joined", "[skinning][mod
 
 namespace {
 
-/// An arch over the shared line, on the wave.
+/// An arch over the shared curve, on the wave.
 Vec3 gluing_correction(double t) {
   const Vec2 q(t, 0.5 * std::sin(std::numbers::pi * t));
   return Vec3(q.x(), q.y(), wave(q));
@@ -308,9 +308,9 @@ TEST_CASE("a curve that one face has embedded is smooth on average", "[skinning]
     line("w", {0, 0}, {0, -1});
     line("s", {0, -1}, {1, -1});
     line("e", {1, -1}, {1, 0});
-    // With two corners only, a region has no polygon.
+    // With only two corners, a face has no polygonal domain.
     p.add(prescribed_line("bow", bow_on_wave(), 2, h));
-    // Along the shared line, and against it.
+    // Along the shared curve, and against it.
     p.region(h == 0.1 ? std::vector<std::string>{"bow", "shared"}
                       : std::vector<std::string>{"shared", "bow"});
     p.region({"w", "s", "e", "shared"});
@@ -328,7 +328,7 @@ TEST_CASE("a curve that one face has embedded is smooth on average", "[skinning]
   CAPTURE(before, after, rested);
   for (size_t i = 0; i < after.size(); ++i) {
     CHECK(after[i] < before[i] / 30);
-    // The rest shapes meet at 60 degrees, which pulls at no join.
+    // The rest shapes meet at 60 degrees, without stress at any edge.
     CHECK(rested[i] < 60.0 / 20);
   }
   CHECK(after[2] < 0.5 * after[0]);
@@ -336,7 +336,7 @@ TEST_CASE("a curve that one face has embedded is smooth on average", "[skinning]
 
 namespace {
 
-/// Two regions beside a line: one of two corners, which has the line embedded, and a square.
+/// Two faces at a curve: one with two corners, where the curve is embedded, and a square.
 void add_bow_and_square(TestModelBuilder& p, const std::shared_ptr<const InputCurve>& arch) {
   const auto line = [&](const std::string& name, Vec2 a, Vec2 b) {
     p.add(prescribed_line(name, over(a, b, wave), 2, 0.2));
@@ -357,7 +357,7 @@ TEST_CASE("an embedded curve ends as a crease if only the edge beside its end ke
   TestModelBuilder p;
   p.options.edge_length = 0.2;
   add_bow_and_square(p, bow_on_wave());
-  // Surfaces that bend from nothing meet at larger angles than those that rest in sweeps.
+  // Surfaces with a flat rest shape meet at larger angles than those with sweeps as rest shapes.
   const ModelLayout resting = p.model({p.join_line("shared", 0, 1)});
   ModelMetadata metadata = resting.metadata();
   metadata.rest = false;
@@ -377,7 +377,7 @@ TEST_CASE("an embedded curve ends as a crease if only the edge beside its end ke
       return measure_join({&a, &b}, plan.join_line, {start, end}).max_inside_deg;
     };
     const bool start = plan.ends[0].open, end = plan.ends[1].open;
-    // No end too few, none too many.
+    // The exact number of ends.
     CHECK((angle(start, end) <= limit || (!start && !end && angle(true, true) > limit)));
     if (start) CHECK(angle(false, end) > limit);
     if (end) CHECK(angle(start, false) > limit);
@@ -407,7 +407,7 @@ TEST_CASE(
       p, curve_through_points(
              "bow", {gluing_correction(0), gluing_correction(0.2), gluing_correction(0.4),
                      gluing_correction(0.6), gluing_correction(0.8), gluing_correction(1)}));
-  // Two more regions are joined along runs, far away.
+  // Two more faces share mesh-aligned edges, far away.
   line("middle", {4, 0}, {4, 1});
   line("s1", {3, 0}, {4, 0});
   line("n1", {3, 1}, {4, 1});

@@ -1,5 +1,5 @@
-// Shapes that boundary curves mean: sweeps and lofts are exact where one pair of sides is carried
-// along the other one, depend continuously on the curves, and stay what they are in a model.
+// Rest shapes from boundary curves: sweeps and lofts are exact if one pair of sides is translated
+// along the other one, depend continuously on the curves, and are the same in a model.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,7 @@ TEST_CASE("two equal arcs and two straight lines are a piece of a cylinder", "[s
   CHECK(model.regions[0].shape.kind == Kind::Cylinder);
   CHECK(model.regions[0].shape.radius == Approx(2).epsilon(1e-3));
   CHECK(off_axis(*model.skinned()[0], [](double) { return 2; }) < 1e-3);
-  // What bends least sags: the law would not hold without the shape that the lines mean.
+  // A minimum of bending energy sags: the property fails without the rest shape.
   ModelOptions bending;
   bending.rest = false;
   const SurfaceModel bent = model_of(quarter(2, 2), {}, bending);
@@ -192,7 +192,7 @@ Lines piece_of(const std::function<Vec3(double, double)>& at) {
           sampled_line("west", [&](double t) { return at(0, t); })};
 }
 
-// Largest |f| over the vertices and middles of the triangles of a model.
+// Largest |f| over the vertices and centroids of the triangles of a model.
 double largest(const SurfaceModel& model, const std::function<double(const Vec3&)>& f) {
   double worst = 0;
   for (const SkinnedRegion* region : model.skinned()) {
@@ -246,7 +246,7 @@ TEST_CASE("spheres come from three arcs, from two, and from strips up to the pol
 
 TEST_CASE("a cylinder and a spherical head keep their shape when they are joined smoothly",
           "[skinning][model]") {
-  // The rows of the join follow the shapes between its ends, too (GluingCorrection).
+  // The constraints of the smooth edge also follow the shapes between its ends (GluingCorrection).
   const auto meridian = [](double longitude) {
     return arc_through(on_sphere(longitude, 0), on_sphere(longitude, pi / 4),
                        on_sphere(longitude, pi / 2));
@@ -292,7 +292,7 @@ TEST_CASE("ruled surfaces, saddles and helicoids follow from their sides", "[ski
 }
 
 TEST_CASE("slopes of a sweep are the derivatives of its points", "[skinning][model]") {
-  // Four sides; three that bulge unlike, so that the three sweeps differ; two.
+  // Four sides; three with different bulges, so that the three sweeps differ; two.
   const Lines lemon = {
       {"a", ellipse_arc(level(0), 2, 1, 0, pi)},
       {"b", ellipse_arc({Vec3::Zero(), Vec3::UnitX(), Vec3::UnitZ()}, 2, 1.5, 0, pi)}};
@@ -350,12 +350,12 @@ TEST_CASE("a rest shape has the boundary curves, whatever the unit and the posit
   const auto place = [&](const Vec3& p) { return Vec3(scale * (turn * p) + Vec3(3, -7, 11)); };
   const SurfaceModel moved =
       model_of(piece_of([&](double u, double v) { return place(hump(u, v)); }));
-  // The box around the curves turns with them, and so elements have other sizes.
+  // The bounding box of the curves rotates with them, and so elements have other sizes.
   CHECK(moved.area == Approx(scale * scale * model.area).epsilon(5e-5));
 }
 
 TEST_CASE("surfaces follow their curves without a jump", "[skinning][model]") {
-  // The largest movement of points of the surface is at most three times that of the curve.
+  // The largest displacement of points of the surface is at most three times that of the curve.
   const auto canopy = [](double taller) {
     return model_of(piece_of([taller](double u, double v) {
       return Vec3(-std::cos(pi * u), 2 * v, (1 + taller * v) * std::sin(pi * u));
@@ -390,13 +390,13 @@ TEST_CASE("a straight side and an arc in almost one plane bound an almost flat s
     CHECK(model.regions[0].warnings.empty());
     const SkinQuality quality = measure(model.regions[0].skinned->surface);
     CHECK(quality.min_jacobian_ratio > 0.98);
-    // It rises with the square of the warp.
+    // It is quadratic in the warp.
     CHECK(std::abs(quality.area / (pi / 2) - 1) < 2 * warp * warp + 1e-4);
   }
 }
 
 TEST_CASE("half ellipses at right angles bound a quarter of their ellipsoid", "[skinning][model]") {
-  // Exactly so where they are equal: sections correspond by arc length.
+  // Exactly so if they are equal: sections correspond by arc length.
   for (const double height : {0.5, 1.0, 2.0}) {
     CAPTURE(height);
     const Lines lines = {
@@ -492,7 +492,7 @@ TEST_CASE("elements follow a nose along its whole span, however long it is", "[s
     CAPTURE(span, model.layout->mesh()->triangle_count());
     CHECK(off_wing(*model.skinned()[0]) < 2.5e-4 * network.size());
     CHECK(model.layout->mesh()->triangle_count() < 12'000);
-    // On elements of one size it is much farther off, and an edge length that is stated is kept.
+    // With elements of one size the error is much larger, and a prescribed edge length is kept.
     ModelOptions stated;
     stated.skin.edge_length = network.size() / 40;
     const SurfaceModel even = model_of(lines, {}, stated);
@@ -539,7 +539,7 @@ TEST_CASE(
   CHECK(near->distance < 1e-10);
   CHECK(near->across == Approx(3).epsilon(0.02));
   CHECK(near->depth == Approx(2 - std::sqrt(2)).epsilon(0.02));
-  // A tube ten radii long that bends from nothing has a waist.
+  // A tube ten radii long with a flat rest shape has a waist.
   const Lines rims{arc("low", 0, 2, 0, 2 * pi), arc("high", 20, 2, 0, 2 * pi)};
   ModelOptions bending;
   bending.rest = false;
@@ -549,7 +549,7 @@ TEST_CASE(
   REQUIRE(far);
   CHECK(far->is_large());
   CHECK(far->depth == Approx(2).epsilon(1e-3));
-  // Nothing is opposite in a pentagon.
+  // A pentagon has no opposite sides.
   Lines pentagon;
   for (int k = 0; k < 5; ++k) {
     const auto corner = [](int i) {

@@ -1,4 +1,4 @@
-// Lines become arcs between nodes, whatever their order, direction and unit.
+// Curves become edges between nodes, whatever their order, direction and unit.
 #include "batten/skinning/network/curve_network.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@ CharacterLine circle(const std::string& name, const Vec3& centre, double r) {
           })};
 }
 
-// A bowl over the square from -0.1 to 1.1: m lines along x, n along y, which cross.
+// A bowl over the square from -0.1 to 1.1: m curves along x, n along y, which intersect.
 std::vector<CharacterLine> bowl(int m, int n) {
   std::vector<CharacterLine> lines;
   for (int d = 0; d < 2; ++d)
@@ -56,7 +56,7 @@ std::vector<CharacterLine> bowl(int m, int n) {
   return lines;
 }
 
-/// Another curve's points mapped, run forwards or backwards; moved linearly.
+/// Another curve with mapped points, forwards or reversed; mapped linearly.
 class Mapped final : public InputCurve {
  public:
   Mapped(std::shared_ptr<const InputCurve> curve, double scale, const Vec3& move, bool back)
@@ -90,7 +90,7 @@ std::vector<CharacterLine> mapped(std::vector<CharacterLine> lines, double scale
   return lines;
 }
 
-// Arcs by the names of their lines, nodes and partners: all but numbers with a fraction.
+// Edges by the names of their curves, nodes and partners: everything but non-integer numbers.
 std::string combinatorics(const CurveNetwork& network) {
   std::string text;
   for (const auto& edge : network.edges()) {
@@ -133,7 +133,7 @@ bool names(const NetworkDiagnostic& finding, const std::string& line) {
   return std::find(finding.lines.begin(), finding.lines.end(), line) != finding.lines.end();
 }
 
-// What every network keeps.
+// Invariants of every network.
 void check_invariants(const CurveNetwork& network) {
   const double size = network.size();
   std::set<std::pair<int, bool>> ends;
@@ -182,7 +182,7 @@ TEST_CASE("m by n curves that cross have mn nodes where they do, and ends", "[sk
     CHECK(count(network, Kind::Dangling) == 2 * (m + n));
     CHECK(network.diagnostics().size() == static_cast<size_t>(m * n + 2 * (m + n)));
     check_invariants(network);
-    // Crossings lie on both lines exactly, so arcs keep to the input within the fit.
+    // Intersections are exactly on both curves, so edges stay within the fit of the input.
     for (const auto& node : network.nodes()) {
       const Vec3 p = node.position;
       CHECK(p.z() == Approx(p.x() * p.x() + 0.5 * p.y() * p.y()).margin(1e-12));
@@ -214,7 +214,7 @@ TEST_CASE("An edge lies on its curve and its parameter is arc length over size",
   CHECK(edge.deviation <= 1e-4 * network.size());
   CHECK(uneven < 5e-3);
   check_invariants(network);
-  // Wherever the seam of a closed line was given, the network's is the same place.
+  // Wherever the input seam of a closed curve is, the network's seam is at the same point.
   const CurveNetwork turned(
       {{"c", curve_from_formula(1, 1 + 2 * std::numbers::pi, [](double t, int order) -> Vec3 {
           const double a = t + order * std::numbers::pi / 2;
@@ -260,7 +260,7 @@ TEST_CASE("The order of curves changes no bit, their direction next to nothing",
       if (random() % 2) line.curve = std::make_shared<Mapped>(line.curve, 1, Vec3::Zero(), true);
     CHECK(difference(network, CurveNetwork(turned)) < 1e-12);
   }
-  // Backwards as points, and as control points.
+  // Reversed as points, and as control points.
   std::vector<Vec3> points = {{0, 0, 0}, {1, 0.2, 0.1}, {1.7, 1, 0.4}, {2, 2.2, 0}};
   const Vec3 a(0, 1, 0.2), b(1, 0.3, 0.4), c(1.2, 1.3, -0.4), d(2, 1, 0.3);
   const CurveNetwork forth({through("p", points), {"b", bezier_curve(a, b, c, d)}});
@@ -285,7 +285,7 @@ TEST_CASE("Millimetres and metres make the same parameters, far from the origin 
 
 TEST_CASE("The size includes the curve between a few evenly spaced parameters",
           "[skinning][network]") {
-  // A straight line with a narrow peak, of one smooth piece, twice as high as it is long.
+  // A straight curve with a narrow peak, in one smooth segment, twice as high as it is long.
   const auto peak = [](double t, int order) -> Vec3 {
     const double x = (t - 0.4) / 0.03, e = 2 * std::exp(-x * x);
     if (order == 0) return {t, 0, e};
@@ -335,7 +335,8 @@ TEST_CASE("Ends within the tolerance become one node, beyond it they are named",
 }
 
 TEST_CASE("A node does not grow along a chain of ends", "[skinning][network]") {
-  // Ends in a row, 0.8 tolerances apart: three of them are within the tolerance of their mean.
+  // Ends in a row at distances of 0.8 tolerances: three of them are within the tolerance of their
+  // mean.
   NetworkOptions options;
   options.tolerance = 0.01;
   std::vector<CharacterLine> lines;
@@ -351,8 +352,8 @@ TEST_CASE("A node does not grow along a chain of ends", "[skinning][network]") {
   for (const auto& edge : network.edges()) CHECK(edge.deviation <= options.tolerance * (1 + 1e-9));
   check_invariants(network);
 
-  // Where many lines cross within a few tolerances what becomes a node is a matter of order, which
-  // is not that of the input.
+  // Where many curves intersect within a few tolerances, the choice of nodes depends on an order,
+  // which is not that of the input.
   std::vector<CharacterLine> tangle, backwards;
   for (int i = 0; i < 6; ++i) {
     const Vec3 a(0.008 * i, 0, 0), b(std::cos(0.3 + 0.5 * i), std::sin(0.3 + 0.5 * i), 0.1 * i);
@@ -399,7 +400,7 @@ TEST_CASE("An end on the middle of a curve splits it there", "[skinning][network
     CHECK(single_diagnostic(network, Kind::EndOnLine).distance ==
           Approx(std::abs(short_by)).margin(1e-12));
     CHECK(count(network, Kind::Crossing) == 0);
-    // The line's own point; the line goes on straight, the post has no partner.
+    // The point of the curve itself; the curve continues straight, the post has no partner.
     const auto bar = network.edges_of("bar");
     REQUIRE(bar.size() == 2);
     CHECK(network.edges()[bar[0]].name == "bar.1");
@@ -439,7 +440,7 @@ TEST_CASE("Two curves may cross several times, and one itself", "[skinning][netw
                         : Vec3(0, -std::sin(t), 0);
   });
   const CurveNetwork network({{"wave", wave}, straight("axis", {-1, 0, 0}, {13.5, 0, 0})});
-  // At 0 and 4π the wave ends on the axis, between it crosses at π, 2π, 3π.
+  // At 0 and 4π the wave ends on the axis, between them it intersects it at π, 2π, 3π.
   CHECK(count(network, Kind::Crossing) == 3);
   CHECK(count(network, Kind::EndOnLine) == 2);
   CHECK(network.edges_of("wave").size() == 4);
@@ -484,7 +485,7 @@ TEST_CASE("A closed curve that others meet is split at them only", "[skinning][n
   CHECK(network.nodes().size() == 4);
   REQUIRE(count(network, Kind::Disconnected) == 1);
   CHECK(single_diagnostic(network, Kind::Disconnected).lines == std::vector<std::string>{"far"});
-  // It goes on at both nodes, across the seam too.
+  // It continues at both nodes, also across the seam.
   for (const int i : network.edges_of("c"))
     for (const int e : {0, 1}) CHECK(network.edges()[i].continuation[e].edge >= 0);
   check_invariants(network);
@@ -501,7 +502,7 @@ TEST_CASE("Curves that run along others are kept once, and named", "[skinning][n
   auto doubled = base;
   doubled.push_back(base[1]);
   doubled.back().name = "x1 again";
-  // And one given backwards, a little aside.
+  // And a reversed one with a small offset.
   doubled.push_back(
       {"y0 again", std::make_shared<Mapped>(base[3].curve, 1, Vec3(2e-4, 0, 1e-4), true)});
   const CurveNetwork network(doubled);
@@ -512,7 +513,7 @@ TEST_CASE("Curves that run along others are kept once, and named", "[skinning][n
   CHECK(network.edges_of("x1 again") == network.edges_of("x1"));
   check_invariants(network);
 
-  // Hundreds that are equal cost no more than one: among each other they have no contacts.
+  // Hundreds of equal curves cost no more than one: they have no contacts with each other.
   auto many = base;
   for (int i = 0; i < 500; ++i) {
     many.push_back(base[1]);
@@ -524,13 +525,13 @@ TEST_CASE("Curves that run along others are kept once, and named", "[skinning][n
   CHECK(often.edges_of("x1 again 499") == often.edges_of("x1"));
   check_invariants(often);
 
-  // A line that runs to and fro over itself has as many contacts as pairs of its pieces.
+  // A curve that runs back and forth over itself has as many contacts as pairs of its segments.
   std::vector<Vec3> fro;
   for (int i = 0; i < 4000; ++i) fro.emplace_back(i % 10 < 5 ? i % 5 : 5 - i % 5, 1e-7 * i, 0);
   CHECK_THROWS_WITH(CurveNetwork({through("fro", fro)}),
                     Catch::Matchers::Contains("drawn several times"));
 
-  // Two straight lines share the stretch from 1 to 2.
+  // Two straight curves share the part from 1 to 2.
   const CurveNetwork part(
       {straight("a", {0, 0, 0}, {2, 0, 0}), straight("b", {1, 0, 0}, {3, 0, 0})});
   CHECK(part.nodes().size() == 4);
@@ -540,7 +541,7 @@ TEST_CASE("Curves that run along others are kept once, and named", "[skinning][n
   CHECK(part.edges_of("b").size() == 2);
   check_invariants(part);
 
-  // A line that leaves another one in the middle of it.
+  // A curve that leaves another one at its middle.
   const CurveNetwork leaving(
       {straight("a", {0, 0, 0}, {4, 0, 0}),
        through("b", {{0, 0, 0}, {0.5, 0, 0}, {1, 0, 0}, {1.5, 0, 0}, {2, 0, 0}, {3, 1, 0}})});
@@ -552,7 +553,7 @@ TEST_CASE("Curves that run along others are kept once, and named", "[skinning][n
   CHECK(rings.edges().size() == 1);
   CHECK(count(rings, Kind::Duplicate) == 1);
 
-  // Touching is not running along: a circle on its tangent.
+  // Tangency is not an overlap: a circle on its tangent.
   const CurveNetwork touch({circle("c", {0, 1, 0}, 1), straight("t", {-2, 0, 0}, {2, 0, 0})});
   CHECK(count(touch, Kind::Overlap) == 0);
   CHECK(count(touch, Kind::Crossing) == 1);
@@ -583,7 +584,7 @@ TEST_CASE("Curves that pass each other are not joined, but named when near",
 TEST_CASE("Pieces shorter than the tolerance are left out", "[skinning][network]") {
   NetworkOptions options;
   options.tolerance = 0.01;
-  // A dot near a corner, a crossing just before the end of a line.
+  // A tiny curve near a corner, and an intersection just before the end of a curve.
   const CurveNetwork network(
       {straight("a", {0, 0, 0}, {1, 0, 0}), straight("b", {1, 0, 0}, {1, 1, 0}),
        straight("dot", {1.002, 0, 0}, {1.007, 0, 0}), straight("c", {0.5, -0.008, 0}, {0.5, 1, 0})},
@@ -667,14 +668,14 @@ TEST_CASE("Random networks keep their invariants, shuffled bit by bit", "[skinni
       check_invariants(network);
       std::shuffle(lines.begin(), lines.end(), random);
       CHECK(difference(network, CurveNetwork(lines, options)) == 0);
-    } catch (const InputError&) {  // no line longer than the tolerance
+    } catch (const InputError&) {  // all curves shorter than the tolerance
     }
   }
 }
 
 TEST_CASE("curves whose ends stop short of each other get the tolerance that joins them",
           "[skinning][network]") {
-  // A box drawn by hand: each edge ends beside its corners.
+  // A hand-drawn box: each edge ends beside its corners.
   for (const double gap : {0.0, 0.002, 0.012, 0.05}) {
     std::vector<CharacterLine> lines;
     for (int k = 0; k < 12; ++k) {
@@ -702,7 +703,7 @@ TEST_CASE("curves whose ends stop short of each other get the tolerance that joi
       CHECK(network.nodes().size() == 8);
       CHECK(network.tolerance() < 2 * std::numbers::sqrt2 * gap);
     }
-    if (gap == 0.05) CHECK(network.tolerance() == Approx(1e-3 * size));  // too far apart for a hand
+    if (gap == 0.05) CHECK(network.tolerance() == Approx(1e-3 * size));  // too large
     NetworkOptions stated;
     stated.tolerance = 1e-4 * size;
     CHECK(CurveNetwork(lines, stated).tolerance() == 1e-4 * size);
@@ -711,7 +712,8 @@ TEST_CASE("curves whose ends stop short of each other get the tolerance that joi
 
 TEST_CASE("curves that cross and extend slightly beyond are not taken as hand-drawn",
           "[skinning][network]") {
-  // A grid whose lines end 1 % of the size beyond the last crossing, and near no other line's end.
+  // A grid whose curves end 1 % of the size beyond the last intersection, and not close to another
+  // end.
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 4; ++i) {
     const double x = i / 3.0;
@@ -726,8 +728,8 @@ TEST_CASE("curves that cross and extend slightly beyond are not taken as hand-dr
 
 TEST_CASE("curves that cross far more often than they end are not taken as hand-drawn",
           "[skinning][network]") {
-  // A grid whose outer lines are 1.5 % of the size inside of the others' ends, doubled by
-  // neighbours that near: a tolerance of their gaps would join the neighbours.
+  // A grid whose outer curves are 1.5 % of the size inside the ends of the others, duplicated at
+  // the same distance: a tolerance of that gap would join the duplicates.
   std::vector<CharacterLine> lines;
   for (int i = 0; i < 8; ++i)
     for (const double beside : {0.0, 0.021}) {
@@ -743,7 +745,8 @@ TEST_CASE("curves that cross far more often than they end are not taken as hand-
 
 TEST_CASE("the tolerance of a hand-drawn network ignores ends that are not meant to meet",
           "[skinning][network]") {
-  // The sides of a hexagon, short at both ends by 0.4 to 0.6; a whisker that ends 3 below one.
+  // The sides of a hexagon, too short at both ends by 0.4 to 0.6; a short curve that ends 3 below
+  // one.
   std::vector<CharacterLine> lines;
   const auto add = [&](const Vec3& a, const Vec3& b) {
     const std::string name = "line " + std::to_string(lines.size());

@@ -1,4 +1,4 @@
-// The polygon that distorts a surface least.
+// The polygonal domain with the least distortion of a surface.
 #include "batten/skinning/region/polygon_fit.h"
 
 #include <Eigen/Dense>
@@ -49,7 +49,7 @@ double around(const std::vector<Vec2>& p) {
   return sum;
 }
 
-// Lines along the sides of (a, b) → P, [0, 1]².
+// Curves along the sides of (a, b) → P, [0, 1]².
 template <class Function>
 std::vector<CharacterLine> patch_lines(const Function& P) {
   const auto line = [&](const char* name, const Vec2& from, const Vec2& to) {
@@ -122,7 +122,8 @@ TEST_CASE("sectors of a cylinder become the rectangle, however far around", "[sk
     REQUIRE(s.polygon.size() == 4);
     CHECK(measure(s.region).min_jacobian_ratio > 0.95);
     const LeastDistortedPolygon f = find_least_distorted_polygon(s.region.surface, s.polygon);
-    // The shape of least bending is not the cylinder: it dents by 1 %, and is as much shorter.
+    // The shape of minimum bending energy is not the cylinder: it dents by 1 %, and is shorter by
+    // as much.
     CHECK(f.expected.rms < 0.014);
     CHECK(f.expected.rms <= f.before.rms);
     CHECK(f.expected.max_shear < 1.04);
@@ -141,7 +142,7 @@ TEST_CASE("flattening never distorts more, and knows when there is nothing to ga
     CHECK(f.expected.rms <= f.before.rms * (1 + 1e-12));
     return f.before.rms - f.expected.rms;
   };
-  // The quarter of a torus wants other angles than those between its lines.
+  // The quarter of a torus has other optimal angles than those between its curves.
   CHECK(gain(first_shape(patch_lines([](double a, double b) {
           const double u = a * pi / 2, v = b * pi / 2, r = 2 + 0.7 * std::cos(v);
           return Vec3(r * std::cos(u), r * std::sin(u), 0.7 * std::sin(v));

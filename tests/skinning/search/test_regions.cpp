@@ -1,4 +1,4 @@
-// Regions of networks: the loops that anyone would take, words of the user, and real sketches.
+// Faces of networks: unambiguous loops, prescribed faces, and real sketches.
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/search/regions.h"
 
@@ -33,7 +33,7 @@ using std::numbers::pi;
 using Lines = std::vector<CharacterLine>;
 using Names = std::vector<std::string>;
 
-// A circle or a part of one around `centre`, from a towards b (both as long as the radius).
+// A circle or an arc around `centre`, from a towards b (both have the length of the radius).
 CharacterLine circular_arc(const std::string& name, const Vec3& centre, const Vec3& a,
                            const Vec3& b, double from = 0, double to = 2 * pi) {
   return {name, curve_from_formula(from, to, [=](double t, int order) -> Vec3 {
@@ -43,7 +43,7 @@ CharacterLine circular_arc(const std::string& name, const Vec3& centre, const Ve
           })};
 }
 
-// Lines along x and y over [0, m] × [0, n] at whole numbers, lifted.
+// Curves along x and y over [0, m] × [0, n] at integers, with a height.
 template <class Height>
 Lines grid(int m, int n, const Height& height) {
   Lines lines;
@@ -66,7 +66,7 @@ Names names_of(const CurveNetwork& network, const EdgeLoop& loop) {
   return names;
 }
 
-// All loops of all regions, by the names of their arcs.
+// All loops of all faces, by the names of their edges.
 std::multiset<Names> loops_of(const CurveNetwork& network, const FoundRegions& found) {
   std::multiset<Names> all;
   for (const NetworkRegion& region : found.regions)
@@ -81,7 +81,7 @@ std::multiset<size_t> sides_of(const FoundRegions& found) {
   return sides;
 }
 
-// What must hold whatever was found.
+// Invariants of every result.
 void check_consistent(const CurveNetwork& network, const FoundRegions& found, int most = 2) {
   std::vector<int> uses(network.edges().size(), 0);
   std::set<std::string> names;
@@ -164,7 +164,7 @@ Lines torus(int m, int n, double big = 3, double small = 1) {
 Lines stacked_boxes() {
   Lines lines = box_lines(Vec3::Zero(), Vec3(1, 1, 1));
   for (CharacterLine& line : box_lines(Vec3(0, 0, 1), Vec3(1, 1, 0.8))) {
-    // The edges of its floor are there already.
+    // The edges of its floor already exist.
     if (line.curve->evaluate(line.curve->start(), 0).z() == 1 &&
         line.curve->evaluate(line.curve->end(), 0).z() == 1)
       continue;
@@ -206,7 +206,7 @@ TEST_CASE("a box has six faces, and five if its lid is specified as open", "[ski
   const NetworkWithRegions without(lines, open);
   CHECK(without.sides() == all(5, 4));
   CHECK(without.regions.free_edges.size() == 4);
-  CHECK(without.regions.ambiguous_regions.empty());  // the user has said it
+  CHECK(without.regions.ambiguous_regions.empty());  // decided by the user
 }
 
 TEST_CASE("closed surfaces of any genus are found closed", "[skinning][search]") {
@@ -234,7 +234,7 @@ TEST_CASE("closed surfaces of any genus are found closed", "[skinning][search]")
   }
 }
 
-// An outline at height 0 and at height 1, and upright lines between their corners.
+// An outline at height 0 and at height 1, and vertical curves between their corners.
 Lines prism(const Lines& outline) {
   Lines lines;
   int number = 0;
@@ -301,7 +301,7 @@ TEST_CASE("a chain with one wall inside of a plane face is a hole of it", "[skin
       CHECK(region.loops[1].size() == 2);
     }
   CHECK(holes == 2);
-  // Without its walls the circle below lies in the face, and nobody knows what for.
+  // Without its walls the circle below is inside the face, with no defined meaning.
   lines.resize(12);
   lines.push_back(circle[0]);
   lines.push_back({"other half", circle[1].curve});
@@ -309,7 +309,7 @@ TEST_CASE("a chain with one wall inside of a plane face is a hole of it", "[skin
 }
 
 TEST_CASE("sections of a wing get its skins, not its ribs", "[skinning][search]") {
-  // Noses are round, trailing edges sharp; ribs lie in planes, skins are twisted.
+  // Noses are round, trailing edges sharp; ribs are planar, skins are twisted.
   Lines lines;
   std::vector<Vec3> front, rear;
   for (int k = 0; k < 4; ++k) {
@@ -476,7 +476,7 @@ TEST_CASE("a loop on a face is not ambiguous", "[skinning][search]") {
   CHECK(found.regions.unused_edges.size() == 1);
   REQUIRE(found.regions.ambiguous_regions.size() == 1);
   CHECK_THAT(found.regions.ambiguous_regions[0].text, Contains("'eye'") && Contains("hole"));
-  // As the choice says: the outline and the hole.
+  // As in the alternative: the outline and the hole.
   RegionSearchOptions options;
   options.specs.emplace_back();
   for (const EdgeLoop& loop : found.regions.ambiguous_regions[0].alternatives[0])
@@ -565,7 +565,7 @@ TEST_CASE("faces do not depend on the order or direction of curves, nor on small
           return back && order == 1 ? Vec3(-x) : x;
         });
       }
-      // Pieces of a cut line are numbered along it: their names change when it is reversed.
+      // Parts of a split curve are numbered along it: their names change if it is reversed.
       const NetworkWithRegions found(other);
       CHECK(found.loops().size() == expected.size());
       CHECK(found.sides() == NetworkWithRegions(lines).sides());
@@ -624,7 +624,7 @@ TEST_CASE("a plane polygon costs its sides less two, and surfaces fold as they m
 }
 
 TEST_CASE("frames are carried without turning", "[skinning][search]") {
-  // Around a circle the binormal stays.
+  // Around a circle the binormal is constant.
   const RegionGraph graph(
       CurveNetwork({circular_arc("c", Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), 0, 1.5)}));
   const GraphEdge& edge = graph.edges[0];
@@ -696,7 +696,7 @@ TEST_CASE("faces of real sketches are those that a designer expects", "[skinning
   const NetworkWithRegions found(read_sketch_graph(file));
   const auto of_edge = SketchSegments(file).of_edges(RegionGraph(found.network));
   const ExpectedSurfaces::Score score = expected.score(found.regions.regions, of_edge);
-  // Loops that lie on a region are left to the user, who is told.
+  // Loops on a face are left to the user, with a message.
   std::set<int> offered = score.correct;
   for (const AmbiguousRegion& choice : found.regions.ambiguous_regions)
     for (const auto& loops : choice.alternatives)

@@ -1,5 +1,5 @@
-// Which shape a model gets between its curves, its rest shape for sessions, and its refinement at
-// gaps.
+// Selection of a model's shape between its curves, its rest shape for sessions, and its refinement
+// at gaps.
 #include <cmath>
 
 #include "batten/skinning/model/gap_refinement.h"
@@ -17,7 +17,7 @@ namespace {
 
 using Shape = FairShapeOptions::Shape;
 
-/// The model of one face, not solved, with a coarse mesh.
+/// An unsolved model of one face, with a coarse mesh.
 BuiltModel face_of(const std::vector<CharacterLine>& lines) {
   ModelBuildOptions options;
   options.single_face = true;
@@ -48,7 +48,8 @@ class PlaneTarget : public TargetSurface {
 
 }  // namespace
 
-TEST_CASE("faces with five or more sides get a fair shape automatically, others do not") {
+TEST_CASE("faces with five or more sides get a fair shape automatically, others do not",
+          "[skinning][model]") {
   const BuiltModel five = face_of(curved_polygon(5, 0.2, 0.1)),
                    four = face_of(curved_polygon(4, 0.2, 0.1));
   CHECK(has_fair_shape({}, five.model.layout.get()));
@@ -66,7 +67,7 @@ TEST_CASE("faces with five or more sides get a fair shape automatically, others 
   REQUIRE(fair.rest);
 }
 
-TEST_CASE("the rest shape of a session is the fair shape at first") {
+TEST_CASE("the rest shape of a session is the fair shape at first", "[skinning][model]") {
   const BuiltModel five = face_of(curved_polygon(5, 0.2, 0.1));
   const Points bent = five.model.layout->minimize_energy({});
   FairShape fair =
@@ -77,7 +78,7 @@ TEST_CASE("the rest shape of a session is the fair shape at first") {
   const Progress progress;
   const Points start = fair.layout->minimize_energy({});
   CHECK(fair.rest({*fair.layout, rows, start, none, progress}) == fair.dofs);
-  // Computed anew under the same constraints from there, it is at least as fair.
+  // Solved again from there under the same constraints, it is at least as fair.
   const double functional = fair.fairing->surface->functional;
   const Points again = fair.rest({*fair.layout, rows, start, fair.dofs, progress});
   CHECK(again.rows() == fair.dofs.rows());
@@ -85,7 +86,7 @@ TEST_CASE("the rest shape of a session is the fair shape at first") {
   CHECK(fair.fairing->failure_reason.empty());
 }
 
-TEST_CASE("the shape of minimum bending is kept as it is") {
+TEST_CASE("the shape of minimum bending is kept as it is", "[skinning][model]") {
   const BuiltModel five = face_of(curved_polygon(5, 0.2, 0.1));
   const Points bent = five.model.layout->minimize_energy({});
   const FairShape kept =
@@ -94,7 +95,7 @@ TEST_CASE("the shape of minimum bending is kept as it is") {
   CHECK_FALSE(kept.rest);
 }
 
-TEST_CASE("a flat face fits its plane, and a fit needs a target") {
+TEST_CASE("a flat face fits its plane, and a fit needs a target", "[skinning][model]") {
   const BuiltModel made = face_of(polygon_lines({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
   const Points bent = made.model.layout->minimize_energy({});
   FairShapeOptions options = of_shape(Shape::Target);
@@ -109,7 +110,8 @@ TEST_CASE("a flat face fits its plane, and a fit needs a target") {
   CHECK((fitted.dofs - bent).cwiseAbs().maxCoeff() < 1e-9);
 }
 
-TEST_CASE("the bending energy is quadratic in the shape and 0 for a flat one") {
+TEST_CASE("the bending energy is quadratic in the shape and 0 for a flat one",
+          "[skinning][model]") {
   const BuiltModel made = face_of(curved_polygon(5, 0.2, 0));
   const ModelLayout& layout = *made.model.layout;
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
@@ -126,7 +128,8 @@ TEST_CASE("the bending energy is quadratic in the shape and 0 for a flat one") {
         1e-12);
 }
 
-TEST_CASE("triangles at gaps are bisected until the surface is on its embedded curves") {
+TEST_CASE("triangles at gaps are bisected until the surface is on its embedded curves",
+          "[skinning][model]") {
   std::vector<CharacterLine> lines = patch_with_inner_line();
   lines.back().mesh_alignment = CharacterLine::MeshAlignment::Embedded;
   const BuiltModel made = face_of(lines);
@@ -137,7 +140,7 @@ TEST_CASE("triangles at gaps are bisected until the surface is on its embedded c
   const int before = layout.mesh()->triangle_count();
   GapRefinement refinement(layout);
   std::vector<SkinnedRegion> regions = solved();
-  // A rib that is pulled off its curve, as a load would do.
+  // A rib that is pulled off its curve, as by a load.
   Points dofs = layout.minimize_energy({});
   for (int v = 0; v < layout.mesh()->vertex_count(); ++v) dofs(3 * v, 2) += 0.01 * (v % 2);
   const SkinnedRegion pulled = layout.skinned(0, dofs);

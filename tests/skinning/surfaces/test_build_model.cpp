@@ -24,7 +24,7 @@ CharacterLine circle(const std::string& name, double radius, double z) {
 
 }  // namespace
 
-TEST_CASE("the edges of a box give a network of six faces") {
+TEST_CASE("the edges of a box give a network of six faces", "[skinning][surfaces]") {
   ModelBuildOptions options;
   options.model.skin.edge_length = 0.5;
   const BuiltModel made = build_model(box_lines(Vec3::Zero(), {1, 1, 1}), options);
@@ -39,7 +39,8 @@ TEST_CASE("the edges of a box give a network of six faces") {
         Approx(1e-3 * std::sqrt(3.0)));
 }
 
-TEST_CASE("a single face gets the name of the model, and can be requested with its layout") {
+TEST_CASE("a single face gets the name of the model, and can be requested with its layout",
+          "[skinning][surfaces]") {
   ModelBuildOptions options;
   options.model.name = "door";
   const BuiltModel found = build_model(polygon_lines({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), options);
@@ -53,14 +54,15 @@ TEST_CASE("a single face gets the name of the model, and can be requested with i
   CHECK(requested.model.dofs.rows() == 0);
 }
 
-TEST_CASE("inner curves make the outlines a single face") {
+TEST_CASE("inner curves make the outlines a single face", "[skinning][surfaces]") {
   const BuiltModel made = build_model(patch_with_inner_line(), {});
   CHECK_FALSE(made.network);
   CHECK(made.model.layout->region_count() == 1);
   CHECK(made.model.layout->has_line("rib"));
 }
 
-TEST_CASE("the normals of a single face do not depend on the direction of its curves") {
+TEST_CASE("the normals of a single face do not depend on the direction of its curves",
+          "[skinning][surfaces]") {
   ModelBuildOptions options;
   options.single_face = true;
   std::vector<CharacterLine> lines = curved_polygon(5, 0.2, 0);
@@ -76,7 +78,7 @@ TEST_CASE("the normals of a single face do not depend on the direction of its cu
   }
 }
 
-TEST_CASE("three circles in a row are the sections of a loft") {
+TEST_CASE("three circles in a row are the sections of a loft", "[skinning][surfaces]") {
   const std::vector<CharacterLine> circles = {circle("low", 1, 0), circle("high", 1.2, 4),
                                               circle("middle", 1.5, 2)};
   const BuiltModel made = build_model(circles, {});
@@ -85,7 +87,7 @@ TEST_CASE("three circles in a row are the sections of a loft") {
   CHECK((made.sections == up || made.sections == down));
 }
 
-TEST_CASE("curves without a closed loop are rejected with their gaps") {
+TEST_CASE("curves without a closed loop are rejected with their gaps", "[skinning][surfaces]") {
   ModelBuildOptions options;
   options.unit = "mm";
   options.network_where = "scene.toml:2:1: ";
@@ -96,7 +98,8 @@ TEST_CASE("curves without a closed loop are rejected with their gaps") {
   CHECK_THAT(text, Contains(" mm)"));
 }
 
-TEST_CASE("the curves of a model merge the edges of the network that continue each other") {
+TEST_CASE("the curves of a model merge the edges of the network that continue each other",
+          "[skinning][surfaces]") {
   ModelBuildOptions options;
   options.model.skin.edge_length = 0.3;
   const std::vector<CharacterLine> lines = sphere_lines();

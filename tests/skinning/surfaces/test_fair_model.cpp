@@ -1,4 +1,4 @@
-// Fairing a model makes nothing wrong: regions that it would spoil keep their shape.
+// Fairing a model adds no defects: faces that it would damage keep their shape.
 #include "batten/skinning/surfaces/skin_network.h"
 
 #include "batten/core/errors.h"
@@ -17,7 +17,7 @@ void straight(batten_test::TestModelBuilder& p, const std::string& name, const V
                                      p.options.edge_length));
 }
 
-// An octant, and a quadrilateral beside it two sides of which pass close over each other.
+// An octant, and an adjacent quadrilateral with two sides that pass closely over each other.
 batten_test::TestModelBuilder octant_and_bow_tie() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   batten_test::TestModelBuilder p;

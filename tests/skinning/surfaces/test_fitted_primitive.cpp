@@ -1,4 +1,5 @@
-// What a surface is: primitives are found in any place, turn and unit, with their lengths; nothing else is.
+// Recognition of primitives in any position, orientation and unit, with their dimensions, and of
+// nothing else.
 #include "batten/skinning/surfaces/fitted_primitive.h"
 
 #include <Eigen/Geometry>
@@ -34,7 +35,7 @@ Patch patch(const std::function<Vec3(double, double)>& x, double s0, double s1, 
   return made;
 }
 
-/// The patch turned, moved, in another unit.
+/// The patch rotated, translated, in another unit.
 Patch placed(Patch p, double unit) {
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   p.x = unit * ((p.x * turn.transpose()).rowwise() + Vec3(30, -7, 12).transpose());
@@ -66,7 +67,7 @@ Vec3 on_torus(double s, double t) {
 }  // namespace
 
 TEST_CASE("primitives are found with their frames, in any position and unit",
-          "[skinning][surfaces][fitted_primitive]") {
+          "[skinning][surfaces]") {
   for (const double unit : {1.0, 1e-3, 1e3}) {
     CAPTURE(unit);
     const double tolerance = 1e-4 * unit, hair = 1e-8 * unit;
@@ -114,7 +115,7 @@ TEST_CASE("primitives are found with their frames, in any position and unit",
   }
 }
 
-TEST_CASE("surfaces that are no primitive are none", "[skinning][surfaces][fitted_primitive]") {
+TEST_CASE("surfaces that are no primitive are none", "[skinning][surfaces]") {
   const auto kind = [](const std::function<Vec3(double, double)>& x, double s0, double s1,
                        double t0, double t1) {
     const Patch made = patch(x, s0, s1, t0, t1);
@@ -129,18 +130,18 @@ TEST_CASE("surfaces that are no primitive are none", "[skinning][surfaces][fitte
   CHECK(kind([](double s, double t) { return Vec3(s, t, s * t); }, -1, 1, -1, 1) == Kind::Free);
   CHECK(kind([](double s, double t) { return Vec3(s, t, 0.3 * (s * s - t * t)); }, -1, 1, -1, 1) ==
         Kind::Free);
-  // Cylinders over an ellipse; of a wave.
+  // Cylinders over an ellipse and over a wave.
   CHECK(kind([](double s, double t) { return Vec3(2 * std::cos(s), std::sin(s), t); }, 0, 3, 0,
              2) == Kind::Free);
   CHECK(kind([](double s, double t) { return Vec3(s, t, 0.1 * std::sin(3 * s)); }, 0, 3, 0, 2) ==
         Kind::Free);
-  // A panel with a crown: what sags by a hundredth has a curvature in every direction, and no radius that counts.
+  // A crowned panel: a sag of a hundredth means curvature in all directions, and no significant
+  // radius.
   CHECK(kind([](double s, double t) { return Vec3(s, t, 0.02 * (1 - s * s) * (1 - t * t)); }, -1, 1,
              -1, 1) == Kind::Free);
 }
 
-TEST_CASE("a patch that hardly turns is a plane or nothing",
-          "[skinning][surfaces][fitted_primitive]") {
+TEST_CASE("a patch that hardly turns is a plane or nothing", "[skinning][surfaces]") {
   const auto sheet = [](double turn) {
     const double r = 1 / turn;
     return patch(
@@ -150,7 +151,7 @@ TEST_CASE("a patch that hardly turns is a plane or nothing",
   CHECK(measured(sheet(1e-4), 1e-4).kind == Kind::Plane);
   CHECK(measured(sheet(0.03), 1e-4).kind == Kind::Free);
   CHECK(measured(sheet(0.1), 1e-4).kind == Kind::Cylinder);
-  // With noise of half the tolerance its radius is known to a tenth only.
+  // With noise of half the tolerance, its radius is known only to a tenth.
   Patch noisy = sheet(0.06);
   for (long i = 0; i < noisy.x.rows(); ++i)
     noisy.x(i, 2) += 1e-3 * std::sin(7.0 * static_cast<double>(i * i));
@@ -158,7 +159,7 @@ TEST_CASE("a patch that hardly turns is a plane or nothing",
 }
 
 TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolerance",
-          "[skinning][surfaces][fitted_primitive]") {
+          "[skinning][surfaces]") {
   const auto band = [](double s, double t) {
     const double r = 38 - 0.3 * t;
     return Vec3(r * std::cos(s), r * std::sin(s), t);
@@ -170,7 +171,7 @@ TEST_CASE("a narrow band of a cone is no sphere, though one is within the tolera
 }
 
 TEST_CASE("shapes that deviate from a primitive by more than the tolerance are none",
-          "[skinning][surfaces][fitted_primitive]") {
+          "[skinning][surfaces]") {
   Patch dented = patch(on_cylinder, 0, 2, 0, 3);
   dented.x.row(300) += 0.01 * dented.n.row(300);
   CHECK(measured(dented, 0.02).kind == Kind::Cylinder);

@@ -1,4 +1,4 @@
-// One region laid out in many ways: the usual one where it serves, a better one where it does not.
+// Candidate layouts of one face: the default one if it is valid, otherwise a better one.
 #include "batten/skinning/surfaces/layout_candidate.h"
 
 #include <numbers>
@@ -37,7 +37,7 @@ RegionRequest region_request(const std::vector<CharacterLine>& lines, int inner 
   return w;
 }
 
-// Sides of three points each between corners around an axis, up and down.
+// Sides of three points each between corners around an axis, alternately up and down.
 std::vector<CharacterLine> rough_loop(Random& random) {
   const int corners = 3 + static_cast<int>(random.between(0, 5));
   std::vector<Vec3> at;

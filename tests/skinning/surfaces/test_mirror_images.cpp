@@ -21,7 +21,8 @@ const SymmetryPlane kPlane{Vec3::Zero(), Vec3::UnitY()};
 
 }  // namespace
 
-TEST_CASE("curves in the plane of symmetry are not mirrored, the others are") {
+TEST_CASE("curves in the plane of symmetry are not mirrored, the others are",
+          "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = half();
   add_mirror_images(kPlane, lines);
   REQUIRE(lines.size() == 5);
@@ -38,7 +39,8 @@ TEST_CASE("curves in the plane of symmetry are not mirrored, the others are") {
         lines[3].curve->evaluate(lines[3].curve->start()));
 }
 
-TEST_CASE("any plane is a plane of symmetry, and a curve that crosses it is rejected") {
+TEST_CASE("any plane is a plane of symmetry, and a curve that crosses it is rejected",
+          "[skinning][surfaces]") {
   const Vec3 normal = Vec3(1, 2, -1).normalized(), point(3, -1, 2), side = normal.unitOrthogonal();
   const auto at = [&](double along, double height) -> Vec3 {
     return point + along * side + height * normal;
@@ -56,7 +58,7 @@ TEST_CASE("any plane is a plane of symmetry, and a curve that crosses it is reje
   CHECK_FALSE(error_message([&] { add_mirror_images({point, Vec3::Zero()}, lines); }).empty());
 }
 
-TEST_CASE("a tolerance decides which curves lie in the plane") {
+TEST_CASE("a tolerance decides which curves lie in the plane", "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = {straight("low", {0, 0.05, 0}, {1, 0.05, 0}),
                                       straight("high", {0, 1, 0}, {1, 1, 0})};
   std::vector<CharacterLine> copy = lines;
@@ -66,7 +68,8 @@ TEST_CASE("a tolerance decides which curves lie in the plane") {
   CHECK(lines.size() == 3);
 }
 
-TEST_CASE("joins are mirrored if their curves are, and the given ones come last") {
+TEST_CASE("joins are mirrored if their curves are, and the given ones come last",
+          "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = half();
   add_mirror_images(kPlane, lines);
   const std::vector<JoinSpec> joins = {{"keel", JoinSpec::Kind::Smooth, "1: "},
@@ -80,7 +83,8 @@ TEST_CASE("joins are mirrored if their curves are, and the given ones come last"
   CHECK(all[2].line == "rail.2");
 }
 
-TEST_CASE("faces are mirrored unless they are whole or their image is specified") {
+TEST_CASE("faces are mirrored unless they are whole or their image is specified",
+          "[skinning][surfaces]") {
   std::vector<CharacterLine> lines = half();
   add_mirror_images(kPlane, lines);
   RegionSpec side, whole, image;

@@ -1,4 +1,4 @@
-// Models from networks: orientation, joins, shells, measures.
+// Models from networks: orientation, shared edges, shells, measures.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -65,7 +65,7 @@ TEST_CASE("eight octants of a sphere become one smooth closed shell near it",
     CHECK_FALSE(join.open[0]);
     CHECK_FALSE(join.open[1]);
   }
-  // The great circles hold it, least bending keeps it close between them.
+  // The great circles interpolate it; minimum bending energy stays close to it between them.
   CHECK(model.shells[0].volume == Approx(4 * std::numbers::pi / 3).epsilon(0.02));
   double worst = 0;
   for (const SkinnedRegion* r : model.skinned())
@@ -78,7 +78,7 @@ TEST_CASE("the user's setting makes a crease of a smooth curve and names what ca
           "[skinning][surfaces]") {
   ModelOptions options;
   options.skin.edge_length = 0.3;
-  options.rest = false;  // sweeps are the sphere: nothing of a crease would be seen
+  options.rest = false;  // sweeps are the sphere: creases would be invisible
   options.joins = {{"xy", JoinSpec::Kind::Crease, "scene:1: "}};
   const SurfaceModel model = model_of(sphere_lines(), options);
   int creases = 0;
@@ -177,7 +177,7 @@ TEST_CASE("boundaries and holes run around faces: volumes of a can, a torus, a b
         {circle("low", Vec3::Zero(), x, y), circle("high", 2 * z, x, sense * y)}, options, regions);
     REQUIRE(can.shells.size() == 1);
     CHECK(can.shells[0].closed);
-    // Least bending without stretching narrows the waist.
+    // Minimum bending energy without stretching narrows the waist.
     CHECK(can.shells[0].volume == Approx(2 * pi).epsilon(0.2));
 
     std::vector<CharacterLine> lines;

@@ -1,4 +1,4 @@
-// To which side normals point, whatever the order and direction of the curves and the proportions.
+// The side of normals, independent of the order and direction of the curves and of the proportions.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -70,7 +70,7 @@ SurfaceModel model_of(const Lines& lines, const RegionSearchOptions& regions = {
   return skin_network(network, find_regions(network, regions), options);
 }
 
-// The lines as they are, and in other orders and directions.
+// The curves in the given, and in other orders and directions.
 std::vector<Lines> drawn_otherwise(const Lines& lines) {
   std::vector<Lines> all{lines};
   std::mt19937 random(7);
@@ -84,7 +84,7 @@ std::vector<Lines> drawn_otherwise(const Lines& lines) {
   return all;
 }
 
-// The largest and the least of (x - middle) · n, over the normals at the middle of the elements.
+// Maximum and minimum of (x - middle) · n, over the normals at the centroids of the elements.
 void check_normals(const SurfaceModel& model,
                    const std::function<double(const SurfaceJet&)>& value) {
   double least = 1e9;
@@ -147,7 +147,7 @@ TEST_CASE("where curvature decides nothing, normals point up, along x or along y
       {quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}), Z},
       {quad({0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}), X},
       {quad({0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}), Y},
-      {quad({1, 0, 0}, {0, 1, 1}, {-1, 0, 0}, {0, -1, 1}), Z}};  // a hypar
+      {quad({1, 0, 0}, {0, 1, 1}, {-1, 0, 0}, {0, -1, 1}), Z}};  // a hyperbolic paraboloid
   for (const auto& [shape, direction] : shapes)
     for (const Lines& lines : drawn_otherwise(shape)) {
       const SurfaceModel model = model_of(lines);
@@ -194,7 +194,7 @@ TEST_CASE("the rule on integrals: its order, its deadband, and both signs",
   CHECK(normal_side(s, false).text() == "along (0.8, -0.6, 0.02)");
   s.area_vector.z() = -0.3;
   CHECK_FALSE(normal_side(s, false).agrees);
-  s.curvature = 0.019;  // of √A = 2 not more than 0.01
+  s.curvature = 0.019;  // of √A = 2 at most 0.01
   CHECK(normal_side(s, false).rule == Rule::Axis);
   s.curvature = 0.021;
   CHECK(normal_side(s, false).text() == "to the convex side");

@@ -1,4 +1,4 @@
-// Solids with edges as sharp as they are drawn.
+// Solids with sharp edges as drawn.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@ using namespace batten_test;
 
 namespace {
 
-// A wedge along y from nine straight lines: a sharp edge at x = 0, 80 long, and a face at x = 50.
+// A wedge along y from nine straight curves: a sharp edge at x = 0, 80 long, and a face at x = 50.
 std::vector<CharacterLine> wedge_lines(double degrees, bool other_order) {
   const double h = 50 * std::tan(degrees * std::numbers::pi / 360);
   const auto corner = [&](int i, double y) {
@@ -55,7 +55,7 @@ TEST_CASE("wedges of nine curves have five faces, no defect and the volume of th
 TEST_CASE("a square-to-round adapter is the same at both ends, with arcs or one circle",
           "[skinning][surfaces]") {
   const double pi = std::numbers::pi;
-  // Angles of the joins between its four sides.
+  // Angles of the edges between its four sides.
   const auto angles = [&](bool flipped, bool one_circle, double radius) {
     const Vec3 low(0, 0, flipped ? 2 : 0), high(0, 0, flipped ? 0 : 2);
     std::vector<CharacterLine> lines;

@@ -1,4 +1,4 @@
-// Surfaces that are wrong on purpose, and some that only look it.
+// Surfaces with defects, and some that only appear to have them.
 #include <limits>
 #include <numbers>
 
@@ -34,13 +34,13 @@ CharacterLine line(const std::string& name, const Vec3& a, const Vec3& b) {
   return {name, curve_through_points(name, {a, b})};
 }
 
-// A plane quadrilateral with this name.
+// A planar quadrilateral with this name.
 SkinnedRegion quad(const std::string& name, const Vec3& a, const Vec3& b, const Vec3& c,
                    const Vec3& d, double edge = 0.1) {
   return solved(name, {line("1", a, b), line("2", b, c), line("3", c, d), line("4", d, a)}, edge);
 }
 
-// The unit square's region with the shape of a formula over its own (u, v) box, 0 … 1 each.
+// The unit square's region with the shape of a function over its own (u, v) rectangle, 0 … 1 each.
 SkinnedRegion shaped(const std::string& name, const std::function<Vec3(double, double)>& formula,
                      double edge_length = 0.04) {
   SkinnedRegion region = quad(name, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, edge_length);
@@ -59,7 +59,7 @@ SkinnedRegion shaped(const std::string& name, const std::function<Vec3(double, d
   Points q(dofs.count(), 3);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const Vec2& p = mesh.vertices()[v];
-    // Domains are rounded to 2^-30: what two of these share, they share exactly.
+    // Domains are rounded to 2^-30: shared parameters are equal exactly.
     q.row(dofs.vertex(v)) = formula(std::round((p.x() - low.x()) / size * 1e6) / 1e6,
                                     std::round((p.y() - low.y()) / size * 1e6) / 1e6);
     q.row(dofs.vertex(v, 1)) = slope(p, Vec2::UnitX());
@@ -176,9 +176,9 @@ TEST_CASE("a wedge that the curves at the ends of the common curve require is no
   for (const double degrees : {180.0, 90.0, 60.0, 35.0, 25.0, 16.0, 10.0, 5.0, 2.0, 0.5}) {
     INFO(degrees);
     CHECK(texts(defects_of(wedge(degrees))) == "");
-    CHECK(texts(defects_of(wedge(degrees, 0.07))) == "");  // other elements
+    CHECK(texts(defects_of(wedge(degrees, 0.07))) == "");  // the other elements
   }
-  // Twice the same surface is one.
+  // Twice the same surface counts as one.
   const auto defects = defects_of(wedge(0));
   REQUIRE_FALSE(defects.empty());
   CHECK(defects[0].kind == Kind::Fold);
@@ -186,7 +186,7 @@ TEST_CASE("a wedge that the curves at the ends of the common curve require is no
 }
 
 TEST_CASE("two faces that double back between distant ends are named", "[skinning][surfaces]") {
-  // The second leans over the first in the middle of their line, to `least` degrees.
+  // The second leans over the first in the middle of their common curve, down to `least` degrees.
   const auto leaning = [](double ends, double least) {
     return [=](double u, double v) {
       const double a = (ends + (least - ends) * std::sin(pi * v)) * pi / 180;
@@ -224,7 +224,7 @@ TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets"
       const SkinnedRegion lower = shaped("lower", sheet(0, false), edge);
       CHECK(texts(defects_of(
                 {lower, shaped("upper", sheet(std::tan(degrees * pi / 180), true), edge)})) == "");
-      // They do cross where they lie through each other by more than that.
+      // They intersect if they penetrate each other by more than that.
       const auto through = [&](double u, double v) {
         return Vec3(sheet(0, true)(u, v) + Vec3(0, 0, 0.2 * u * (u - 0.5)));
       };
@@ -236,7 +236,7 @@ TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets"
 
 TEST_CASE("facets that overlap in one plane intersect, whatever its normal",
           "[skinning][surfaces][defects]") {
-  // Planes in which all coordinates are exact, so that the facets are exactly coplanar.
+  // Planes with exact coordinates, so that the facets are exactly coplanar.
   const std::pair<Vec3, Vec3> planes[] = {{Vec3::UnitX(), Vec3::UnitY()},
                                           {Vec3::UnitX(), Vec3::UnitZ()},
                                           {Vec3::UnitY(), Vec3::UnitZ()},
@@ -256,7 +256,7 @@ TEST_CASE("facets that overlap in one plane intersect, whatever its normal",
     CHECK(count(plane, {{{0, 0}, {4, 0}, {0, 4}, {1, 1}, {5, 1}, {1, 5}}}) == 1);
     CHECK(count(plane, {{{0, 0}, {8, 0}, {0, 8}, {1, 1}, {2, 1}, {1, 2}}}) == 1);
     CHECK(count(plane, {{{0, 0}, {6, 0}, {3, 6}, {0, 4}, {3, -2}, {6, 4}}}) == 1);
-    // Apart in either direction of the plane, with overlapping bounding boxes.
+    // Separated in either direction of the plane, with overlapping bounding boxes.
     CHECK(count(plane, {{{0, 0}, {4, 0}, {0, 4}, {4, 1}, {4, 4}, {1, 4}}}) == 0);
     CHECK(count(plane, {{{0, 0}, {1, 0}, {0, 1}, {3, 0}, {4, 0}, {3, 1}}}) == 0);
     CHECK(count(plane, {{{0, 0}, {1, 0}, {0, 1}, {0, 3}, {1, 3}, {0, 4}}}) == 0);
@@ -284,7 +284,7 @@ TEST_CASE("intersecting and self-intersecting faces are named", "[skinning][surf
   CHECK(std::abs(alpha[0].where.x() - 1) < 0.05);
   CHECK(std::abs(alpha[0].where.z()) < 0.05);
 
-  // Twice the same place.
+  // Two coincident surfaces.
   const auto twice =
       defects_of({quad("one", {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}),
                   quad("two", {0.5, 0.1, 0}, {1.5, 0.1, 0}, {1.5, 0.9, 0}, {0.5, 0.9, 0})});
@@ -310,7 +310,7 @@ TEST_CASE("faces that share a curve within a gap, or in other steps, only touch"
   around.push_back({"hole", circle, CharacterLine::Role::Hole});
   CHECK(
       defects_of({solved("disc", {{"rim", circle}}, 0.17), solved("plate", around, 0.11)}).empty());
-  // The same disc, a third of its height lower, is through the plate's hole no more.
+  // The same disc, lower by a third of its height, no longer passes through the plate's hole.
   const auto lowered = curve_from_formula(0, 2 * pi, [&](double t, int order) {
     const Vec3 x = 1.2 * circle->evaluate(t, order);
     return order == 0 ? Vec3(x - Vec3(0, 0, 0.05)) : x;
@@ -322,7 +322,7 @@ TEST_CASE("faces that share a curve within a gap, or in other steps, only touch"
 }
 
 TEST_CASE("intersections of facets are those of an exhaustive search", "[skinning][surfaces]") {
-  // Facets thrown at random; each pair tested by its edges against the other's plane.
+  // Random facets; each pair is tested by its edges against the other's plane.
   unsigned state = 7;
   const auto random = [&] {
     state = state * 1664525u + 1013904223u;
@@ -363,7 +363,7 @@ TEST_CASE("intersections of facets are those of an exhaustive search", "[skinnin
   CHECK(expected.size() > 100);
   CHECK(found == expected);
 
-  // A facet that is not finite hides none of the others.
+  // A facet with coordinates that are not finite hides none of the others.
   std::vector<Vec3> broken = points;
   broken[0].y() = std::numeric_limits<double>::quiet_NaN();
   found.clear();

@@ -1,4 +1,4 @@
-// Models fitted to given surfaces: as near as triangles allow, with their lines kept.
+// Models fitted to given surfaces: as close as the triangles allow, with their curves kept.
 #include "batten/skinning/target/fit_model.h"
 
 #include <cmath>
@@ -18,11 +18,11 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A formula, which ends nowhere.
+/// An unbounded surface given by a function.
 class FormulaTarget : public TargetSurface {
  public:
   explicit FormulaTarget(const bench::Formula& formula) : formula_(formula) {
-    formula_.closest(Vec3::Zero());  // makes its samples, once
+    formula_.closest(Vec3::Zero());  // computes its samples once
   }
   std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
     const auto foot_point = formula_.closest(p);
@@ -43,7 +43,7 @@ class FormulaTarget : public TargetSurface {
   const bench::Formula& formula_;
 };
 
-/// The plane z = 0.05 as far as x = 0.5.
+/// The plane z = 0.05 up to x = 0.5.
 class HalfPlane : public TargetSurface {
  public:
   std::optional<Nearest> nearest(const Vec3& p, const Vec3&) const override {
@@ -136,7 +136,7 @@ class Balloon : public TargetSurface {
   PnTriangleMesh mesh_;
 };
 
-/// Of two surfaces the nearer one.
+/// The closer of two surfaces.
 class NearerOf : public TargetSurface {
  public:
   NearerOf(const TargetSurface& a, const TargetSurface& b) : a_(a), b_(b) {}
@@ -248,13 +248,13 @@ TEST_CASE("where a target ends no force acts, and points there do not count",
     if (x.x() > 0.8) far = std::max(far, std::abs(x.z()));
   }
   CHECK(near > 0.045);
-  CHECK(far < 0.02);  // of the 0.05: bending fades out there
+  CHECK(far < 0.02);  // of the 0.05: bending decays there
   CHECK(fit.before.regions[0].excluded > fit.before.regions[0].points / 2);
 }
 
 TEST_CASE("a face whose curves lie on one part of the target is fitted to that part",
           "[skinning][target]") {
-  // Two hills on one outline, up and down: a flat region lies between them.
+  // Two hills on one outline, up and down: a flat face is between them.
   const Hill up(0.2), down(-0.2);
   const auto both = std::make_shared<NearerOf>(up, down);
   const auto layout = unit_square();
@@ -262,7 +262,7 @@ TEST_CASE("a face whose curves lie on one part of the target is fitted to that p
   for (const auto& [part, height] : {std::pair(&up, 0.2), std::pair(&down, -0.2)}) {
     ModelFitOptions options;
     options.tolerance = 2e-3;
-    // A part on which no line lies is no part of the region.
+    // A part without any curve is not part of the face.
     options.parts = {std::make_shared<HalfPlane>(), std::make_shared<Hill>(*part)};
     const ModelFit fit = fit_model(layout, flat, *both, options);
     double extreme = 0;
