@@ -14,20 +14,20 @@ namespace batten {
 
 /// Position, size and shape of a hole. Lengths are in the unit of the points.
 struct HoleMeasure {
-  Vec3 centre;       ///< centre of the fitted circle
-  Vec3 axis;         ///< unit normal of the fitted plane, on the side of the mesh normals
-  double radius;     ///< radius of the fitted circle
-  double roundness;  ///< largest | |x_i - centre| - radius | within the plane
-  double flatness;   ///< largest distance of a vertex from the plane
-  double perimeter;  ///< length of the closed polygon
+  Vec3 centre = Vec3::Zero();  ///< centre of the fitted circle
+  Vec3 axis = Vec3::UnitZ();   ///< unit normal of the fitted plane, on the side of the mesh normals
+  double radius = 0;           ///< radius of the fitted circle
+  double roundness = 0;        ///< largest | |x_i - centre| - radius | within the plane
+  double flatness = 0;         ///< largest distance of a vertex from the plane
+  double perimeter = 0;        ///< length of the closed polygon
   /// Radius of the circle with the same area as the polygon in the plane; the size of slotted or
   /// hexagonal holes.
-  double equivalent_radius;
+  double equivalent_radius = 0;
   /// True if the loop has at least five vertices, its roundness is at most `circular_tolerance` ×
   /// radius, and it encloses at least half of the area of the circle. Four vertices are never
   /// sufficient, since every rectangle has a circumscribed circle. The area test excludes slender
   /// loops, which lie on a short arc of a large circle.
-  bool circular;
+  bool circular = false;
 };
 
 /// Fits a plane and a circle to a closed loop of vertices.

@@ -180,8 +180,8 @@ void PropertyPanel::fill_description() {
     const double angle = join.kind == "G0" ? join.max_deg : join.max_inside_deg;
     entries << text(kAngleOfNormals).arg(continuity, shown(format_number(angle)));
     if (!join.why.empty()) entries << shown(join.why);
-    const auto edits = [this, line = join.line](std::optional<std::string> continuity) {
-      return join_edits(SceneText(view_->text), line, continuity);
+    const auto edits = [this, line = join.line](std::optional<std::string> chosen) {
+      return join_edits(SceneText(view_->text), line, chosen);
     };
     if (whole) continue;  // segments are edited one by one: a click selects one
     add_button(kCrease, [edits] { return edits("G0"); });
