@@ -51,7 +51,8 @@ class ReusableFactorization {
   const SparseMatrix& matrix() const { return S_; }
   const AffineReduction& reduction() const { return *reduction_; }
   const SparseCholesky& factor() const { return factor_; }
-  /// The matrix H = Dᵀ S R.
+  /// The matrix H = Dᵀ S R: the values d of the constraints contribute -H d to the right-hand side
+  /// of the reduced system N y = Dᵀ b - H d.
   const SparseMatrix& H() const { return H_; }
   /// Number of free unknowns of one coordinate.
   int free_count() const { return reduction_->free_count(); }

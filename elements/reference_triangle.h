@@ -143,7 +143,7 @@ void constant_stiffness(const ReferenceTensors& tensors, const TriangleShape& sh
 void variable_stiffness(const TabulatedRule& points, const TriangleShape& shape,
                         const std::function<SurfaceStiffness(const Vec3& L)>& material, double* K);
 
-// Energies and their units.
+// Units of stiffness and loads; elastic energy of a surface.
 
 /// Units of stiffness and loads.
 ///

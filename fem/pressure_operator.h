@@ -2,6 +2,8 @@
 //
 //     F = value ∬ w N (x_u × x_v) du dv,     x = Σ N_m x_m
 //
+// N: shape functions; x_m: dofs; value: pressure; w: weight of each triangle, 1 by default.
+//
 // This integral does not depend on the parametrisation of a triangle. With the affine-invariant
 // reference dofs (elements/reference_triangle.h), it is one fixed tensor for all uncut triangles,
 //

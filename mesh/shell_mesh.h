@@ -53,7 +53,7 @@ struct NonShellElement {
   enum class Kind {
     Solid,          ///< corners, then midside nodes, in the order of the deck
     Beam,           ///< bars and beams: both ends, then the orientation node, if there is one
-    Bush,           ///< springs, dampers, gaps, fasteners: nodes as for Beam
+    Bush,           ///< springs, dampers, gaps, fasteners: the same nodes as Beam
     Rigid,          ///< rigid body element (RBE2, say); the independent node comes first
     Interpolation,  ///< interpolation (RBE3) element; the dependent reference node comes first
     Mass,           ///< point mass: one node

@@ -57,7 +57,7 @@ struct ShellCaseResult {
   bool near_singularity = false;         ///< within three elements of a point load or point support
 };
 
-/// Searches the largest displacement of q (n×3). O(triangles).
+/// Finds the largest displacement of q (n×3). O(triangles).
 MaxDisplacement max_displacement(const ShellModel& shell, const Points& q);
 
 /// Called after each load case with its recovered stresses. Both arguments are valid during the

@@ -47,13 +47,15 @@ class ShellStresses {
   /// Raw stress of the element at a location, without recovery.
   ShellStress raw(const Location& where) const;
 
-  /// Estimated relative error in the energy norm, √(energy of the stress jumps / energy)
-  /// ([ZienkiewiczZhu1987]). It uses the quadrature of the stiffness, which also captures the
-  /// spurious membrane forces of locking elements. The relative error of a displacement under its
-  /// own load is about the square of this.
+  /// Estimated relative error in the energy norm ([ZienkiewiczZhu1987]): √(energy of the stress
+  /// errors / energy). The stress error is the recovered stress minus the raw one. It is integrated
+  /// by the quadrature of the stiffness, which also captures the spurious membrane forces of
+  /// locking elements. The relative error of a displacement under its own load is about the square
+  /// of this estimate.
   double energy_norm_error() const;
-  /// Estimated error of a goal functional Gᵀq: the work of the stress jumps with those of
-  /// `adjoint`, the stresses of ShellModel::adjoint(G) on the same shell ([OdenPrudhomme2001]).
+  /// Estimated error of a goal functional Gᵀq ([OdenPrudhomme2001]): the work of the stress errors
+  /// (recovered minus raw stress) on the strain errors of `adjoint`, integrated over the shell.
+  /// `adjoint`: the stresses of the adjoint solution ShellModel::adjoint(G) on the same shell.
   double goal_error(const ShellStresses& adjoint) const;
   /// Contributions of the triangles to goal_error(), for adaptive refinement.
   VecX goal_error_per_triangle(const ShellStresses& adjoint) const;

@@ -67,6 +67,11 @@ class CurveConstraints {
 //   constant normal along edges    see constant_normal()                coupled      everywhere
 //   varying normal along edges     see varying_normal()                 coupled      to O(h³)
 //
+// q are the dofs of the surface, q_u and q_v those of the derivatives at a vertex, N(where) the
+// shape functions at a location. p is the prescribed position, n the prescribed normal. The tangent
+// in the direction (s_u, s_v) of the domain shall be parallel to τ; r stands for two vectors
+// perpendicular to τ. Uncoupled equations hold for x, y and z separately; coupled ones mix them.
+//
 // Directions are constrained up to their sign; a normal is constrained only if x_u × x_v ≠ 0.
 // Reference: [Celniker1991], section 6; verified forms in docs/theory/elements.md.
 

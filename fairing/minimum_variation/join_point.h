@@ -17,8 +17,9 @@ struct JoinPoint {
   std::array<Vec2, 2> direction;
   double weight = 0;      ///< quadrature weight with respect to that parameter
   bool curvature = true;  ///< true: penalise the jump of curvature
-  bool tangent = true;    ///< true: penalise the jump of the tangent plane; false where constraints
-                          ///< already enforce it
+  /// True: penalise the jump of the tangent plane. Set it to false if constraints already make the
+  /// tangent planes agree.
+  bool tangent = true;
 };
 
 }  // namespace batten

@@ -19,9 +19,11 @@ struct MinimumVariationOptions {
   double gauss = 1e-3;
   /// Weight of curvature jumps across element edges; 0.2 to 20 give the same shapes.
   double jumps = 2;
-  /// Vertices of each boundary side in order, from corner to corner. Twist is penalised along sides
-  /// of constant curvature whose normals do not rotate about them. This distinguishes a torus from
-  /// its neighbours. Empty: no such term.
+  /// Sides of the boundary: for each one its vertices in order, from corner to corner. Twist is the
+  /// rotation of the surface normal about the tangent of a side, per length. It is penalised along
+  /// sides of constant curvature over which this rotation adds up to nearly zero, or to full turns.
+  /// The penalty distinguishes a torus from similar surfaces with the same boundary. Empty: no
+  /// penalty.
   std::vector<std::vector<int>> sides;
   /// Points of smooth joins with continuous curvature: jumps of curvature are penalised there as
   /// across element edges. Empty: curvature may jump, as between a cap and a cylinder.

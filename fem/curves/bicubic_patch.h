@@ -50,20 +50,21 @@ struct PatchTangent {
   Vec3 x_u, x_v;
 };
 
-/// Longest steps in u and in v to take along the boundary from a point, relative to the cell there.
+/// Longest steps in u and in v between samples of the boundary that start at the given point. They
+/// depend on the size of the knot cell that contains the point.
 using BoundaryStep = std::function<Vec2(const Vec2&)>;
 
 /// Target of a fit: a surface that is known inside a region of (u, v).
 struct PatchTarget {
   std::function<bool(const Vec2&)> inside;    ///< thread-safe, as is `position`
   std::function<Vec3(const Vec2&)> position;  ///< defined inside and on the boundary
-  /// Points along the boundary; consecutive points are no farther apart than the step there.
+  /// Samples the boundary: points in order, with steps in u and in v of at most `longest`.
   std::function<std::vector<Vec2>(const BoundaryStep& longest)> boundary;
   Vec2 low, high;  ///< bounding box of the region; if periodic, high - low in u is the period
   bool periodic = false;         ///< in u
   std::vector<Vec2> fixed = {};  ///< points that the spline interpolates: corners
-  /// Points along those parts of the boundary where tangent planes are prescribed, likewise; null:
-  /// none.
+  /// Samples those parts of the boundary along which tangent planes are prescribed, with steps of
+  /// at most `longest`. Null: no tangent planes are prescribed.
   std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
 };
 

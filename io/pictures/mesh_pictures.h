@@ -47,7 +47,8 @@ std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 
-/// Draws the same pictures to memory, for animations.
+/// Draws the pictures as draw_meshes() does, into an image in memory instead of a file: for example
+/// one frame of an animation.
 Image mesh_image(const std::vector<MeshPicture>& pictures, int columns,
                  const PictureSize& size = {});
 

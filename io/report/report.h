@@ -21,7 +21,7 @@ namespace batten {
 /// Results of `batten stress`. Lengths are in the scene's unit; the units of forces and stresses
 /// follow from the unit of Young's modulus.
 struct StressReport {
-  std::string material;  ///< name; empty: given by its constants
+  std::string material;  ///< its name; empty if the scene gives elastic constants instead
   int unknowns = 0;      ///< size of the factored system
   double yield = 0;      ///< yield stress; 0: not given
   /// Largest thickness divided by the smallest radius of curvature.
@@ -30,10 +30,11 @@ struct StressReport {
   /// layer.
   double edge_over_boundary_layer = 0;
 
-  std::vector<std::string> weakly_constrained_motions;  ///< rigid-body modes that the supports
-                                                        ///< hardly constrain
-  double smallest_lever = 0;                            ///< smallest lever arm of the supports
-                                                        ///< against them, relative to the size
+  /// Rigid-body modes that the supports hardly constrain.
+  std::vector<std::string> weakly_constrained_motions;
+  /// Smallest lever arm (RMS) with which the supports resist one of these modes, divided by the
+  /// size of the shell.
+  double smallest_lever = 0;
 
   /// Resultant of the reactions at one support.
   struct Reaction {

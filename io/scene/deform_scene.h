@@ -113,8 +113,9 @@ struct EditSpec {
   std::vector<ScaledFeature> scales;
   std::vector<RotatedFeature> rotated_features;
   RotationMode rotation_mode = RotationMode::Estimated;
-  bool keep_centres = true;  ///< unscaled features keep the position they would have without any
-                             ///< scaling
+  /// True: features that are not scaled keep the position that they would have if no feature were
+  /// scaled.
+  bool keep_centres = true;
   std::vector<MovedGuide> guides;
 };
 

@@ -104,7 +104,7 @@ struct SceneTarget {
 };
 
 /// [[constraint]]: acts at the point of the unloaded surface nearest to `at` (Point, Normal,
-/// Tangent), or along a line (LineNormal).
+/// Tangent), or along a curve (LineNormal).
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;
@@ -113,10 +113,10 @@ struct SceneConstraint {
   Vec3 at = Vec3::Zero();
   Vec3 goal = Vec3::Zero();    ///< Point: prescribed position; else the prescribed direction
   Vec2 along = Vec2::UnitX();  ///< Tangent: direction in (u, v)
-  double range = std::numeric_limits<double>::infinity();  ///< Point: maximum |goal − middle| of
-                                                           ///< each coordinate, model units
+  /// Point: largest allowed |goal − middle| in each coordinate, model units. Default: no limit.
+  double range = std::numeric_limits<double>::infinity();
   Vec3 middle = Vec3::Zero();  ///< Point: the position given in the scene
-  LocatedString line;          ///< LineNormal: name of the line
+  LocatedString line;          ///< LineNormal: name of the curve
   /// LineNormal: true if the scene gives no direction, so that the tangent planes stay unchanged.
   bool keep_tangent_planes = false;
 };
@@ -184,7 +184,7 @@ struct SceneMotion {
 /// [[picture]], and the picture of a [[sweep]].
 struct ScenePicture {
   std::string file;
-  PictureScene look;  ///< view and content, without the regions
+  PictureScene look;  ///< view and content; its `regions` are set when the picture is drawn
   PictureSize size;
 };
 

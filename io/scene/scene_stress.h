@@ -38,14 +38,14 @@ const std::vector<NamedMaterial>& named_materials();
 struct SceneStress {
   /// A thickness that differs from the default.
   struct Thickness {
-    LocatedString region;  ///< region with this thickness; empty: none
+    LocatedString region;  ///< face with this thickness; empty: none
     SceneArea area;        ///< alternatively: area in which the thickness blends into this value
     double thickness = 0;
   };
-  /// A boundary condition at a line, a point, a box or an area.
+  /// A boundary condition at a curve, a point, a box or an area.
   struct Support {
     enum class Kind {
-      Clamped,     ///< no displacement, no rotation about the line
+      Clamped,     ///< no displacement, no rotation about the curve
       Pinned,      ///< no displacement (simply supported)
       Symmetric,   ///< symmetry plane with the normal directions[0]
       Prescribed,  ///< displacement in `directions`; also the rotation, if `rotation` is set
@@ -53,8 +53,8 @@ struct SceneStress {
     };
     Kind kind = Kind::Clamped;
     LocatedString line;
-    std::optional<Vec3> point;  ///< alternative to a line: the nearest point of the surface
-    std::optional<Box3> box;    ///< limits the line, the region or the whole model to this box
+    std::optional<Vec3> point;  ///< alternative to a curve: the nearest point of the surface
+    std::optional<Box3> box;    ///< limits the curve, the face or the whole model to this box
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;

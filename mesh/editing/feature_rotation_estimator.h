@@ -65,7 +65,7 @@ class FeatureRotationEstimator {
 
   /// Number of iterations of the last estimate() in the dual or nonlinear mode, otherwise 0.
   int iterations() const { return iterations_; }
-  /// False if these iterations did not converge.
+  /// False if the iterations of the last estimate() did not converge.
   bool converged() const { return converged_; }
 
  private:

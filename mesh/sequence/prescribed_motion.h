@@ -13,11 +13,11 @@ namespace batten {
 /// others.
 struct PrescribedMotion {
   std::vector<int> handles;  ///< indices of the handles, without repetition
-  std::vector<Trajectory>
-      targets;                    ///< one per handle; rotations are relative to the first frame of
-                                  ///< the sequence that is edited
-  std::vector<char> is_keyframe;  ///< per frame: nonzero if the mesh is solved there by iteration;
-                                  ///< empty: all frames. Other frames are interpolated.
+  /// One trajectory per handle. Rotations are relative to the first frame of the edited sequence.
+  std::vector<Trajectory> targets;
+  /// One entry per frame: nonzero if the mesh of this frame is solved by iteration (keyframe), zero
+  /// if it is interpolated between keyframes. Empty: all frames are keyframes.
+  std::vector<char> is_keyframe;
 };
 
 /// Marks every n-th frame, the first and the last frame, and both ends of each range in which

@@ -19,11 +19,12 @@ struct LineSide {
   int index = 0;  ///< index into RegionLayout::edge_aligned() or ::embedded()
 };
 
-/// A character line of the model, listed once for all regions that have it. All sides have the same
-/// curve in space.
+/// A curve of the model, listed once for all faces that contain it. All sides have the same curve
+/// in space.
 struct ModelLine {
   std::string name;
-  /// edge-aligned ones first, then embedded ones; each kind sorted by region.
+  /// One per face that contains the curve: mesh-aligned ones first, then embedded ones; each kind
+  /// sorted by face.
   std::vector<LineSide> sides;
 };
 
@@ -36,8 +37,9 @@ struct ModelPoint {
 /// Data common to all regions of a model.
 struct ModelMetadata {
   std::string name;
-  double size = 1;       ///< S: length scale of the model, model units
-  double tolerance = 0;  ///< largest allowed distance between lines and their curves, model units
+  double size = 1;  ///< S: length scale of the model, model units
+  /// Largest allowed distance between an input curve and its C1 cubic approximation, model units.
+  double tolerance = 0;
   /// Point relative to which dofs are solved for, model units.
   Vec3 origin = Vec3::Zero();
   /// If the tangent planes at a node differ by more than this angle (degrees), smooth joins end as
@@ -99,7 +101,8 @@ class ModelLayout {
   bool has_line(const std::string& name) const;
   /// The line of this name. Throws InputError, suggesting the closest name, if there is none.
   const ModelLine& model_line(const std::string& name) const;
-  /// The curve X(t) of a line, as approximated on its first side. Throws as model_line().
+  /// The curve X(t) in space with this name: the cubic approximation that its first side stores
+  /// (ModelLine::sides). Throws InputError as model_line() does.
   const HermiteCurve& line(const std::string& name) const;
   /// The curve X(t) of a line in space, as approximated on one side, that is in one of the regions
   /// that meet there.

@@ -88,9 +88,10 @@ struct LoftedModel {
   Points dofs;
 };
 
-/// Computes loft_shape() on a mesh that resolves it. Triangles in which the surface misses the loft
-/// by more than `most` (model units) are bisected, in at most four rounds. For example, the mesh of
-/// the lines is too coarse between the noses of two wing sections. Smooth joins are then planned
+/// Computes loft_shape() and refines the mesh for it. Triangles in which the surface deviates from
+/// the exact loft by more than `most` (model units) are bisected, in at most four iterations. This
+/// is necessary between the noses of two wing sections, for example: the curves alone would give a
+/// mesh that is too coarse there. After each bisection, the constraints of smooth edges are planned
 /// again.
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most);

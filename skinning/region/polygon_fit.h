@@ -63,8 +63,8 @@ struct LeastDistortedPolygon {
   /// Corresponding corners; same perimeter, rotated and translated to fit.
   std::vector<Vec2> polygon;
   Distortion before;
-  /// Predicted distortion of the same surface over the new polygon. A surface that is solved anew
-  /// there comes close to it.
+  /// Predicted distortion over the new polygon, if the surface does not change. If the surface is
+  /// solved again over the new polygon, its distortion is close to this.
   Distortion expected;
 };
 

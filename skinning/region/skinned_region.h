@@ -12,20 +12,21 @@
 
 namespace batten {
 
-/// An edge-aligned (conforming) character line: a chain of element edges, straight in the domain,
-/// on which the surface equals the fitted curve exactly.
+/// A mesh-aligned (conforming) curve: a chain of element edges, straight in the domain, on which
+/// the surface equals the fitted curve exactly.
 struct EdgeAlignedLine {
-  CharacterLine line;              ///< the line as given by the user
-  HermiteCurve fitted;             ///< the C1 cubic curve that the surface interpolates
-  std::vector<int> vertices;       ///< from the line's start to its end; closed: first repeated
-  std::vector<double> parameters;  ///< parameters of `fitted` at these vertices
-  std::vector<int> edges;          ///< mesh edges between these vertices
+  CharacterLine line;   ///< the input curve
+  HermiteCurve fitted;  ///< the C1 cubic curve that the surface interpolates
+  /// Mesh vertices from the start of the curve to its end. A closed curve repeats the first one.
+  std::vector<int> vertices;
+  std::vector<double> parameters;  ///< for each entry of `vertices`, the parameter of `fitted`
+  std::vector<int> edges;          ///< mesh edges between consecutive entries of `vertices`
 };
 
-/// An embedded (immersed) character line: the mesh does not follow it. The surface is on it at
-/// collocation points and, within a measured gap, between them.
+/// An embedded (immersed) curve: the mesh does not follow it. The surface contains the curve at
+/// collocation points; between them there is a gap, which is measured.
 struct EmbeddedLine {
-  CharacterLine line;          ///< the line as given by the user
+  CharacterLine line;          ///< the input curve
   HermiteCurve fitted;         ///< curve in space X(t), model units
   HermiteCurve pcurve;         ///< parameter curve c(t) in (u, v), z = 0, with the same t
   std::vector<double> points;  ///< collocation parameters t: x(c(t)) = X(t); ascending
@@ -85,12 +86,19 @@ struct SkinOptions {
     Fan
   };
   Mesher mesher = Mesher::Delaunay;
+  /// Type of the flat parameter domain.
   enum class Domain {
-    Auto,
-    Polygon,      ///< for loops with three or more corners; outline lines are edge-aligned
-    Projected,    ///< for a loop with a simple planar projection; lines are embedded
-    Developable,  ///< for any other loop: unfolds a developable surface; lines are embedded
-    Annulus       ///< for two smooth loops; boundary lines are edge-aligned
+    Auto,  ///< chosen by the loops, as described for the other types
+    /// Polygon with straight sides, for a loop with three or more corners; the outline curves are
+    /// mesh-aligned.
+    Polygon,
+    /// Projection onto a plane, for a loop whose projection does not intersect itself; all curves
+    /// are embedded.
+    Projected,
+    /// Unrolled developable surface that spans the loop, for a loop that overlaps itself in
+    /// projection; all curves are embedded.
+    Developable,
+    Annulus  ///< periodic in u, for two smooth loops; boundary curves are mesh-aligned
   };
   Domain domain = Domain::Auto;
   /// Treats every corner as convex (a left turn of the loop), even if the lines alone suggest a

@@ -111,10 +111,10 @@ struct ModelRegion {
   std::vector<std::string> warnings;
 };
 
-/// A connected component of regions.
+/// A connected component of the model: faces that are joined by shared edges.
 struct ModelShell {
   std::vector<int> regions;
-  bool closed = false;     ///< every edge has two regions
+  bool closed = false;     ///< every edge has two faces
   bool orientable = true;  ///< normals agree across every edge
   double area = 0;         ///< model units²
   double volume = 0;       ///< enclosed volume, model units³; 0 unless closed and orientable

@@ -411,7 +411,7 @@ TEST_CASE("invalid decks are refused with the reason", "[io][calculix]") {
   CHECK_THAT(message_of(region, deck), Contains("Poisson's ratio 0.5"));
   deck = good;
   deck.gravity = {0, 0, -9.81};
-  CHECK_THAT(message_of(region, deck), Contains("density 0"));
+  CHECK_THAT(message_of(region, deck), Contains("a density of 0"));
   deck = good;
   deck.pressure = std::nan("");
   CHECK_THAT(message_of(region, deck), Contains("pressure nan"));

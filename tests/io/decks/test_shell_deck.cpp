@@ -203,7 +203,7 @@ TEST_CASE("invalid decks for frequencies are refused with the reason", "[io][cal
   CHECK_THAT(with(&ModalDeck::young, std::nan("")), Contains("Young's modulus nan"));
   CHECK_THAT(with(&ModalDeck::density, -1.0), Contains("density -1"));
   CHECK_THAT(with(&ModalDeck::poisson, 0.5), Contains("Poisson's ratio 0.5"));
-  CHECK_THAT(with(&ModalDeck::count, 0), Contains("0 frequencies"));
+  CHECK_THAT(with(&ModalDeck::count, 0), Contains("0 requested frequencies"));
   CHECK_THAT(with(&ModalDeck::clamped, std::vector<int>{9}),
              Contains("clamped node 9") && Contains("nodes from 0 to 8"));
   CHECK_THAT(message_of(ShellMesh(), good), Contains("no faces"));

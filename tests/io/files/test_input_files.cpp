@@ -67,7 +67,7 @@ TEST_CASE("only regular files are read", "[io][files]") {
   // A sparse file, which needs no space on the disk.
   std::ofstream(folder / "large").put('x');
   fs::resize_file(folder / "large", kMaxInputFileSize + 1);
-  CHECK_THAT(says(folder / "large"), Contains("found 2048 MB, more than the 2048 MB"));
+  CHECK_THAT(says(folder / "large"), Contains("found 2048 MB, more than the limit of 2048 MB"));
   fs::remove(folder / "large");
 }
 

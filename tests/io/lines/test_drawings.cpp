@@ -165,7 +165,7 @@ TEST_CASE("drawings that are damaged or empty are named", "[io][drawings]") {
   using Catch::Matchers::Contains;
   CHECK_THAT(error_message(file_with("b.dxf", "AutoCAD Binary DXF\r\n")), Contains("binary DXF"));
   CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1")),
-             Contains("cut off"));
+             Contains("truncated"));
   CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n")),
              Contains("found no curve"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><path d='M 0 0 L 1")), Contains("XML"));

@@ -413,7 +413,7 @@ TEST_CASE("Nastran: errors are reported with line and column", "[io][decks]") {
   CHECK_THAT(says(grids + "GRDSET          3\nCTRIA3,1,1,1,2,3\n"),
              Contains("1:9: found node 1 in coordinate system 3, expected one"));
   CHECK(says("BEGIN BULK\n" + grids + "CTRIA3,5,1,1,2,3\n") ==
-        "6:1: found the end of a deck with BEGIN BULK, expected ENDDATA: it may be cut short");
+        "6:1: found the end of a deck with BEGIN BULK, expected ENDDATA: the file may be truncated");
   CHECK(says("BEGIN BULK\n" + grids + "BEGIN SUPER=1\n") ==
         "5:1: found 'BEGIN SUPER=1', expected one model without superelements");
   CHECK(says(grids + "CTRIA3  1       1       1       2\n") ==
@@ -699,10 +699,10 @@ TEST_CASE("decks and polygons that may be cut short are named", "[io][decks]") {
     // Truncates the last two characters: of the end keyword, or of the last faces.
     std::ofstream(cut / name, std::ios::binary) << text.str().substr(0, text.str().size() - 3);
     if (std::string(name) == "sheet.bdf") {
-      CHECK_THROWS_WITH(MeshFile::read(cut / name), Contains("it may be cut short"));
+      CHECK_THROWS_WITH(MeshFile::read(cut / name), Contains("the file may be truncated"));
       continue;
     }
-    CHECK_THAT(joined(MeshFile::read(cut / name).warnings()), Contains("it may be cut short"));
+    CHECK_THAT(joined(MeshFile::read(cut / name).warnings()), Contains("the file may be truncated"));
   }
 }
 

@@ -178,7 +178,7 @@ TEST_CASE("lists of ParaView are read as they are", "[io][sequences]") {
   CHECK(back.frames[0] == s.frames[1]);
   CHECK_THAT(list("<DataSet timestep=\"1\" file=\"a b/a b_0001.vtp\"/>"
                   "<DataSet timestep=\"1\" part=\"1\" file=\"a b/a b_0002.vtp\"/>"),
-             Contains("found the timestep 1 in <DataSet> 2 after 1, expected ascending ones"));
+             Contains("found the timestep 1 in <DataSet> 2 after 1, expected ascending timesteps"));
   CHECK_THAT(list("<DataSet timestep=\"x\" file=\"a\"/>"), Contains("found the timestep 'x'"));
   CHECK_THAT(list("<DataSet timestep=\"1\"/>"), Contains("found no file in <DataSet> 1"));
   CHECK_THAT(list("<DataSet timestep=\"1\" "), !Contains("crash"));
