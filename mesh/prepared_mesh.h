@@ -13,14 +13,14 @@ namespace batten {
 
 /// Counts of features and defects of a shell mesh. Lists hold at most the first 8 entries.
 struct MeshDiagnosis {
-  int components = 0;        ///< connected components: parts that share no node
-  int manifold_patches = 0;  ///< parts connected by manifold edges, or across non-manifold edges by
-                             ///< the rule of PreparedMesh
-  int unused_nodes = 0;      ///< nodes that belong to no face
-  int collapsed_faces = 0;   ///< faces with fewer than three distinct corners
-  int duplicate_faces = 0;   ///< faces with the same nodes as an earlier face
-  int flipped_faces = 0;     ///< faces whose orientation must be reversed to match their patch
-  int coincident_nodes = 0;  ///< used nodes at exactly the position of another used node
+  int components = 0;  ///< connected components: parts that share no node
+  /// Parts connected by manifold edges, or across non-manifold edges by the rule of PreparedMesh.
+  int manifold_patches = 0;
+  int unused_nodes = 0;         ///< nodes that belong to no face
+  int collapsed_faces = 0;      ///< faces with fewer than three distinct corners
+  int duplicate_faces = 0;      ///< faces with the same nodes as an earlier face
+  int flipped_faces = 0;        ///< faces whose orientation must be reversed to match their patch
+  int coincident_nodes = 0;     ///< used nodes at exactly the position of another used node
   int zero_area_triangles = 0;  ///< triangles with a height below 1e-12 of the longest edge
   /// False if a patch is non-orientable, such as a Möbius strip.
   bool orientable = true;

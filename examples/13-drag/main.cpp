@@ -108,9 +108,10 @@ int run(const std::filesystem::path& out, double edge_length) {
     second.title = "fuller = 1, with the point constraint";
     draw_contact_sheet(out / "roof.png", {picture, second}, 2, {1500, 560});
   }
-  std::printf("%d triangles: %.0f updates per second, %.1f solves each; the viewer read %ld frames\n",
-              after.surface.mesh().triangle_count(), updates / seconds,
-              static_cast<double>(iterations) / updates, seen);
+  std::printf(
+      "%d triangles: %.0f updates per second, %.1f solves each; the viewer read %ld frames\n",
+      after.surface.mesh().triangle_count(), updates / seconds,
+      static_cast<double>(iterations) / updates, seen);
   std::printf("constraint residual at most %.1g of the size; highest point %.3f m\n", worst,
               static_cast<double>(highest));
   const Points last = session.dofs();
@@ -118,8 +119,7 @@ int run(const std::filesystem::path& out, double edge_length) {
   const bool taken_back = session.parameters().value("fuller") == 0;
   session.redo();
   const bool same = taken_back && session.dofs() == last;
-  std::printf("undo and redo of the drag: %s\n",
-              same ? "bit-identical" : "NOT identical");
+  std::printf("undo and redo of the drag: %s\n", same ? "bit-identical" : "NOT identical");
   std::printf("roof.vtp in %s\n", out.c_str());
   return worst <= 1e-10 && same ? 0 : 4;
 }

@@ -422,8 +422,7 @@ const CornerLikelihoodTest::Shape& CornerLikelihoodTest::shape(int count, int co
   }
   // At most six columns over [-1, 1]: the normal equations keep enough digits.
   s.inverse =
-      solve_symmetric(s.values.transpose().lazyProduct(s.values), s.values.transpose())
-          .transpose();
+      solve_symmetric(s.values.transpose().lazyProduct(s.values), s.values.transpose()).transpose();
   return s;
 }
 

@@ -22,10 +22,10 @@ struct NoiseLevel {
 /// list of a closed curve does not repeat its first point.
 struct PointSequence {
   std::vector<Vec3> points;
-  std::vector<int> index;     ///< index in `points` of each input point; -1: outlier
-  std::vector<double> chord;  ///< chord length from the first point; closed: one more entry, the
-                              ///< total
-  std::vector<int> corners;   ///< indices in `points`, ascending; without the ends of an open curve
+  std::vector<int> index;  ///< index in `points` of each input point; -1: outlier
+  /// Chord length from the first point; closed: one more entry, the total.
+  std::vector<double> chord;
+  std::vector<int> corners;  ///< indices in `points`, ascending; without the ends of an open curve
   bool closed = false;
   double size = 0;  ///< diagonal of the bounding box
 

@@ -24,8 +24,8 @@ struct CurvatureFairingOptions {
   /// parametrisation of uniform speed, so the term hardly affects the shape:
   /// docs/theory/curvature-fairing.md.
   double parametrization_weight = 1e-3;
-  int max_rounds = 12;       ///< maximum number of outer rounds, each with reparametrisation and
-                             ///< new foot points
+  /// Maximum number of outer rounds, each with reparametrisation and new foot points.
+  int max_rounds = 12;
   int max_iterations = 500;  ///< maximum number of Ceres iterations per round
 };
 
@@ -50,17 +50,17 @@ struct CurvatureFairingResult {
   HermiteCurve curve;              ///< C1 cubics; u is arc length to a few digits
   QuinticCurve quintic;            ///< the minimising C2 curve, over the same u
   std::vector<double> parameters;  ///< parameter of each fixed point, in input order
-  double deviation = 0;            ///< maximum distance between cubics and quintic curve, measured
-                                   ///< on samples
-  double functional = 0;           ///< functional of `quintic`: 1/length (Energy) or 1/length³
-                                   ///< (Variation)
-  double start_functional = 0;     ///< functional of the initial quintic curve
-  double max_residual = 0;         ///< largest violation of a fixed point: distance / size, or sine
-                                   ///< of the angle
-  int iterations = 0;              ///< Ceres iterations, all rounds
+  /// Maximum distance between cubics and quintic curve, measured on samples.
+  double deviation = 0;
+  /// Functional of `quintic`: 1/length (Energy) or 1/length³ (Variation).
+  double functional = 0;
+  double start_functional = 0;  ///< functional of the initial quintic curve
+  /// Largest violation of a fixed point: distance / size, or sine of the angle.
+  double max_residual = 0;
+  int iterations = 0;  ///< Ceres iterations, all rounds
   int rounds = 0;
-  bool converged = false;  ///< the last round converged and parameters and foot points no longer
-                           ///< moved
+  /// The last round converged and parameters and foot points no longer moved.
+  bool converged = false;
 };
 
 /// True if this build includes Ceres. Without it, fair_curvature() and minimum_curvature_curve()

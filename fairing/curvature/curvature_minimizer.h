@@ -52,8 +52,8 @@ struct CurvatureMinimization {
   QuinticCurve curve;
   CurveFunctional functional = CurveFunctional::Variation;
   double length_weight = 0, parametrization_weight = 0;
-  std::vector<char> fixed_position, fixed_tangent;  ///< per node: 1 if the position, or the
-                                                    ///< direction of X', is fixed
+  /// Per node: 1 if the position, or the direction of X', is fixed.
+  std::vector<char> fixed_position, fixed_tangent;
   std::vector<Spring> springs;
   int max_iterations = 0;
 };

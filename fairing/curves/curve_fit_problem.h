@@ -36,8 +36,8 @@ class CurveFitProblem {
  public:
   std::vector<FitPoint> points;                  ///< points in order of ascending t
   std::vector<NodeConstraint> node_constraints;  ///< constraints in order of ascending u
-  bool closed = false;            ///< closed mesh: the gap from the last point to the first counts
-                                  ///< too
+  /// Closed mesh: the gap from the last point to the first counts too.
+  bool closed = false;
   bool fixed_parameters = false;  ///< no point parameter moves
   double tolerance = 0;
 

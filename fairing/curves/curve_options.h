@@ -23,8 +23,8 @@ struct FitOptions {
   double corner_angle = 50;
   std::optional<std::vector<int>> corners;  ///< point indices of the corners; unset: detected
   std::optional<bool> closed;               ///< unset: closed if the last point equals the first
-  std::optional<CurveEnd> start, end;       ///< for open curves; unset: the end points, with free
-                                            ///< tangents
+  /// For open curves; unset: the end points, with free tangents.
+  std::optional<CurveEnd> start, end;
   /// Points keep their initial parameters (chord or arc length): more segments, but u is uniform.
   bool fixed_parameters = false;
   /// Adds nodes only by repeated halving of parameter intervals and removes none. For meshes whose
@@ -45,8 +45,8 @@ struct Deviation {
 /// Result of fit_points().
 struct CurveFit {
   HermiteCurve curve;
-  std::vector<double> parameters;  ///< parameter of the closest curve point for each point, in
-                                   ///< input order
+  /// Parameter of the closest curve point for each point, in input order.
+  std::vector<double> parameters;
   Deviation deviation;
 };
 
@@ -62,8 +62,8 @@ struct CurveCondition {
   std::string name;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
-  Vec3 direction = Vec3::UnitZ();  ///< direction of the tangent, or normal of the plane; its length
-                                   ///< does not matter
+  /// Direction of the tangent, or normal of the plane; its length does not matter.
+  Vec3 direction = Vec3::UnitZ();
 };
 
 /// Options of fair_points(): global fairing of ordered points by a smoothing spline.
@@ -99,14 +99,15 @@ struct FairOptions {
     /// The fairest curve whose points are off by `noise` (RMS), corrected for its effective dofs.
     /// Use it if the noise is known, also for correlated noise such as tremor.
     Noise,
-    Deviation,  ///< the fairest curve within `deviation` of all points. If conditions or an
-                ///< undetected corner make that impossible, FairCurve::deviation is larger
+    /// The fairest curve within `deviation` of all points. If conditions or an undetected corner
+    /// make that impossible, FairCurve::deviation is larger.
+    Deviation,
     Wavelength  ///< waves of length `wavelength` keep half of their height, waves of length v keep
                 ///< 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴)
   };
   Smoothing smoothing = Smoothing::CrossValidation;
-  double noise = 0;          ///< known RMS distance of the points across the curve; model units,
-                             ///< above 0
+  /// Known RMS distance of the points across the curve; model units, above 0.
+  double noise = 0;
   double deviation = 0;      ///< maximum distance of a point from the curve; model units, above 0
   double wavelength = 0;     ///< smoothing wavelength; model units, above 0
   double alpha = 0;          ///< stretching resistance / bending resistance · size², ≥ 0

@@ -20,9 +20,9 @@ struct Fairness {
   double bending = 0;            ///< ∫ κ² ds, 1/length
   double variation = 0;          ///< ∫ (dκ/ds)² ds inside the segments, 1/length³
   double largest_curvature = 0;  ///< 1/length
-  double largest_jump = 0;       ///< largest jump of the curvature vector at a node, 1/length; 0:
-                                 ///< C2
-  int extrema = 0;               ///< local extrema of the signed curvature
+  /// Largest jump of the curvature vector at a node, 1/length; 0: C2.
+  double largest_jump = 0;
+  int extrema = 0;  ///< local extrema of the signed curvature
   int inflections = 0;
 };
 /// Computes the fairness measures of a curve.
@@ -32,8 +32,8 @@ Fairness fairness(const HermiteCurve& curve);
 struct CurvatureCombSample {
   double u = 0;
   Vec3 point;
-  Vec3 outward;          ///< unit vector away from the centre of curvature; 0 if the curve is
-                         ///< straight
+  /// Unit vector away from the centre of curvature; 0 if the curve is straight.
+  Vec3 outward;
   double curvature = 0;  ///< 1/length, ≥ 0
 };
 /// Samples a curvature comb: about `teeth` samples evenly along the curve, and one at each end of

@@ -18,11 +18,11 @@ namespace batten {
 /// A curve to be faired, given by points in order. The optional fields are set for points that were
 /// sampled from a curve (sample_line()).
 struct CurveSamples {
-  std::string name;                              ///< used in messages
-  std::string where = {};                        ///< prefix of messages, such as "scene.toml:8:1: "
-  std::vector<Vec3> points = {};                 ///< model units
-  std::optional<std::vector<int>> corners = {};  ///< indices of the points at corners; unset:
-                                                 ///< detected
+  std::string name;               ///< used in messages
+  std::string where = {};         ///< prefix of messages, such as "scene.toml:8:1: "
+  std::vector<Vec3> points = {};  ///< model units
+  /// Indices of the points at corners; unset: detected.
+  std::optional<std::vector<int>> corners = {};
   std::optional<bool> closed = {};      ///< unset: closed if the last point equals the first
   std::vector<Vec3> extra_points = {};  ///< further points, for measuring deviations
 
@@ -70,11 +70,11 @@ struct FairedLine {
   bool faired = false;  ///< false: no stage applied to it, or it cannot be faired
   double size = 0;      ///< diagonal of the bounding box of the points
   Deviation deviation;  ///< distance of the result from the input, without outliers
-  double wavelength = 0, effective_dofs = 0;  ///< from FairCurve, for the last stage of the whole
-                                              ///< curve
-  double noise = 0;                           ///< from FairCurve, for the first stage of the whole
-                                              ///< curve
-  std::vector<int> outliers;                  ///< likewise: ignored input points
+  /// From FairCurve, for the last stage of the whole curve.
+  double wavelength = 0, effective_dofs = 0;
+  /// From FairCurve, for the first stage of the whole curve.
+  double noise = 0;
+  std::vector<int> outliers;  ///< likewise: ignored input points
   int rounds = 0;
   bool converged = true;
   double max_residual = 0;  ///< largest residual of the conditions, relative to the size

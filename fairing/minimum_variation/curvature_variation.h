@@ -25,8 +25,8 @@ struct CurvatureTensors {
 
 /// Weights of the residuals; all are constant during a Gauss-Newton step.
 struct CurvatureVariationWeights {
-  double principal = 1;    ///< s in [0, 1]: 1 if the principal directions are well defined, 0 at
-                           ///< umbilics
+  /// s in [0, 1]: 1 if the principal directions are well defined, 0 at umbilics.
+  double principal = 1;
   double second_form = 0;  ///< weight of |II|², 1/length²
   double gauss = 0;        ///< weight of K²
 };

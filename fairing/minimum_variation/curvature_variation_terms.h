@@ -35,9 +35,9 @@ using JoinResiduals = ElementResiduals<3 * kJoinDofs, 8>;
 /// Damping that is added to JᵀJ to keep steps small: weights of |δX_ab|² along the frame, over
 /// area².
 struct DampingWeights {
-  double normal = 0;      ///< weight of the component along the surface normal
-  double tangential = 0;  ///< weight of the tangential components, which change only how (u, v)
-                          ///< runs over the shape
+  double normal = 0;  ///< weight of the component along the surface normal
+  /// Weight of the tangential components, which change only how (u, v) runs over the shape.
+  double tangential = 0;
 };
 
 /// The minimum-variation functional on one mesh.

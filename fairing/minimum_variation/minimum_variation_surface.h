@@ -46,10 +46,10 @@ struct MinimumVariationSurface {
   double fraction = 1;          ///< fraction of the displacement from the start that was applied
   double functional = 0;        ///< functional E of this surface, 1/length²
   double start_functional = 0;  ///< functional E of the start
-  double max_move = 0;          ///< maximum move of a vertex along the normal of the start, model
-                                ///< units
-  double max_residual = 0;      ///< maximum violation of a constraint, model units
-  int iterations = 0;           ///< number of accepted Gauss-Newton steps
+  /// Maximum move of a vertex along the normal of the start, model units.
+  double max_move = 0;
+  double max_residual = 0;  ///< maximum violation of a constraint, model units
+  int iterations = 0;       ///< number of accepted Gauss-Newton steps
   int factorizations = 0;
   /// True if the last step hardly moved the shape, or no step can gain 3 % of the functional, or
   /// two consecutive steps gained less than that.

@@ -46,8 +46,8 @@ using TriangleDofs = Eigen::Matrix<double, 12, 3>;
 using LocalJet = Eigen::Matrix<double, 3, 5>;  ///< X_1, X_2, X_11, X_12, X_22
 using LocalSlopes = Eigen::Matrix<double, 3, 2>;
 
-inline constexpr double kPointWeight = 1.0 / 18;  ///< weight of each of nine points in a triangle
-                                                  ///< of area ½
+/// Weight of each of nine points in a triangle of area ½.
+inline constexpr double kPointWeight = 1.0 / 18;
 
 /// Maps the dofs of a triangle to those of the reference functions.
 Mat12 reference_map(const Surface& surface, int t);

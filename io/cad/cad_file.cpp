@@ -582,7 +582,8 @@ TopoDS_Shape read_patches(const std::filesystem::path& file, const std::string& 
     return vtkSmartPointer<vtkXMLDataElement>::Take(
         vtkXMLUtilities::ReadElementFromString(text.c_str()));
   }();
-  if (!root) throw InputError(file.string() + ": found no well-formed XML, expected patches of G+Smo");
+  if (!root)
+    throw InputError(file.string() + ": found no well-formed XML, expected patches of G+Smo");
   TopoDS_Compound all;
   BRep_Builder builder;
   builder.MakeCompound(all);

@@ -33,17 +33,17 @@ struct PictureScene {
   };
 
   std::vector<const SkinnedRegion*> regions;
-  std::string title;          ///< UTF-8; scaled down, then truncated if too wide
-  Field field = Field::None;  ///< scalar field; its scale is symmetric about 0 and clips 2 % at
-                              ///< each end
+  std::string title;  ///< UTF-8; scaled down, then truncated if too wide
+  /// Scalar field; its scale is symmetric about 0 and clips 2 % at each end.
+  Field field = Field::None;
   Value value;
   int contours = 0;                        ///< number of contour lines of height, evenly spaced
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction of height
   int parameter_lines = 0;                 ///< number of lines of constant u, and of constant v
   bool lines = true;                       ///< true: draw the curves, as tubes
-  std::vector<HermiteCurve> extra_curves;  ///< further curves that belong to no face, in another
-                                           ///< colour
-  bool mesh = false;                       ///< true: draw the element edges inside the trim
+  /// Further curves that belong to no face, in another colour.
+  std::vector<HermiteCurve> extra_curves;
+  bool mesh = false;  ///< true: draw the element edges inside the trim
   /// Number of zebra stripes (reflection lines), alternately light and dark, at equal steps of the
   /// angle between the exact normal and `zebra_direction`. They cover the range of that angle,
   /// without 2 % at each end. A jump of the stripes shows a crease (G0), a kink a curvature jump
@@ -92,8 +92,8 @@ struct LoopAlternative {
   std::string title;
   /// The curves of each loop, in order; their directions are arbitrary.
   std::vector<std::vector<HermiteCurve>> loops;
-  bool one_surface = false;  ///< true: all loops bound one surface (annulus or hole); false: one
-                             ///< surface per loop
+  /// true: all loops bound one surface (annulus or hole); false: one surface per loop.
+  bool one_surface = false;
 };
 
 /// Panels side by side. The first shows the whole network with all loops of all panels; one

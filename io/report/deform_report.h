@@ -25,10 +25,10 @@ struct DeformReport : RunReport {
     int moving = 0, unknowns = 0, soft_equations = 0, hard_constraints = 0, feature_constraints = 0;
     int redundant_count = 0, point_equations = 0;
     double largest_displacement = 0, hard_residual = 0;
-    double last_correction = 0;  ///< largest coordinate change in the last correction step,
-                                 ///< relative to the mesh's size
-    int iterations = 0;          ///< iterations of the rotation estimate; 0: not used
-    bool found = true;           ///< true: the rotation estimate converged
+    /// Largest coordinate change in the last correction step, relative to the mesh's size.
+    double last_correction = 0;
+    int iterations = 0;  ///< iterations of the rotation estimate; 0: not used
+    bool found = true;   ///< true: the rotation estimate converged
     double setup_s = 0, edit_s = 0;
   };
   std::vector<Edit> edits;
@@ -37,9 +37,9 @@ struct DeformReport : RunReport {
   struct Feature {
     std::string name;
     int vertices = 0;
-    double size = 0;             ///< diagonal of its bounding box
-    double max_rigid_error = 0;  ///< largest vertex distance from the original feature, moved by
-                                 ///< the best-fit similarity
+    double size = 0;  ///< diagonal of its bounding box
+    /// Largest vertex distance from the original feature, moved by the best-fit similarity.
+    double max_rigid_error = 0;
     double scale = 1, rotation_deg = 0, moved = 0;  ///< parameters of that similarity; model units
   };
   std::vector<Feature> features;
@@ -67,10 +67,10 @@ struct DeformReport : RunReport {
   /// Non-shell elements, and how they followed the shells.
   struct Attached {
     std::vector<std::pair<std::string, int>> elements;  ///< count per element kind in the deck
-    int connections = 0;                ///< rigid elements, bushes and bolts that move as rigid
-                                        ///< bodies
-    double max_rigid_error = 0;         ///< largest distance of their nodes from a rigid-body
-                                        ///< motion
+    /// Rigid elements, bushes and bolts that move as rigid bodies.
+    int connections = 0;
+    /// Largest distance of their nodes from a rigid-body motion.
+    double max_rigid_error = 0;
     std::string worst_connection;       ///< the connection with that error
     int moved_with_shells = 0;          ///< non-shell nodes that moved with the shells
     std::vector<long> inverted_solids;  ///< element numbers in the deck

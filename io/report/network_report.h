@@ -30,8 +30,8 @@ struct NetworkReport {
     std::string shape;
     double radius = 0, major_radius = 0;  ///< its radii; 0: it has none
     double half_angle_deg = 0;            ///< half apex angle of a cone, degrees
-    double shape_deviation = 0;  ///< largest distance of the surface from that primitive; model
-                                 ///< units
+    /// Largest distance of the surface from that primitive; model units.
+    double shape_deviation = 0;
     SkinQuality quality;
     double filling_area = 0;       ///< area of the hole-filling triangulation of its loops; 0: none
     std::string rejection_reason;  ///< why it has no surface; empty: it has one

@@ -133,12 +133,12 @@ struct Report : RunReport {
       double max_move = 0;  ///< largest normal displacement of a vertex, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
-      double step_fraction = 1;  ///< fraction of the step from the minimum-bending shape that was
-                                 ///< taken
+      /// Fraction of the step from the minimum-bending shape that was taken.
+      double step_fraction = 1;
       std::vector<std::string> unchanged_regions;  ///< regions left in their minimum-bending shape
-      bool requested = true;  ///< false: chosen by fair = "auto" for regions with five or more
-                              ///< sides
-      int regions = 0;        ///< number of faired regions
+      /// false: chosen by fair = "auto" for regions with five or more sides.
+      bool requested = true;
+      int regions = 0;  ///< number of faired regions
     };
     std::optional<Fairing> fairing;
   } surface;
@@ -153,9 +153,9 @@ struct Report : RunReport {
     double rms = 0, max = 0;                ///< fitted shape to target
     double back_rms = 0, back_max = 0;      ///< target to fitted shape
     int points = 0, back_points = 0;        ///< number of measured points
-    int excluded = 0, back_excluded = 0;    ///< points beyond a free edge of the other surface; not
-                                            ///< counted
-    Vec3 where = Vec3::Zero();              ///< point of the fitted shape farthest from the target
+    /// Points beyond a free edge of the other surface; not counted.
+    int excluded = 0, back_excluded = 0;
+    Vec3 where = Vec3::Zero();  ///< point of the fitted shape farthest from the target
     int iterations = 0, refinements = 0;
     bool reached = false;
     struct Line {
@@ -172,10 +172,10 @@ struct Report : RunReport {
   struct Step {
     std::string file, form;
     int faces = 0;
-    std::map<std::string, int> faces_by_kind;  ///< "B-spline", "cylinder", …; "face" for the form
-                                               ///< "face"
-    int lines = 0;                             ///< number of curves written beside the faces
-    double tolerance = 0;                      ///< requested tolerance; 0: exact form
+    /// "B-spline", "cylinder", …; "face" for the form "face".
+    std::map<std::string, int> faces_by_kind;
+    int lines = 0;         ///< number of curves written beside the faces
+    double tolerance = 0;  ///< requested tolerance; 0: exact form
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
@@ -204,9 +204,9 @@ struct Report : RunReport {
   struct Comparison {
     std::string file;
     int points = 0;
-    double max = 0, rms = 0;                    ///< model units
-    double max_relative = 0, rms_relative = 0;  ///< relative to the longest side of the lines'
-                                                ///< bounding box
+    double max = 0, rms = 0;  ///< model units
+    /// Relative to the longest side of the lines' bounding box.
+    double max_relative = 0, rms_relative = 0;
   };
   std::optional<Comparison> comparison;
 

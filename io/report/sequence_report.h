@@ -50,8 +50,8 @@ struct SequenceReport : RunReport {
   };
   std::vector<Foot> feet;
 
-  double second_difference_before = 0, second_difference = 0;  ///< largest over all nodes and
-                                                               ///< frames, model units
+  /// Largest over all nodes and frames, model units.
+  double second_difference_before = 0, second_difference = 0;
   /// Triangles whose normal deviates by more than 90° from the mean of their neighbours, over all
   /// frames.
   long inverted_triangles_before = 0, inverted_triangles = 0;

@@ -47,13 +47,14 @@ struct RelationSpec {
 struct LineSpec {
   std::string name;
   SourceLocation location;
-  std::vector<Vec3> through;  ///< points; the line passes through the nearest vertices, following
-                              ///< creases
-  std::vector<long> nodes;    ///< alternatively: node numbers in the mesh file, in order
+  /// points; the line passes through the nearest vertices, following creases.
+  std::vector<Vec3> through;
+  std::vector<long> nodes;  ///< alternatively: node numbers in the mesh file, in order
   bool closed = false;
   bool rigid = false;
-  double width = 0;  ///< soft: width of the strip of sheet whose stiffness the line gets, model
-                     ///< units; 0: a tenth of the line's length
+  /// soft: width of the strip of sheet whose stiffness the line gets, model units; 0: a tenth of
+  /// the line's length.
+  double width = 0;
 };
 
 /// [[curve]]: a chain of vertices that becomes a deformable curve. It is faired, shaped by its own

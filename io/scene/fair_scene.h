@@ -19,10 +19,10 @@ struct CombPictureSpec {
   enum class Show { Combs, Stages };
   std::string file, title;
   Show show = Show::Combs;
-  bool points = true;                             ///< true: draw the input points as dots
-  std::optional<std::pair<double, double>> view;  ///< azimuth, elevation in degrees; empty:
-                                                  ///< best-fit plane
-  std::optional<PictureSize> size;                ///< empty: as high as the drawing needs
+  bool points = true;  ///< true: draw the input points as dots
+  /// azimuth, elevation in degrees; empty: best-fit plane.
+  std::optional<std::pair<double, double>> view;
+  std::optional<PictureSize> size;  ///< empty: as high as the drawing needs
 };
 
 /// Contents of a fairing scene.
@@ -34,8 +34,8 @@ struct FairScene {
   /// Tolerance of the last step, model units: each fair curve is approximated by the fewest C1
   /// segments within this distance. 0: the fair curve is kept.
   double segments = 0;
-  std::vector<std::string> outputs;  ///< file names; the extension selects the format
-                                     ///< (write_curves())
+  /// File names; the extension selects the format (write_curves()).
+  std::vector<std::string> outputs;
   std::vector<CombPictureSpec> pictures;
 
   /// All parameters: STAGE.noise, STAGE.deviation and STAGE.wavelength, of the stages that set

@@ -49,21 +49,22 @@ void for_each_fair_parameter(Stages& stages, const Function& f) {
 
 /// One line from [[curve]], or all curves of a file from [[curves]].
 struct SceneLine {
-  std::string name;  ///< name of a [[curve]]; empty: a [[curves]], whose curves have their own names
+  std::string
+      name;  ///< name of a [[curve]]; empty: a [[curves]], whose curves have their own names
   SourceLocation location;
   std::filesystem::path file;  ///< resolved path; empty: the scene has the points
-  std::string unit;            ///< length unit of the file; empty: the scene's or the file's own
-                               ///< unit
-  std::vector<Vec3> points;    ///< points, in the scene's unit
+  /// Length unit of the file; empty: the scene's or the file's own unit.
+  std::string unit;
+  std::vector<Vec3> points;                 ///< points, in the scene's unit
   std::shared_ptr<const InputCurve> curve;  ///< from a shape key: arc, circle, bezier, …
   std::string copy;                         ///< name of the line that this one copies
   AffineTransform transform;                ///< transform of the copy
-  std::optional<std::vector<int>> corners;  ///< indices of corner points; empty: detected
-                                            ///< automatically
+  /// Indices of corner points; empty: detected automatically.
+  std::optional<std::vector<int>> corners;
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
-  bool constrains_surface = true;                       ///< holes only; false: the curve only trims
-                                                        ///< the surface
+  /// Holes only; false: the curve only trims the surface.
+  bool constrains_surface = true;
   std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[curves]]
   bool creases = false;  ///< CAD files: true: creases inside faces are curves, too
 };
@@ -83,8 +84,8 @@ struct SceneSkin {
   bool has_rest() const { return fair != Fair::Bending; }
   /// True if the shape is not the one of least energy.
   bool is_faired() const { return fair == Fair::Variation || fair == Fair::Loft; }
-  double strength = 1;          ///< Variation: fraction of the step from the minimum-bending shape,
-                                ///< 0 to 1
+  /// Variation: fraction of the step from the minimum-bending shape, 0 to 1.
+  double strength = 1;
   double max_displacement = 0;  ///< Variation: maximum displacement, scene unit; 0: unlimited
   /// Loft: lines that are sides of four-sided regions.
   std::vector<LocatedString> sections;
@@ -98,9 +99,9 @@ struct SceneTarget {
   SourceLocation location;
   std::filesystem::path file;  ///< a CAD file or a mesh
   std::string unit;            ///< length unit of a mesh; empty: the scene's
-  bool cage = false;           ///< true: the mesh is a control cage; the target is its
-                               ///< Catmull-Clark limit surface
-  double tolerance = 0;        ///< model units; 0: 1e-4 of the model's size
+  /// true: the mesh is a control cage; the target is its Catmull-Clark limit surface.
+  bool cage = false;
+  double tolerance = 0;  ///< model units; 0: 1e-4 of the model's size
 };
 
 /// [[constraint]]: acts at the point of the unloaded surface nearest to `at` (Point, Normal,
@@ -130,22 +131,22 @@ struct SceneLoad : ScalarParameter {
     Gravity,
     Point,
     Line,
-    PointCloudSprings,  ///< springs from measured points to the surface; their foot points slide on
-                        ///< it
-    AttractorSprings    ///< springs from surface points to points, a curve or a plane
+    /// Springs from measured points to the surface; their foot points slide on it.
+    PointCloudSprings,
+    AttractorSprings  ///< springs from surface points to points, a curve or a plane
   };
   Type type = Type::Pressure;
-  Vec3 direction = Vec3::UnitZ();  ///< unit vector; not for Pressure, PointCloudSprings and
-                                   ///< AttractorSprings
-  Vec3 at = Vec3::Zero();          ///< Point: point of application
-  SceneArea area;                  ///< Pressure, Uniform: area of application
-  LocatedString line;              ///< Line: name of the line
-  std::filesystem::path file;      ///< PointCloudSprings: file of the points; AttractorSprings:
-                                   ///< `curve` as a file
-  SourceLocation location;         ///< location of `file` in the scene
-  std::string unit;                ///< unit of the file's numbers; empty: the scene's
-  Load::AttractorSprings pulls;    ///< AttractorSprings: everything except the curve
-  LocatedString curve;             ///< AttractorSprings: name of a line, or of a file
+  /// Unit vector; not for Pressure, PointCloudSprings and AttractorSprings.
+  Vec3 direction = Vec3::UnitZ();
+  Vec3 at = Vec3::Zero();  ///< Point: point of application
+  SceneArea area;          ///< Pressure, Uniform: area of application
+  LocatedString line;      ///< Line: name of the line
+  /// PointCloudSprings: file of the points; AttractorSprings: `curve` as a file.
+  std::filesystem::path file;
+  SourceLocation location;       ///< location of `file` in the scene
+  std::string unit;              ///< unit of the file's numbers; empty: the scene's
+  Load::AttractorSprings pulls;  ///< AttractorSprings: everything except the curve
+  LocatedString curve;           ///< AttractorSprings: name of a line, or of a file
 };
 
 /// [[stiffness]]: a stiffness field that is added to alpha or beta.
@@ -201,11 +202,11 @@ struct SceneSweep {
 struct SceneNetwork {
   SourceLocation location;  ///< location of [skin]
   double tolerance = 0;     ///< gap tolerance, model units; 0: default of NetworkOptions
-  double tangent_angle = NetworkOptions{}.tangent_angle;              ///< NetworkOptions, degrees
-  int max_faces_per_edge = RegionSearchOptions{}.max_faces_per_edge;  ///< maximum number of regions
-                                                                      ///< at an edge
-  double crease_angle = ModelOptions{}.crease_angle_deg;              ///< ModelOptions, degrees
-  double join_tolerance = ModelOptions{}.join_tolerance_deg;          ///< ModelOptions, degrees
+  double tangent_angle = NetworkOptions{}.tangent_angle;  ///< NetworkOptions, degrees
+  /// Maximum number of regions at an edge.
+  int max_faces_per_edge = RegionSearchOptions{}.max_faces_per_edge;
+  double crease_angle = ModelOptions{}.crease_angle_deg;      ///< ModelOptions, degrees
+  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< ModelOptions, degrees
   /// The lines describe one half: the model is mirrored in the plane through the origin
   /// perpendicular to this axis, 0, 1, 2 for x, y, z.
   std::optional<int> symmetry;
@@ -240,8 +241,9 @@ struct Scene {
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: file names; empty: not written
   enum class StepForm {
-    Auto,  ///< Face; if that exceeds step_tolerance, Exact for a single untrimmed region of up to
-           ///< 10,000 triangles
+    /// Face; if that exceeds step_tolerance, Exact for a single untrimmed region of up to 10,000
+    /// triangles.
+    Auto,
     Face,  ///< one B-spline face per region, within step_tolerance
     Exact  ///< three faces per triangle
   } step_form = StepForm::Auto;

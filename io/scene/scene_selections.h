@@ -58,8 +58,8 @@ struct CutSpec {
   SourceLocation location;
   std::vector<LocatedString> band;        ///< selections that contain the border of the feature
   std::vector<LocatedString> on, beside;  ///< alternatively: strokes on the feature and outside it
-  std::optional<Vec3> inside;  ///< the vertex nearest to this point is in the feature; empty: the
-                               ///< feature is the smaller side
+  /// The vertex nearest to this point is in the feature; empty: the feature is the smaller side.
+  std::optional<Vec3> inside;
   CutOptions options;
 };
 

@@ -63,8 +63,8 @@ struct SequenceOperation {
   SequenceEditOptions options;
   std::optional<double> penalty_weight;
   bool preserve_volume = false;
-  int keyframe_interval = 1;  ///< prescribed frames: every n-th frame is a keyframe, the others
-                              ///< follow
+  /// Prescribed frames: every n-th frame is a keyframe, the others follow.
+  int keyframe_interval = 1;
 
   /// User-defined keyframes.
   struct Keyframes {
@@ -74,8 +74,8 @@ struct SequenceOperation {
   struct RootMotion {
     int cycles = 1;
     Vec3 along = Vec3::UnitX();
-    std::optional<double> speed;      ///< model units per frame; empty: the speed of the standing
-                                      ///< foot
+    /// Model units per frame; empty: the speed of the standing foot.
+    std::optional<double> speed;
     std::vector<LocatedString> feet;  ///< feet that determine the speed
   };
   /// Foot contacts: planted feet are kept in place, shifted, or put on a terrain.
@@ -97,8 +97,8 @@ struct SequenceOperation {
     int spans = 0;
     PathLengths lengths = PathLengths::Absolute;
     std::vector<LocatedString> feet;
-    std::vector<LocatedString> unrotated;  ///< handles that stay on the path, independently of the
-                                           ///< feet
+    /// Handles that stay on the path, independently of the feet.
+    std::vector<LocatedString> unrotated;
     FootContactSearch search;
   };
   /// Low-pass, high-pass or cartoon filter of handle trajectories.

@@ -33,9 +33,9 @@ struct StepShell {
 struct StepPlan {
   std::vector<const SkinnedRegion*> regions;  ///< ordered shell by shell, solids first
   std::vector<StepShell> shells;
-  std::map<std::string, StepLine> lines;  ///< all named curves, of boundaries and inside model
-                                          ///< faces
-  bool joined = false;                    ///< true if any curve occurs twice
+  /// All named curves, of boundaries and inside model faces.
+  std::map<std::string, StepLine> lines;
+  bool joined = false;  ///< true if any curve occurs twice
   /// Largest distance at which points or curves count as coincident, model units.
   double distance = 0;
   std::vector<std::string> warnings;

@@ -50,8 +50,8 @@ struct PointConstraint {
   std::string name;
   VertexCombination point;  ///< coefficients sum to 1 for a point, to 0 for a vector
   Kind kind = Kind::OnPlane;
-  Vec3 direction = Vec3::UnitZ();  ///< normal of the plane, or direction of the line; any length
-                                   ///< above 0
+  /// Normal of the plane, or direction of the line; any length above 0.
+  Vec3 direction = Vec3::UnitZ();
 };
 
 /// A chain of vertices that keeps its shape approximately (soft). Its curvature vectors
@@ -103,8 +103,8 @@ struct DeformProblem {
 /// Transformation of one handle: p = about + s R(rotation_vector) (p⁰ - about) + translation.
 struct HandleTransform {
   Vec3 about = Vec3::Zero();
-  Vec3 rotation_vector = Vec3::Zero();  ///< axis · angle in radians (core/geometry.h); not reduced
-                                        ///< to less than a full turn
+  /// Axis · angle in radians (core/geometry.h); not reduced to less than a full turn.
+  Vec3 rotation_vector = Vec3::Zero();
   Vec3 translation = Vec3::Zero();
   double scale = 1;  ///< scale s, above 0
   /// Position of a handle vertex that is at p in the undeformed mesh.
@@ -118,8 +118,8 @@ struct DeformEdit {
   /// One point on the plane or line of each point constraint, and the vector of each constraint that
   /// prescribes a vector. If empty, planes and lines pass through the undeformed constrained points.
   std::vector<Vec3> constraint_origins;
-  std::vector<Vec3> targets;  ///< right-hand side of each linear constraint; empty: as in the
-                              ///< problem
+  /// right-hand side of each linear constraint; empty: as in the problem.
+  std::vector<Vec3> targets;
 };
 
 /// Hard constraints that move each vertex to its target, such as the vertices of a chain to points

@@ -20,9 +20,10 @@ struct ShapeEstimate {
   Points positions;         ///< n×3
   std::vector<char> known;  ///< per vertex: nonzero if its position is valid; empty: all are
   enum class Use {
-    Rotations,  ///< only the rotations of features are used; the rotation field is harmonic between
-                ///< them, handles and fixed vertices, and rotates the curvature of the rest shape
-    Shape       ///< curvature is that of the estimate: without features the result is the estimate
+    /// Only the rotations of features are used; the rotation field is harmonic between them,
+    /// handles and fixed vertices, and rotates the curvature of the rest shape.
+    Rotations,
+    Shape  ///< curvature is that of the estimate: without features the result is the estimate
   } use = Use::Rotations;
   /// Rotation of each feature; none: that of the harmonic field. Features that share vertices must
   /// have the same rotation. Features with TranslationOnly or with handle or fixed vertices ignore

@@ -18,8 +18,8 @@ struct FeatureRelation {
   enum class Kind {
     Parallel,  ///< the features rotate equally
     Coaxial,   ///< parallel, and the centres keep their relative position along the common axis
-    Distance,  ///< the vector between two centres keeps its length and rotates with the first
-               ///< feature
+    /// The vector between two centres keeps its length and rotates with the first feature.
+    Distance,
     Spacing,   ///< evenly spaced centres stay evenly spaced
     Symmetric  ///< two centres stay mirror images with respect to a plane
   };

@@ -17,9 +17,9 @@ namespace batten {
 enum class RotationMode {
   Estimated,  ///< features rotate as the sheet at their location, deformed without them
   Dual,       ///< from a preliminary shape computed with dual Laplacian vectors
-  Nonlinear,  ///< from a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large
-              ///< rotations
-  Harmonic    ///< handle rotations, interpolated harmonically
+  /// From a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large rotations.
+  Nonlinear,
+  Harmonic  ///< handle rotations, interpolated harmonically
 };
 
 /// A rotation that is prescribed for a feature instead of being estimated.

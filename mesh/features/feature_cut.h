@@ -13,9 +13,10 @@ namespace batten {
 
 /// A chain of border edges, as vertices.
 struct BorderChain {
-  std::vector<int> vertices;  ///< closed chains do not repeat the first vertex; each vertex occurs
-                              ///< once unless the chain touches itself
-  bool closed = true;         ///< open chains start and end on the boundary of the mesh
+  /// Closed chains do not repeat the first vertex; each vertex occurs once unless the chain touches
+  /// itself.
+  std::vector<int> vertices;
+  bool closed = true;  ///< open chains start and end on the boundary of the mesh
 };
 
 /// Links the edges between triangles inside and outside a set to chains. The outside is on the left

@@ -72,13 +72,13 @@ struct FeatureDetectionOptions {
 struct DetectedFeature {
   enum class Kind { Hole, Crease };
   Kind kind;
-  std::string name;            ///< "hole-1", "crease-1"
-  std::vector<int> vertices;   ///< vertices of the feature, which keeps its shape, ascending
-  std::vector<int> loop;       ///< boundary of the hole (the surface is on its left), or the crease
-                               ///< (the panel is on its left)
-  HoleMeasure measure;         ///< position, size and shape of the loop
-  bool flange_ends_at_crease;  ///< holes: the flange extends to a closed crease; creases: always
-                               ///< true
+  std::string name;           ///< "hole-1", "crease-1"
+  std::vector<int> vertices;  ///< vertices of the feature, which keeps its shape, ascending
+  /// Boundary of the hole (the surface is on its left), or the crease (the panel is on its left).
+  std::vector<int> loop;
+  HoleMeasure measure;  ///< position, size and shape of the loop
+  /// holes: the flange extends to a closed crease; creases: always true.
+  bool flange_ends_at_crease;
 };
 
 /// Detects the form features of a panel. Holes come first, then creases; each kind is numbered in

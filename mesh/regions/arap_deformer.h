@@ -11,8 +11,8 @@ namespace batten {
 /// Options of ArapDeformer.
 struct ArapOptions {
   int max_iterations = 300;  ///< at least 1
-  double tolerance = 1e-6;   ///< the iteration stops when no vertex moves by more, relative to the
-                             ///< mesh size
+  /// The iteration stops when no vertex moves by more, relative to the mesh size.
+  double tolerance = 1e-6;
   /// α ≥ 0: penalty on differences of neighbouring rotations. It acts like the bending stiffness of
   /// a shell of thickness √(α · area). With 0 the only bending stiffness is that of the discrete
   /// ARAP energy.

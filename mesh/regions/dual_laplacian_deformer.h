@@ -11,8 +11,8 @@ namespace batten {
 /// Options of DualLaplacianDeformer.
 struct DualLaplacianOptions {
   int max_iterations = 200;  ///< at least 1
-  double tolerance = 1e-6;   ///< the iteration stops when no vertex moves by more, relative to the
-                             ///< mesh size
+  /// The iteration stops when no vertex moves by more, relative to the mesh size.
+  double tolerance = 1e-6;
   /// Treatment of boundary faces. Omitted: they have no Laplacian row. EdgeMidpoints: the midpoint
   /// of a boundary edge replaces the missing neighbour. Measured: EdgeMidpoints increases the
   /// change of angles along free boundaries by 2 to 7 %.

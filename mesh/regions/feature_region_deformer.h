@@ -17,9 +17,9 @@ namespace batten {
 /// A feature region, given by triangles or by vertices.
 struct FeatureRegion {
   std::string name;
-  std::vector<int> faces;     ///< triangle indices; if empty, the triangles with at least one
-                              ///< corner in `vertices`
-  std::vector<int> vertices;  ///< vertex indices; ignored if `faces` is not empty
+  /// Triangle indices; if empty, the triangles with at least one corner in `vertices`.
+  std::vector<int> faces;
+  std::vector<int> vertices;          ///< vertex indices; ignored if `faces` is not empty
   std::optional<Mat3> rotation = {};  ///< rotation set by the user; none: fitted to the estimate
   double scale = 1;                   ///< scale of the region, above 0
 };

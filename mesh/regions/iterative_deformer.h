@@ -11,8 +11,8 @@ namespace batten {
 /// Convergence of an iterative deformer in the last edit.
 struct IterationReport {
   int iterations = 0;
-  double last_change = 0;  ///< largest displacement of a vertex in the last iteration, relative to
-                           ///< the mesh size
+  /// Largest displacement of a vertex in the last iteration, relative to the mesh size.
+  double last_change = 0;
   bool converged = false;  ///< last_change fell below the tolerance within max_iterations
   /// Energy after each iteration, in model units. It never increases except by rounding (1e-12 of
   /// the first value).

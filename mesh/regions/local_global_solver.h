@@ -28,8 +28,8 @@ struct ArapEnergy {
   std::vector<int> row_start = {0};  ///< rows of element e: row_start[e] … row_start[e+1] - 1
   int cells_of_element = 1;          ///< m
   std::vector<int> cells;            ///< cells of each element, cells_of_element each
-  RowMatrix mean;  ///< cells × vertices: averages the initial rotations of the vertices for
-                   ///< each cell
+  /// Cells × vertices: averages the initial rotations of the vertices for each cell.
+  RowMatrix mean;
   /// Penalty λ_ij on the difference of the rotations of two cells.
   struct Link {
     int a, b;

@@ -32,10 +32,11 @@ double foot_skate(const Trajectory& foot, const FootContact& contact);
 struct ContactPlacement {
   Vec3 translation = Vec3::Zero();   ///< applied to every contact first
   const Terrain* terrain = nullptr;  ///< contacts are then projected onto it; nullptr: not at all
-  std::optional<double> clearance;  ///< distance of centroids from the terrain, model units; empty:
-                                    ///< their height above the original ground is kept
-  double ground = 0;                ///< height of the original ground, along Terrain::up()
-  bool rotations = false;           ///< see ContactPose::rotations
+  /// Distance of centroids from the terrain, model units; empty: their height above the original
+  /// ground is kept.
+  std::optional<double> clearance;
+  double ground = 0;       ///< height of the original ground, along Terrain::up()
+  bool rotations = false;  ///< see ContactPose::rotations
 };
 
 /// The contacts of all feet at their new positions. Throws InputError, naming the foot, if there is

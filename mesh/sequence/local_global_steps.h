@@ -22,9 +22,9 @@ struct NodeGraph {
   };
   int nodes = 0;
   std::vector<Edge> edges;
-  std::vector<int> start, neighbour;  ///< neighbours of node i: start[i] … start[i + 1] - 1,
-                                      ///< ascending
-  std::vector<double> weight;         ///< w_ij of each entry of `neighbour`
+  /// Neighbours of node i: start[i] … start[i + 1] - 1, ascending.
+  std::vector<int> start, neighbour;
+  std::vector<double> weight;  ///< w_ij of each entry of `neighbour`
 
   /// Neighbours of a node, ascending.
   std::span<const int> neighbours(int node) const {

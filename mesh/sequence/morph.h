@@ -52,8 +52,8 @@ void check(const MorphInterval& interval, const MeshSequence& sequence, const ch
 struct MorphOptions {
   /// Intervals of the source and the target sequence that are blended.
   MorphInterval source, target;
-  int frames = 0;  ///< number of frames of the morph, both ends included; 0: the mean of both
-                   ///< intervals
+  /// Number of frames of the morph, both ends included; 0: the mean of both intervals.
+  int frames = 0;
   /// Rigid motion from the target to the source. None: the best fit between the first frames of
   /// both intervals, restricted to rotations about `up` and horizontal translations.
   std::optional<RigidMotion> alignment;
@@ -84,9 +84,9 @@ struct LandmarkPair {
 
 /// Options of fit_to_target().
 struct TargetFitOptions {
-  int stages = 8;      ///< number of stages; each relaxes the shape and increases the weight of the
-                       ///< target
-  int iterations = 6;  ///< iterations per stage
+  /// Number of stages; each relaxes the shape and increases the weight of the target.
+  int stages = 8;
+  int iterations = 6;            ///< iterations per stage
   double initial_weight = 0.01;  ///< μ in the first stage, relative to the mean weight at a node
   double final_weight = 10;      ///< μ in the last stage
 };
@@ -94,9 +94,9 @@ struct TargetFitOptions {
 /// Result of fit_to_target().
 struct TargetFit {
   Points positions;
-  double mean_distance = 0, largest_distance = 0;  ///< distance of nodes from the target, model
-                                                   ///< units
-  double landmark_distance = 0;                    ///< largest distance of a landmark, model units
+  /// Distance of nodes from the target, model units.
+  double mean_distance = 0, largest_distance = 0;
+  double landmark_distance = 0;  ///< largest distance of a landmark, model units
   int inverted = 0;  ///< number of triangles whose normal points against that of the nearby target
 };
 

@@ -26,9 +26,10 @@ struct SequenceKeyframe {
 struct SequenceEditOptions {
   FrameOptions frames;
   enum class Start {
-    Handles,   ///< start from the interpolated rotations of the handles
-    Subspace,  ///< start from a subspace solution with a control mesh around the first frame that
-               ///< follows the frames
+    Handles,  ///< start from the interpolated rotations of the handles
+    /// Start from a subspace solution with a control mesh around the first frame that follows the
+    /// frames.
+    Subspace,
     Neighbour  ///< start from the previous keyframe; for keyframes close to each other
   } start = Start::Handles;
   ControlMeshOptions control;  ///< for Start::Subspace

@@ -11,9 +11,9 @@ namespace batten {
 
 /// Options of SubspaceSolver.
 struct SubspaceOptions {
-  int iterations = 8;           ///< ARAP iterations of a solve, at least 1
-  double penalty_weight = 100;  ///< λ of handles and fixed nodes, relative to the mean weight at a
-                                ///< node
+  int iterations = 8;  ///< ARAP iterations of a solve, at least 1
+  /// λ of handles and fixed nodes, relative to the mean weight at a node.
+  double penalty_weight = 100;
 };
 
 /// Subspace ARAP solver. The energy of FrameSolver (with w_ij = 1) is minimised over the vertices d

@@ -20,8 +20,9 @@ struct SculptedCurveOptions {
   };
   bool closed = false;
   bool faired = true;  ///< false: the curve interpolates the points before the loads act
-  FairOptions fair;    ///< fairing options; `closed`, `fix_ends` and `reject_outliers` are ignored:
-                       ///< ends of open curves stay, and no point is an outlier
+  /// Fairing options; `closed`, `fix_ends` and `reject_outliers` are ignored: ends of open curves
+  /// stay, and no point is an outlier.
+  FairOptions fair;
   Ends ends = Ends::Clamped;
   double alpha = 0, beta = 1;    ///< stretch and bending stiffness, LoadUnits::Relative
   std::vector<CurveLoad> loads;  ///< empty: the curve is only faired
@@ -31,8 +32,9 @@ struct SculptedCurveOptions {
 struct SculptedCurve {
   HermiteCurve curve;
   std::vector<Vec3>
-      targets;               ///< position of each point on the curve: the point of the faired curve
-                             ///< that is closest to it, moved by the loads
+      /// Position of each point on the curve: the point of the faired curve that is closest to it,
+      /// moved by the loads.
+      targets;
   Deviation fairing;         ///< deviation of the points from the curve without loads
   double wavelength = 0;     ///< fairing wavelength
   double largest_shift = 0;  ///< largest displacement of a target by the loads

@@ -92,8 +92,8 @@ struct Load {
     };
     std::vector<Vec3> at;  ///< each spring is attached to the surface point closest to one of these
     std::variant<TargetPoints, Curve, Plane> target;
-    double rest_length = 0, falloff = 0;  ///< rest_length: length without force; falloff: decay
-                                          ///< length of φ, 0: none; model units
+    /// rest_length: length without force; falloff: decay length of φ, 0: none; model units.
+    double rest_length = 0, falloff = 0;
   };
   /// Point-cloud springs that pull the surface to n measured points p_i. They add Σ value/n |x(c_i)
   /// - p_i|² to the energy.

@@ -35,13 +35,13 @@ struct SolveReport {
 /// Selects the triangles to be refined by bisection, and the limits of the refinement.
 struct Refinement {
   struct Brush {
-    std::vector<Area::Painted::Stroke> strokes;  ///< triangles that contain a point inside one of
-                                                 ///< these are refined
+    /// Triangles that contain a point inside one of these are refined.
+    std::vector<Area::Painted::Stroke> strokes;
   };
   /// Dörfler marking by the jump estimator residual_indicator() [Dorfler1996].
   struct JumpIndicator {
-    double fraction = 0.3;  ///< the marked triangles carry this fraction of the sum of all
-                            ///< indicators
+    /// The marked triangles carry this fraction of the sum of all indicators.
+    double fraction = 0.3;
   };
   std::variant<Brush, JumpIndicator> where;
   /// A triangle is refined only if its longest edge in space is longer than twice this. Model

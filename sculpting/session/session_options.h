@@ -20,10 +20,10 @@ struct Motion {
 
 /// Options of a SculptingSession.
 struct SessionOptions {
-  SurfaceStiffness material;  ///< initial values of the parameters alpha and beta (or alpha_uu, …
-                              ///< beta_vv)
-  bool isotropic_alpha = true, isotropic_beta = true;  ///< true: one parameter (isotropic); false:
-                                                       ///< three
+  /// Initial values of the parameters alpha and beta (or alpha_uu, … beta_vv).
+  SurfaceStiffness material;
+  /// true: one parameter (isotropic); false: three.
+  bool isotropic_alpha = true, isotropic_beta = true;
   LoadUnits units = LoadUnits::Relative;
   bool fix_corners_only = false;  ///< true: constrains only the corners instead of the lines
   /// Called by solve_to_equilibrium() if the constraints have changed since its last call; solves
@@ -40,8 +40,8 @@ struct SessionOptions {
   /// Maximum memory of states and factors in the history, bytes. It keeps at least one step and at
   /// most 256.
   size_t history_bytes = size_t(512) << 20;
-  int facets_per_edge = 2;  ///< triangle edges are divided into n facets in frames: n² facets per
-                            ///< triangle
+  /// Triangle edges are divided into n facets in frames: n² facets per triangle.
+  int facets_per_edge = 2;
 };
 
 }  // namespace batten

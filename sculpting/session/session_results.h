@@ -34,8 +34,8 @@ struct PointCloudDistances {
 /// Facets and lines that connect the display points. It changes only with the mesh.
 struct DisplayTopology {
   std::vector<std::array<int, 3>> facets;
-  std::vector<std::vector<std::vector<int>>> lines;  ///< point indices: DisplayFacets::lines,
-                                                     ///< region by region
+  /// Point indices: DisplayFacets::lines, region by region.
+  std::vector<std::vector<std::vector<int>>> lines;
   /// Location of each point in the model's mesh; empty if there is no model.
   std::vector<Location> locations;
   /// Index of the first facet and the first line of each region, and one past the last region.

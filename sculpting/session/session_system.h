@@ -75,8 +75,8 @@ struct SessionDefinition {
   bool fix_corners_only = false;
   FactorReuse factor_reuse = FactorReuse::many;
   ModelScale scale() const { return {units, layout->size()}; }
-  Vec3 origin = Vec3::Zero();  ///< shapes are relative to this point, which stays the same when
-                               ///< lines move
+  /// Shapes are relative to this point, which stays the same when lines move.
+  Vec3 origin = Vec3::Zero();
   std::vector<std::shared_ptr<const AttachedLoad>> loads;
   std::vector<std::shared_ptr<const AttachedStiffnessField>> weights;
   std::vector<std::shared_ptr<const AttachedConstraint>> constraints;
@@ -118,8 +118,9 @@ struct AssembledStiffnessField {
 struct AuxiliaryConstraints {
   struct Source {
     enum Kind { Zero, Goal, Spring } kind = Zero;  ///< what determines the right-hand side
-    int parameter = -1;  ///< Goal: index of the parameter that holds the goal; Spring: index of the
-                         ///< parameter of its load
+    /// Goal: index of the parameter that holds the goal; Spring: index of the parameter of its
+    /// load.
+    int parameter = -1;
     int coordinate = 0;  ///< Goal, Spring: 0 … 2; -1: along the direction of the constraint
     int load = -1, spring = -1;
   };
@@ -180,8 +181,8 @@ struct SessionSystem {
                                       ///< computed
   std::vector<double> matrix_values;  ///< all parameter values for which `statics` was computed
   Motion motion;                      ///< motion for which `dynamics` was computed
-  std::vector<std::vector<ModelPoint>> scan_foot_points;  ///< foot points of each load's point
-                                                          ///< cloud; empty for other loads
+  /// Foot points of each load's point cloud; empty for other loads.
+  std::vector<std::vector<ModelPoint>> scan_foot_points;
   std::vector<std::vector<char>> scan_used;       ///< per point of a point cloud: 1 if it pulls
   Points point_cloud_load;                        ///< Σ k N p of the point clouds at matrix_values
   MatX point_cloud_reduced;                       ///< reduced load Dᵀ point_cloud_load

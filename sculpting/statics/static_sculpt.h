@@ -31,16 +31,16 @@ struct StaticTask {
 /// Equilibrium shape and its measurements.
 struct SculptResult {
   Points dofs;
-  SurfaceEnergy energy;  ///< elastic energy on the domain scaled to size 1; in relative units over
-                         ///< size²
+  /// Elastic energy on the domain scaled to size 1; in relative units over size².
+  SurfaceEnergy energy;
   int iterations = 0;
   double last_change = 0;  ///< change of the shape in the last iteration, relative to the size
   std::vector<Reaction> reactions;
-  double max_constraint_residual = 0;  ///< largest residual of all constraints, relative to the
-                                       ///< size
+  /// Largest residual of all constraints, relative to the size.
+  double max_constraint_residual = 0;
   std::vector<PointCloudDistances>
-      scans;  ///< one entry per Load::PointCloudSprings; "before" is the shape under the lines
-              ///< alone
+      /// One entry per Load::PointCloudSprings; "before" is the shape under the lines alone.
+      scans;
 };
 
 /// Computes the equilibrium shape of one load case with a SculptingSession that keeps no history.

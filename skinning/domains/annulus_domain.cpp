@@ -194,9 +194,10 @@ class AnnulusBuilder {
   // Width of columns as a fraction of the circle: near-square cells, at least eight around.
   double column_width() const {
     const double h = std::min({task_.options.edge_length / task_.size, 2 * V_, U_ / 8}) / U_;
-    const double expected =
-        2 * U_ * V_ * task_.size * task_.size / (task_.options.edge_length * task_.options.edge_length);
-    require_mesh_size(std::max(expected, 2 / h), task_.options.edge_length, task_.size, "an annular face");
+    const double expected = 2 * U_ * V_ * task_.size * task_.size /
+                            (task_.options.edge_length * task_.options.edge_length);
+    require_mesh_size(std::max(expected, 2 / h), task_.options.edge_length, task_.size,
+                      "an annular face");
     return h;
   }
 

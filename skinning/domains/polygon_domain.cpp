@@ -240,8 +240,8 @@ HermiteCurve fit_aligned_segment(const PolygonDomain& domain, const SmoothSegmen
   if (alone) {
     // Fraction of the target: shorter segments would crowd the mesh.
     constexpr double shortest_edge = 0.3;
-    const auto exact =
-        reuse_cubic_input(s, shortest_edge * domain.task.options.edge_length, start.position, end.position);
+    const auto exact = reuse_cubic_input(s, shortest_edge * domain.task.options.edge_length,
+                                         start.position, end.position);
     if (exact && (exact->segment_count() == 1 || !evenly_cut)) return *exact;
   }
   FitOptions fit;
@@ -545,11 +545,11 @@ ParametricMesh mesh_polygon(PolygonDomain& domain) {
   // fan.
   const bool counted = domain.task.options.mesher == SkinOptions::Mesher::Fan &&
                        domain.task.options.fan_refinements >= 0;
-  const double expected =
-      counted ? static_cast<double>(domain.polygon.size()) *
-                    std::pow(4.0, domain.task.options.fan_refinements)
-              : area * domain.task.size * domain.task.size /
-                    (std::sqrt(3.0) / 4 * domain.task.options.edge_length * domain.task.options.edge_length);
+  const double expected = counted ? static_cast<double>(domain.polygon.size()) *
+                                        std::pow(4.0, domain.task.options.fan_refinements)
+                                  : area * domain.task.size * domain.task.size /
+                                        (std::sqrt(3.0) / 4 * domain.task.options.edge_length *
+                                         domain.task.options.edge_length);
   if (counted && expected > kMaxTriangles)
     throw InputError("refine = " + std::to_string(domain.task.options.fan_refinements) +
                      " creates " + format_number(expected) + " triangles, expected at most " +

@@ -14,8 +14,8 @@ namespace batten {
 /// Facets of one or several targets.
 struct TargetFaces {
   ShellMesh shells;
-  std::vector<std::optional<PnTriangle::Corners>> normals;  ///< corner normals of curved (PN)
-                                                            ///< triangles
+  /// Corner normals of curved (PN) triangles.
+  std::vector<std::optional<PnTriangle::Corners>> normals;
   std::vector<int> part;  ///< index of the CAD face of each triangle; -1: from a mesh
   /// Next free CAD face index.
   int next_part = 0;

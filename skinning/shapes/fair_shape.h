@@ -44,8 +44,8 @@ struct FairingSummary {
   bool lofted = false;          ///< true: the shape is a loft
   std::optional<ModelFit> fit;  ///< set if the shape is fitted to a target
   std::vector<UnchangedRegion> unchanged_regions;  ///< faces that were not faired
-  std::string failure_reason;  ///< if not empty: why fairing failed; the shape is then the one of
-                               ///< minimum bending
+  /// If not empty: why fairing failed; the shape is then the one of minimum bending.
+  std::string failure_reason;
 };
 
 /// The shape of a model's curves, without loads and constraints.

@@ -263,7 +263,8 @@ TEST_CASE("features tilt with the sheet that is lifted without rotation", "[apps
       degrees[f["name"].get<std::string>()] = f["rotation_deg"].get<double>();
     return degrees;
   };
-  for (const auto& [name, degrees] : turned("rotation_mode = \"harmonic\"\n")) CHECK(degrees < 1e-6);
+  for (const auto& [name, degrees] : turned("rotation_mode = \"harmonic\"\n"))
+    CHECK(degrees < 1e-6);
   // Slope in the middle of a cubic S-shape of 120 over 280: 3/2 of 120/280, slightly less due to
   // the hole.
   for (const std::string way : {"estimated", "dual", "nonlinear"}) {

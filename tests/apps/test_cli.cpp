@@ -96,7 +96,8 @@ TEST_CASE("a parameter set on the command line changes the shape", "[apps][cli]"
 
 TEST_CASE("the same scene in metres is the same shape", "[apps][cli]") {
   const CliCase c("units");
-  c.file("mm.toml", kUnit + "[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\n" + kCoarse + kPressure);
+  c.file("mm.toml",
+         kUnit + "[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\n" + kCoarse + kPressure);
   c.file("m.toml",
          "unit = \"m\"\n[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\nunit = \"mm\"\n"
          "[mesh]\nedge_length = 0.03\n" +
@@ -305,7 +306,8 @@ TEST_CASE("curves that form no outline are refused with the reason", "[apps][cli
   }
   SECTION("a file of an unknown kind") {
     c.file("a.doc", "x");
-    refused("[[curve]]\nname = \"a\"\nfile = \"a.doc\"\n", {"s.toml:4:8: found the extension '.doc'"});
+    refused("[[curve]]\nname = \"a\"\nfile = \"a.doc\"\n",
+            {"s.toml:4:8: found the extension '.doc'"});
   }
   SECTION("an empty file") {
     c.file("a.csv", "");

@@ -184,7 +184,8 @@ TEST_CASE("conversions that are not supported are refused with the reason", "[ap
   refused({"t.obj", "t.inp"}, "expected one of: .3mf, .glb, .obj");
   refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of the coordinates");
   refused({"t.obj", "t.3mf", "--from-unit", "in", "--unit", "in"}, ".3mf is in mm");
-  refused({"t.obj", "t.stl", "--unit", "m"}, "found --unit m for a file that states no length unit");
+  refused({"t.obj", "t.stl", "--unit", "m"},
+          "found --unit m for a file that states no length unit");
   refused({"l.csv", "l.stl"}, "for curves, expected one of: .curves");
   refused({"s.toml", "s.step"}, "expected a CAD file");
   refused({"none.step", "s.iges"}, "no such file");

@@ -445,6 +445,7 @@ TEST_CASE(
           1, {"more than one fairing option"});
   d.fails(kHead + curve + edit, 1, {"'rib.lift'", "0"}, {"--set", "rib.lift=-1"});
   // A contradictory constraint on a vertex of the curve is a conflict, and is named.
-  d.fails(kHead + curve + "[[position_constraint]]\nname = \"other\"\nnode = 12\nto = [2, 2, 5]\n" + edit, 2,
-          {"'other'", "rib, vertex 3"});
+  d.fails(kHead + curve + "[[position_constraint]]\nname = \"other\"\nnode = 12\nto = [2, 2, 5]\n" +
+              edit,
+          2, {"'other'", "rib, vertex 3"});
 }

@@ -159,7 +159,8 @@ TEST_CASE("curves become a surface as soon as they close, and missing ones are r
   REQUIRE(document.session());
   document.apply({.kind = CommandKind::Undo});
   CHECK(document.session() == nullptr);
-  CHECK(document.content().problem().find("is not connected to any other curve") != std::string::npos);
+  CHECK(document.content().problem().find("is not connected to any other curve") !=
+        std::string::npos);
   document.apply({.kind = CommandKind::Redo});
   CHECK(document.session() != nullptr);
 }
@@ -265,7 +266,8 @@ TEST_CASE("settings of a curve's join are changed in their place", "[apps][docum
   CHECK(join_edits(scene, "a", "G0").empty());
   CHECK(join_edits(scene, "d", {}).empty());
   CHECK(after("a", "smooth").words({"join", "#1"}, "curves") == std::vector<std::string>{"b"});
-  CHECK(after("a", "smooth").words({"join", "#3"}, "continuity") == std::vector<std::string>{"smooth"});
+  CHECK(after("a", "smooth").words({"join", "#3"}, "continuity") ==
+        std::vector<std::string>{"smooth"});
   CHECK(after("c", "G1").words({"join", "#2"}, "continuity") == std::vector<std::string>{"G1"});
   CHECK_FALSE(after("c", {}).has({"join", "#2"}));
   CHECK(after("d", "G0").words({"join", "#3"}, "curves") == std::vector<std::string>{"d"});

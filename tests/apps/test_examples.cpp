@@ -502,7 +502,8 @@ TEST_CASE("the drawn swan becomes fair, and fairer where the brushes were", "[ap
                               (result.out / "auto.csv").string() + "' --report '" +
                               (result.out / "auto.json").string() + "'";
   REQUIRE(std::system(command.c_str()) == 0);
-  const auto alone = nlohmann::json::parse(std::ifstream(result.out / "auto.json"))["faired_curves"][0];
+  const auto alone =
+      nlohmann::json::parse(std::ifstream(result.out / "auto.json"))["faired_curves"][0];
   CHECK(after["bending"].get<double>() < 0.98 * alone["after"]["bending"].get<double>());
   // Far from the brushes nothing has changed: the head.
   const auto one = batten::read_point_lines(result.out / "auto.csv")[0].points;

@@ -28,7 +28,8 @@ std::string arc(const std::string& name, double y, bool reversed) {
 std::string half_cylinder(const std::string& skin, const std::string& mesh = "") {
   return "unit = \"mm\"\nname = \"half cylinder\"\n" + arc("front", 0, false) +
          line_through("left", "[-50,0,0], [-50,120,0]") + arc("back", 120, true) +
-         line_through("right", "[50,120,0], [50,0,0]") + "[mesh]\nedge_length = 10\n" + mesh + "[skin]\n" + skin;
+         line_through("right", "[50,120,0], [50,0,0]") + "[mesh]\nedge_length = 10\n" + mesh +
+         "[skin]\n" + skin;
 }
 
 }  // namespace
@@ -62,7 +63,8 @@ TEST_CASE("a half cylinder is recovered from its four curves", "[apps][fair]") {
 TEST_CASE("settings that a fair shape excludes are refused with their position", "[apps][fair]") {
   const CliCase c("fair_refused");
   const std::string fair = "fair = \"variation\"\n";
-  c.fails(half_cylinder(fair + "boundary = \"corners\"\n"), 1, {"s.toml:", "boundary = \"curves\""});
+  c.fails(half_cylinder(fair + "boundary = \"corners\"\n"), 1,
+          {"s.toml:", "boundary = \"curves\""});
   c.fails(half_cylinder(fair, "element = \"z12\"\n"), 1, {"s.toml:", "element = \"hct\""});
   c.fails(half_cylinder("fair = \"variaton\"\n"), 1, {"did you mean 'variation'"});
   c.fails(half_cylinder("") + "\n[[join]]\ncurves = [\"front\"]\ncontinuity = \"G2\"\n", 1,

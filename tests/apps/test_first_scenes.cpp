@@ -113,7 +113,8 @@ TEST_CASE("pickups that only trim let the arch rise", "[apps][first_scenes]") {
   });
   INFO(free.ran.err);
   CHECK(free.ran.code == 0);
-  CHECK(free.report["surface"]["max_displacement"] > 1.5 * held.report["surface"]["max_displacement"].get<double>());
+  CHECK(free.report["surface"]["max_displacement"] >
+        1.5 * held.report["surface"]["max_displacement"].get<double>());
   CHECK(free.ran.out.find("trimmed     by 'neck pickup.1', at most ") != std::string::npos);
 }
 
@@ -157,7 +158,8 @@ TEST_CASE("a normal that no surface through a curve can have is refused with the
   if (!data_available()) return;
   const FirstScene n = run("01-fender/flange_constraint.toml");
   CHECK(n.ran.code == 1);
-  CHECK(n.ran.err.find("'flat at hood' prescribes a normal that is not perpendicular to curve 'hood line'") !=
+  CHECK(n.ran.err.find(
+            "'flat at hood' prescribes a normal that is not perpendicular to curve 'hood line'") !=
         std::string::npos);
 }
 

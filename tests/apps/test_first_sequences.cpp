@@ -36,8 +36,8 @@ std::string scene(const std::string& source = "", const std::string& step = "",
          "[[select]]\nname = \"end\"\nbox = [[7.5, -9, -1], [9, 9, 9]]\n"
          "[[handle]]\nname = \"end\"\n[[handle]]\nname = \"pole\"\n"
          "[[operation]]\ntype = \"keyframes\"\nfixed = [\"pole\"]\n" +
-         step + "\n[[operation.keyframe]]\nframe = 3\nhandle = [" + move + "]\n[output]\nframes = \"" +
-         out + "\"\n";
+         step + "\n[[operation.keyframe]]\nframe = 3\nhandle = [" + move +
+         "]\n[output]\nframes = \"" + out + "\"\n";
 }
 
 CliResult edit(const CliCase& c, const std::string& text, const std::vector<std::string>& more = {},
@@ -145,8 +145,8 @@ TEST_CASE("names that no frames can be written to are refused before the steps",
   const CliCase c("sequence_names");
   make_flag(c, "flag", 3);
   c.fails(scene("", "", "f.gltf"), 1, {"s.toml:", "the extension '.gltf'"}, {}, "sequence");
-  c.fails(scene("", "", "f.obj"), 1, {"s.toml:", "a pattern for their numbers, such as f_*.obj"}, {},
-          "sequence");
+  c.fails(scene("", "", "f.obj"), 1, {"s.toml:", "a pattern for their numbers, such as f_*.obj"},
+          {}, "sequence");
   c.fails(scene("", "", "f_*.glb"), 1, {"s.toml:", "numbered files '.glb'"}, {}, "sequence");
 }
 
@@ -156,8 +156,11 @@ TEST_CASE("keys that would do nothing are refused", "[apps][sequences]") {
   const auto refused = [&](const std::string& text, const std::string& why) {
     c.fails(text, 1, {"s.toml:", why}, {}, "sequence");
   };
-  const auto more = [](const std::string& step) { return scene() + "[[operation]]\n" + step + "\n"; };
-  refused(scene("", "keyframe_interval = 5"), "key 'keyframe_interval' in an operation of type 'keyframes'");
+  const auto more = [](const std::string& step) {
+    return scene() + "[[operation]]\n" + step + "\n";
+  };
+  refused(scene("", "keyframe_interval = 5"),
+          "key 'keyframe_interval' in an operation of type 'keyframes'");
   refused(more("type = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\npreserve_volume = true"),
           "an operation without handles");
   refused(more("type = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\nfixed = [\"pole\"]"),
@@ -166,9 +169,10 @@ TEST_CASE("keys that would do nothing are refused", "[apps][sequences]") {
           "a path without 'feet'");
   refused(scene("", "", "f_*.obj", "{ name = \"end\", translate = [0, 1, 0] }, { name = \"end\" }"),
           "the handle 'end' twice in a keyframe");
-  refused(scene("", "", "f_*.obj",
-                "{ name = \"end\", rotation = \"free\", rotate = { axis = [0, 0, 1], angle = 9 } }"),
-          "'rotate' for a handle whose rotation is free");
+  refused(
+      scene("", "", "f_*.obj",
+            "{ name = \"end\", rotation = \"free\", rotate = { axis = [0, 0, 1], angle = 9 } }"),
+      "'rotate' for a handle whose rotation is free");
 }
 
 TEST_CASE("a handle with fixed nodes cannot be given a prescribed displacement",
@@ -237,7 +241,9 @@ TEST_CASE("a morph is no bend of features, and every other step is", "[apps][seq
 TEST_CASE("steps that would need more memory than there is are refused", "[apps][sequences]") {
   const CliCase c("sequence_memory");
   make_flag(c, "flag", 4);
-  c.fails(scene() + "[[operation]]\ntype = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\ncycles = 1000000\n",
+  c.fails(scene() +
+              "[[operation]]\ntype = \"root_motion\"\ndirection = [1, 0, 0]\nspeed = 1\ncycles = "
+              "1000000\n",
           1, {"the operation 'operation-2'", "of memory"}, {"--memory", "1"}, "sequence");
 }
 

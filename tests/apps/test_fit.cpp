@@ -59,7 +59,8 @@ TEST_CASE("a mesh's creases and patches become a model at the mesh", "[apps][fit
   CHECK(target["distant_curves"].empty());
   CHECK(j["step"]["faces"].get<int>() == 6);
   // Round trip through STEP: the edges of its faces, fitted to its faces.
-  const CliResult again = c.run({"fit", "out/block.step", "--out", "again", "--fit-tolerance", "0.03"});
+  const CliResult again =
+      c.run({"fit", "out/block.step", "--out", "again", "--fit-tolerance", "0.03"});
   INFO(again.out << again.err);
   CHECK(again.code == 0);
   CHECK(report(c, "again")["target"]["from_target"]["max"].get<double>() <= 0.03);
@@ -73,7 +74,8 @@ TEST_CASE("loads bend the fitted shape, in any unit", "[apps][fit]") {
       "[[curve]]\nname = \"b\"\npoints = [[40,0,20],[40,30,20]]\n"
       "[[curve]]\nname = \"c\"\npoints = [[40,30,20],[0,30,20]]\n"
       "[[curve]]\nname = \"d\"\npoints = [[0,30,20],[0,0,20]]\n";
-  const std::string target = "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\nfit_tolerance = 0.1\n";
+  const std::string target =
+      "[[target]]\nfile = \"block.obj\"\nunit = \"m\"\nfit_tolerance = 0.1\n";
   const auto moved = [&](const std::string& more) {
     c.file("s.toml", lines + target + more);
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
@@ -95,8 +97,8 @@ TEST_CASE("a cage is fitted by its limit", "[apps][fit]") {
          "v 10 20 0\nv 20 20 0\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n");
   c.file("rim.csv",
          "x,y,z\n0,0,0\n20,0,0\n\n20,0,0\n20,20,0\n\n20,20,0\n0,20,0\n\n0,20,0\n0,0,0\n");
-  const CliResult r = c.run(
-      {"fit", "cage.obj", "--cage", "--curves", "rim.csv", "--out", "out", "--fit-tolerance", "0.01"});
+  const CliResult r = c.run({"fit", "cage.obj", "--cage", "--curves", "rim.csv", "--out", "out",
+                             "--fit-tolerance", "0.01"});
   INFO(r.out << r.err);
   CHECK(r.code == 0);
   CHECK(report(c, "out")["target"]["before"]["max"].get<double>() > 1);
@@ -135,7 +137,8 @@ TEST_CASE("creases of a cage are in its limit, and a tag that is not known is na
 TEST_CASE("invalid targets are refused with their position", "[apps][fit]") {
   const CliCase c("fit_errors");
   const std::string lines =
-      "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = [[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
+      "unit = \"mm\"\n[[curve]]\nname = \"a\"\npoints = "
+      "[[0,0,0],[4,0,0],[4,3,0],[0,3,0],[0,0,0]]\n";
   c.file("flat.obj", "v 0 0 0\nv 4 0 0\nv 4 3 0\nf 1 2 3\n");
   c.file("empty.obj", "v 0 0 0\n");
   const auto refused = [&](const std::string& target, const std::vector<std::string>& words) {

@@ -108,9 +108,8 @@ TEST_CASE("the tolerance of curves is at least 1e-9 of the size", "[apps][limits
   const CliCase c("limits_fine");
   c.file("in.toml", with_tolerance("1.415e-7", square("edge_length = 60")));  // of 141.42
   CHECK(c.run({"run", "in.toml", "--out", "in"}).code == 0);
-  c.fails(
-      with_tolerance("1.414e-7", square("")), 1,
-      {"fit_tolerance = 1.414e-07 for a size of 141.421, expected 1.41421e-07 or more"});
+  c.fails(with_tolerance("1.414e-7", square("")), 1,
+          {"fit_tolerance = 1.414e-07 for a size of 141.421, expected 1.41421e-07 or more"});
   const fs::path box = fs::path(BATTEN_SOURCE_DIR) / "tests/fuzz/seeds/networks/box.csv";
   c.file("n.toml",
          "unit = \"m\"\nfit_tolerance = 1e-9\n\n[[curves]]\nfile = \"" + box.string() + "\"\n");

@@ -44,8 +44,9 @@ TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[app
     CHECK(report["curves"]["count"] == 4);
     CHECK(report["surface"]["area"].get<double>() == Approx(area).epsilon(3e-4));
     CHECK(report["surface"]["max_curve_deviation"].get<double>() < 0.02);
-    CHECK((r.out.find("5 points, where the curve turns by up to 45 degrees, interpreted as smooth") !=
-           std::string::npos) == (count == 5));
+    CHECK(
+        (r.out.find("5 points, where the curve turns by up to 45 degrees, interpreted as smooth") !=
+         std::string::npos) == (count == 5));
     fs::remove_all(c / "out");
   }
 }
@@ -75,10 +76,11 @@ TEST_CASE("a lid with a circular hole, a rectangle with round corners", "[apps][
   const CliCase c("lid");
   const std::string hole =
       "[[curve]]\nname = \"hole\"\nrole = \"hole\"\ncircle = {centre = [10,5,0], radius = 12}\n";
-  c.file("s.toml",
-         "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nrectangle = {centre = [0,0,0], size = [100,60], "
-         "radius = 8}\n" +
-             hole);
+  c.file(
+      "s.toml",
+      "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nrectangle = {centre = [0,0,0], size = [100,60], "
+      "radius = 8}\n" +
+          hole);
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);

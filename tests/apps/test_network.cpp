@@ -176,8 +176,8 @@ TEST_CASE("stiffness along a curve acts in all faces that have it", "[apps][netw
                (i == 1 ? top : "50") + "," + y + ",20],[100," + y + ",0]]\n";
     }
     for (const char* x : {"0", "100"})
-      scene += "[[curve]]\nname = \"side " + std::string(x) + "\"\npoints = [[" + x + ",0,0],[" + x +
-               ",100,0],[" + x + ",200,0]]\n";
+      scene += "[[curve]]\nname = \"side " + std::string(x) + "\"\npoints = [[" + x + ",0,0],[" +
+               x + ",100,0],[" + x + ",200,0]]\n";
     c.file("s.toml", scene +
                          "[mesh]\nedge_length = 20\n[[stiffness]]\nname = \"w\"\ntype = "
                          "\"beta\"\nalong = \"arch 1\"\nvalue = " +
@@ -418,7 +418,8 @@ TEST_CASE("a face with five sides has minimum variation by default, and the summ
   CHECK(fairing["requested"] == false);
   CHECK(fairing["faces"] == 1);
   // fair = "bending" minimises the bending energy instead; four sides need no fairing.
-  c.file("s.toml", "unit = \"mm\"\n[[curves]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
+  c.file("s.toml",
+         "unit = \"mm\"\n[[curves]]\nfile = \"curves.csv\"\n[skin]\nfair = \"bending\"\n");
   const CliResult bent = c.run({"run", "s.toml", "--out", "bent"});
   CHECK(bent.code == 0);
   CHECK(bent.out.find("sphere") == std::string::npos);
@@ -472,6 +473,7 @@ TEST_CASE("a surface that leaves the blend of its curves is named, the default d
   CHECK((plain.out + plain.err).find("deviates from the blend") == std::string::npos);
   const CliResult bent = c.run({"run", "bent.toml", "--out", "bent"});
   INFO(bent.out << bent.err);
-  CHECK((bent.out + bent.err).find("deviates from the blend of its boundary curves") != std::string::npos);
+  CHECK((bent.out + bent.err).find("deviates from the blend of its boundary curves") !=
+        std::string::npos);
   CHECK((bent.out + bent.err).find("depth of its sections") != std::string::npos);
 }

@@ -238,8 +238,9 @@ TEST_CASE("a worm becomes a fish, both exactly where the morph ends", "[apps][se
   const MeshSequence turned = example.sequence("turned/frames/fish_*.obj");
   for (int k = 0; k < 25; ++k)
     CHECK((turned.frames[k] - after.frames[k]).cwiseAbs().maxCoeff() < 1e-6);
-  CHECK_THAT(example.error_message("morph", {"interval = [7, 19] }", "interval = [27, 29] }"}),
-             Contains("the interval of the target is frames 27 to 29, expected two frames of 1 to 25"));
+  CHECK_THAT(
+      example.error_message("morph", {"interval = [7, 19] }", "interval = [27, 29] }"}),
+      Contains("the interval of the target is frames 27 to 29, expected two frames of 1 to 25"));
 }
 
 TEST_CASE("a flange becomes wider while a plate is pressed, holes keep their shape",

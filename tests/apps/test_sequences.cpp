@@ -92,7 +92,8 @@ std::map<std::string, std::string> contents_in(const fs::path& folder) {
 TEST_CASE("every kind of step goes over a walk", "[apps][sequences]") {
   const CliCase c("sequence_kinds");
   put_walk(c);
-  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "contact_detection = { distance = 0.02 }\n";
+  const std::string feet = "feet = [\"front\", \"back\"]\n",
+                    found = "contact_detection = { distance = 0.02 }\n";
   const std::string travel = "type = \"root_motion\"\ncycles = 2\ndirection = [1,0,0]\n" + feet;
   nlohmann::json j = done(c, with_step(travel));
   CHECK(j["sequence"]["frames"].get<int>() == 33);
@@ -133,7 +134,8 @@ TEST_CASE("an unrotated trunk stays on the path, and on a slope follows the mean
   const CliCase c("sequence_upright");
   put_walk(c);
   c.file("hill.obj", "v -20 -20 0\nv 40 -20 6\nv 40 20 6\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
-  const std::string feet = "feet = [\"front\", \"back\"]\n", found = "contact_detection = { distance = 0.02 }\n";
+  const std::string feet = "feet = [\"front\", \"back\"]\n",
+                    found = "contact_detection = { distance = 0.02 }\n";
   const std::string head =
       "[[handle]]\nname = \"trunk\"\nvertices = \"t\"\n[[select]]\nname = \"t\"\nbox = "
       "[[0.49,-1,-1],[0.51,1,1]]\n[[operation]]\ntype = \"root_motion\"\ndirection = [1,0,0]\n" +
@@ -284,7 +286,8 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run",
       "[[select]]\nname = \"other\"\nbox = [[-10,-1,-18],[-4,3,-10]]\n"
       "[[select]]\nname = \"fore\"\nbox = [[-9,-1,3],[-5,3,6]]\n"
       "[[handle]]\nname = \"hind\"\n[[handle]]\nname = \"other\"\n[[handle]]\nname = \"fore\"\n"
-      "[[operation]]\nname = \"far\"\ntype = \"root_motion\"\ncycles = 2\ndirection = [0,0,1]\nfeet = [\"hind\", "
+      "[[operation]]\nname = \"far\"\ntype = \"root_motion\"\ncycles = 2\ndirection = "
+      "[0,0,1]\nfeet = [\"hind\", "
       "\"other\", \"fore\"]\n";
   std::string hill;
   for (int j = 0; j <= 20; ++j)
@@ -298,7 +301,8 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run",
               std::to_string(a + 42) + " " + std::to_string(a + 41) + "\n";
     }
   c.file("hill.obj", hill);
-  const std::string feet = "feet = [\"hind\", \"other\", \"fore\"]\ncontact_detection = { distance = 4 }\n";
+  const std::string feet =
+      "feet = [\"hind\", \"other\", \"fore\"]\ncontact_detection = { distance = 4 }\n";
   const auto looked_at = [&](const nlohmann::json& j, const std::string& what) {
     const double before = j["smoothness"]["second_difference_before"].get<double>(),
                  after = j["smoothness"]["second_difference"].get<double>();
@@ -308,11 +312,12 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run",
     for (const auto& foot : j["foot_plants"]) CHECK(foot["foot_skate"].get<double>() <= 1e-12);
     CHECK(after <= 1.5 * before);
   };
-  looked_at(done(c, head +
-                        "[[operation]]\nname = \"hill\"\ntype = \"foot_plants\"\nterrain = { file = "
-                        "\"hill.obj\" }\n" +
-                        feet),
-            "hill");
+  looked_at(
+      done(c, head +
+                  "[[operation]]\nname = \"hill\"\ntype = \"foot_plants\"\nterrain = { file = "
+                  "\"hill.obj\" }\n" +
+                  feet),
+      "hill");
   looked_at(
       done(c, head +
                   "[[operation]]\nname = \"along\"\ntype = \"path\"\nthrough = [[0,0,0],[20,0,100],"
@@ -320,19 +325,21 @@ TEST_CASE("the fox walks over a hill and along a path, and starts to run",
                   feet),
       "path");
   const std::string run = (fox / "run/fox_run_000.obj").string();
-  const auto j = done(c, head + "[[operation]]\nname = \"run\"\ntype = \"morph\"\ntarget = { file = \"" +
-                             run + "\", interval = [1, 12] }\ninterval = [30, 40]\n");
+  const auto j =
+      done(c, head + "[[operation]]\nname = \"run\"\ntype = \"morph\"\ntarget = { file = \"" + run +
+                  "\", interval = [1, 12] }\ninterval = [30, 40]\n");
   CHECK(j["sequence"]["frames"].get<int>() > 40);
-  CHECK(j["inverted_triangles"]["after"].get<int>() <= 3 * j["inverted_triangles"]["before"].get<int>() + 20);
+  CHECK(j["inverted_triangles"]["after"].get<int>() <=
+        3 * j["inverted_triangles"]["before"].get<int>() + 20);
   // The head of the running fox on the walking fox.
   const std::string box = "box = [[-25,30,40],[25,90,80]]";
-  const auto mixed = done(
-      c, "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +
-             (fox / "walk/fox_walk_000.obj").string() +
-             "\"\nframes = [1, 24]\n[[select]]\nname = \"head\"\n" + box +
-             "\n[[handle]]\nname = \"head\"\n[[operation]]\nname = \"mixed\"\ntype = \"mix\"\nkeyframe_interval "
-             "= 2\nsource = { file = \"" +
-             run + "\", select = [{ name = \"there\", " + box +
-             " }] }\npair = [{ handle = \"head\", from = \"there\" }]\n");
+  const auto mixed = done(c, "unit = \"cm\"\nup = \"y\"\n[sequence]\nfile = \"" +
+                                 (fox / "walk/fox_walk_000.obj").string() +
+                                 "\"\nframes = [1, 24]\n[[select]]\nname = \"head\"\n" + box +
+                                 "\n[[handle]]\nname = \"head\"\n[[operation]]\nname = "
+                                 "\"mixed\"\ntype = \"mix\"\nkeyframe_interval "
+                                 "= 2\nsource = { file = \"" +
+                                 run + "\", select = [{ name = \"there\", " + box +
+                                 " }] }\npair = [{ handle = \"head\", from = \"there\" }]\n");
   CHECK(mixed["handles"][0]["max_rigid_error"].get<double>() < 1e-10);
 }

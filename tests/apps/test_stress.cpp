@@ -122,20 +122,17 @@ TEST_CASE("a sweep reports the stresses of each shape", "[apps][stress]") {
 TEST_CASE("a plate on a foundation sinks by weight over stiffness, an orthotropic one as in theory",
           "[apps][stress]") {
   const CliCase c("stress_springs");
-  const auto sunk = stress_of(
-      c,
-      plate(
-          kSteel +
-          "supports = [{foundation = 0.5}, {curve = \"a\", spring = [1, 1, 0]}]\npressure = -0.02"));
+  const auto sunk = stress_of(c, plate(kSteel + "supports = [{foundation = 0.5}, {curve = \"a\", "
+                                                "spring = [1, 1, 0]}]\npressure = -0.02"));
   CHECK(sunk["cases"][0]["displacement"][2].get<double>() == Approx(-0.04).epsilon(1e-6));
   const auto tip = [&](const std::string& along) {
-    return stress_of(
-               c,
-               plate("thickness = 1\nyoung = [100000, 10000]\nshear_modulus = 5000\npoisson = 0\nmaterial_direction = " +
-                     along + "\n" + kClamped +
-                     "loads = [{curve = \"c\", force = [0, 0, -0.01]}]"))["cases"][0]
-                                                                        ["max_displacement"]
-                                                                            .get<double>();
+    return stress_of(c,
+                     plate("thickness = 1\nyoung = [100000, 10000]\nshear_modulus = 5000\npoisson "
+                           "= 0\nmaterial_direction = " +
+                           along + "\n" + kClamped +
+                           "loads = [{curve = \"c\", force = [0, 0, -0.01]}]"))["cases"][0]
+                                                                               ["max_displacement"]
+                                                                                   .get<double>();
   };
   CHECK(tip("[0, 1, 0]") == Approx(0.01 * 1e6 / (3 * 1e5 / 12)).epsilon(1e-2));
   CHECK(tip("[1, 0, 0]") == Approx(10 * tip("[0, 1, 0]")).epsilon(1e-2));
@@ -169,7 +166,8 @@ TEST_CASE("parts in boxes and painted thickness", "[apps][stress]") {
   refused(bad, kSteel + "supports = [{box = [[7, 7, 7], [8, 8, 8]]}]", 1, {"contains no part"});
   refused(bad, kSteel + "supports = [{box = [[-1, -1, -1], [9, 9, 9]], rotation = true}]", 1,
           {"'rotation' without a curve"});
-  refused(bad, kSteel + "supports = [{curve = \"a\", point = [0, 0, 0]}]", 1, {"more than one location"});
+  refused(bad, kSteel + "supports = [{curve = \"a\", point = [0, 0, 0]}]", 1,
+          {"more than one location"});
   refused(bad, kSteel + kClamped + "loads = [{pressure = 1, box = [[7, 7, 7], [8, 8, 8]]}]", 1,
           {"s.toml:21", "in the box from [7, 7, 7] to [8, 8, 8]"});
   refused(bad, kSteel + kClamped + "thicknesses = [{thickness = 2}]", 1,
@@ -183,7 +181,8 @@ TEST_CASE("supports that hardly hold are warned of", "[apps][stress]") {
                                   "loads = [{point = [50, 60, 0], force = [0, 0, -1]}]"));
   const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);
-  CHECK(r.err.find("the supports hardly prevent a rigid-body motion: the whole model can rotate about the axis along "
+  CHECK(r.err.find("the supports hardly prevent a rigid-body motion: the whole model can rotate "
+                   "about the axis along "
                    "[1, 0, 0]") != std::string::npos);
 }
 
@@ -208,7 +207,8 @@ TEST_CASE("invalid settings of a stress analysis are refused with their position
   const CliCase c("stress_refused");
   refused(c, kSteel, 1, {"found no supports", "supports = [{curve"});
   refused(c, kSteel + "supports = [{type = \"clamped\"}]", 1, {"a support without a location"});
-  refused(c, kSteel + "supports = [{curve = \"aa\"}]", 1, {"s.toml:", "found the curve 'aa'", "'a'"});
+  refused(c, kSteel + "supports = [{curve = \"aa\"}]", 1,
+          {"s.toml:", "found the curve 'aa'", "'a'"});
   refused(c, "thickness = -1\nmaterial = \"steel\"\n" + kClamped, 1, {"'thickness'", "-1"});
   refused(c, "thickness = 1\nmaterial = \"stele\"\n" + kClamped, 1, {"did you mean 'steel'"});
   refused(c, "thickness = 1\nyoung = 210e9\n" + kClamped, 1, {"N/mm² (steel: 210000), not Pa"});
@@ -216,16 +216,20 @@ TEST_CASE("invalid settings of a stress analysis are refused with their position
           {"t/mm³", "not kg/m³"});
   refused(c, kSteel + kClamped + "loads = [{point = [50, 50, 80], force = [0, 0, 1]}]", 1,
           {"s.toml:", "at a distance of 80 mm from the surface"});
-  refused(c, kSteel + kClamped + "loads = [{force = [0, 0, 1]}]", 1, {"'force' without a location"});
-  refused(c, kSteel + kClamped + "loads = [{pressure = 1, moment = 2}]", 1, {"two types of load in one entry"});
+  refused(c, kSteel + kClamped + "loads = [{force = [0, 0, 1]}]", 1,
+          {"'force' without a location"});
+  refused(c, kSteel + kClamped + "loads = [{pressure = 1, moment = 2}]", 1,
+          {"two types of load in one entry"});
   refused(c, kSteel + kClamped + "loads = [{pressure = 1, face = \"top\"}]", 1,
           {"found the face 'top'"});
-  refused(c, kSteel + kClamped + "hinges = [\"c\"]", 1, {"found the hinge 'c', which is a free edge"});
+  refused(c, kSteel + kClamped + "hinges = [\"c\"]", 1,
+          {"found the hinge 'c', which is a free edge"});
   refused(c,
           kSteel + kClamped + "combinations = [{name = \"x\", cases = [\"snow\"], factors = [1]}]",
           1, {"the case 'snow'"});
   refused(c, kSteel + "supports = [{curve = \"a\", type = \"pinned\"}]\npressure = 1", 3,
-          {"the supports do not constrain the shell: the whole model can rotate about the axis along [1, 0, 0]"});
+          {"the supports do not constrain the shell: the whole model can rotate about the axis "
+           "along [1, 0, 0]"});
   refused(c, "thickness = 1\nyoung = 1000\n" + kClamped + "gravity = [0, 0, 1]", 1, {"'density'"});
 }
 

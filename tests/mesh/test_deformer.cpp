@@ -298,8 +298,7 @@ TEST_CASE("contradictions are named, and the last good state stays", "[mesh][def
   moved.handles[0].translation = {0, 0, 1};
   CHECK(names_of(moved) == all);
   DeformEdit turned = still;
-  turned.handles[0].rotation_vector = {0, 0,
-                                       std::numbers::pi};  // full turn: the same position
+  turned.handles[0].rotation_vector = {0, 0, std::numbers::pi};  // full turn: the same position
   CHECK(names_of(turned) == all);
   CHECK(deformer.positions() == before);
   CHECK_THROWS_AS(deformer.correct(), InputError);

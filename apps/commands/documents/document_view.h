@@ -40,14 +40,14 @@ enum class Analysis { None, Stress, Modes };
 struct StressView {
   std::string problem;  ///< why there are no results; empty: there are
   std::string load_case;
-  double von_mises = 0, displacement = 0;       ///< maxima over all load cases
-  double yield = 0;                             ///< yield stress; 0: not given
-  double deformation_scale = 1;                 ///< magnification of drawn displacements
-  std::vector<float> values;                    ///< von Mises stress per display point
-  std::vector<float> moved;                     ///< displacements, x, y, z consecutively
-  std::vector<double> frequencies;              ///< natural frequencies, ascending
-  std::vector<std::vector<float>> mode_shapes;  ///< mode shapes, layout as `moved`, normalised to a
-                                                ///< maximum of 1
+  double von_mises = 0, displacement = 0;  ///< maxima over all load cases
+  double yield = 0;                        ///< yield stress; 0: not given
+  double deformation_scale = 1;            ///< magnification of drawn displacements
+  std::vector<float> values;               ///< von Mises stress per display point
+  std::vector<float> moved;                ///< displacements, x, y, z consecutively
+  std::vector<double> frequencies;         ///< natural frequencies, ascending
+  /// Mode shapes, layout as `moved`, normalised to a maximum of 1.
+  std::vector<std::vector<float>> mode_shapes;
 };
 
 /// A document at one moment. Surface points are in frames (sculpting/session/frame.h).
@@ -100,9 +100,9 @@ struct DocumentView {
     Vec3 centre = Vec3::Zero();  ///< current position of its centre
     /// Translation, and rotation vector along the axis with the angle in degrees as its length.
     Vec3 shift = Vec3::Zero(), rotation_vector = Vec3::Zero();
-    bool moves = false;           ///< true: it belongs to the last edit, or to a sequence
-    bool can_rotate = true;       ///< false: a point constraint, whose shift is its current
-                                  ///< position
+    bool moves = false;  ///< true: it belongs to the last edit, or to a sequence
+    /// false: a point constraint, whose shift is its current position.
+    bool can_rotate = true;
     std::vector<Vec3> path = {};  ///< centre in all frames of a sequence
   };
   std::vector<Handle> handles;

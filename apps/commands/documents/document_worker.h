@@ -65,8 +65,8 @@ class DocumentWorker {
   struct Update {
     std::shared_ptr<const DocumentView> view;  ///< null: unchanged
     const Frame* frame = nullptr;  ///< null: unchanged; valid until the next take_update()
-    std::shared_ptr<const StressView> stress;  ///< null: unchanged; without values: no stresses any
-                                               ///< more
+    /// null: unchanged; without values: no stresses any more.
+    std::shared_ptr<const StressView> stress;
     std::vector<Message> messages;
     std::vector<DocumentCommand> written;  ///< completed saves, exports and runs
     bool busy = false;

@@ -19,11 +19,11 @@ LineFileKind line_file_kind(const std::filesystem::path& file);
 /// A line as given: points, or a curve.
 struct SourceLine {
   std::string name;
-  std::string at;                                ///< location for messages: "FILE:LINE:COLUMN: "
-  std::vector<Vec3> points;                      ///< model units; empty if `curve` is set
-  std::shared_ptr<const InputCurve> curve;       ///< set for lines that are not given by points
-  std::optional<std::vector<int>> corners = {};  ///< given corners, indices of `points`; empty:
-                                                 ///< detected
+  std::string at;                           ///< location for messages: "FILE:LINE:COLUMN: "
+  std::vector<Vec3> points;                 ///< model units; empty if `curve` is set
+  std::shared_ptr<const InputCurve> curve;  ///< set for lines that are not given by points
+  /// Given corners, indices of `points`; empty: detected.
+  std::optional<std::vector<int>> corners = {};
   std::string format_note = {};  ///< how the file was interpreted, if that is not obvious
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;

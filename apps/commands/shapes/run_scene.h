@@ -28,10 +28,10 @@ Report run_scene(const Scene& scene, const std::filesystem::path& folder,
 struct StressTask {
   bool with_calculix = false;  ///< cross-check with CalculiX (check_with_calculix())
   ShellDeck::Element element = ShellDeck::Element::S6;  ///< element type of the CalculiX deck
-  BackendFactory factors = {};                          ///< linear solver backend; empty:
-                                                        ///< SparseCholesky
-  double accuracy = 0;  ///< relative accuracy of displacements (refine_adaptively()); 0:
-                        ///< edge_length as given
+  /// Linear solver backend; empty: SparseCholesky.
+  BackendFactory factors = {};
+  /// Relative accuracy of displacements (refine_adaptively()); 0: edge_length as given.
+  double accuracy = 0;
 };
 /// Like run_scene(), and analyses the shape as the shell of [stress]: analyse(). Also throws
 /// InputError for a scene without [stress].

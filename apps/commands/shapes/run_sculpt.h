@@ -12,11 +12,11 @@ namespace batten {
 
 /// Operations of `batten sculpt`.
 struct SculptTask {
-  std::vector<std::string> settings;     ///< "name=value"
-  std::vector<std::string> sweeps;       ///< "name=from:to:count"
-  double time = 0, dt = 0;               ///< duration and time step of a motion; 0: no motion
-  int frames = 60;                       ///< maximum number of frames of a motion, besides the
-                                         ///< first
+  std::vector<std::string> settings;  ///< "name=value"
+  std::vector<std::string> sweeps;    ///< "name=from:to:count"
+  double time = 0, dt = 0;            ///< duration and time step of a motion; 0: no motion
+  /// Maximum number of frames of a motion, besides the first.
+  int frames = 60;
   std::string refinement;                ///< "jumps:ROUNDS"; empty: none
   bool stress = false;                   ///< analyse the shell of [stress] at each value of a sweep
   std::filesystem::path record, replay;  ///< log to write, log to read; empty: none

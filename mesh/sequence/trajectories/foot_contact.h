@@ -80,9 +80,9 @@ FootContact moved(const RigidMotion& motion, const FootContact& contact);
 
 /// How a contact is placed on a terrain.
 struct ContactPose {
-  double clearance = 0;    ///< distance of the centroid from the terrain, model units
-  bool rotations = false;  ///< true: aligned with the terrain normal, clearance along the normal;
-                           ///< false: clearance along up
+  double clearance = 0;  ///< distance of the centroid from the terrain, model units
+  /// true: aligned with the terrain normal, clearance along the normal; false: clearance along up.
+  bool rotations = false;
 };
 
 /// Projects a contact along `up` onto the terrain. If the pose rotates, the smallest rotation from

@@ -100,9 +100,9 @@ struct MotionTransferOptions {
     Each,  ///< one similarity about `about` per handle
     Shift  ///< one translation per handle: for handles with little motion of their own
   } align = Align::All;
-  std::optional<Vec3> about = Vec3::UnitZ();  ///< axis of the rotation of the similarities; empty:
-                                              ///< any rotation
-  bool rotations = true;                      ///< true: transfer rotations; false: positions only
+  /// Axis of the rotation of the similarities; empty: any rotation.
+  std::optional<Vec3> about = Vec3::UnitZ();
+  bool rotations = true;  ///< true: transfer rotations; false: positions only
 };
 
 /// Transfers the motion of another sequence to handles: the trajectories `from`, resampled to the

@@ -41,9 +41,9 @@ Vec3 centroid(const Points& p, const std::vector<int>& vertices);
 
 /// Centroid and rotation of a group of vertices in each of F frames.
 struct Trajectory {
-  Points centres;               ///< F×3
-  std::vector<Mat3> rotations;  ///< F rotations, relative to the first frame, where it is the
-                                ///< identity
+  Points centres;  ///< F×3
+  /// F rotations, relative to the first frame, where it is the identity.
+  std::vector<Mat3> rotations;
 
   int frame_count() const { return static_cast<int>(centres.rows()); }
 };

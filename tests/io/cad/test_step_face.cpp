@@ -708,8 +708,9 @@ TEST_CASE("Invalid faces are refused and leave an older file unchanged", "[io][s
     return error_message(
         [&] { write_step_faces(file, {&region}, unit, {.tolerance = tolerance}); });
   };
-  CHECK(error_message([&] { write_step_faces(file, {}, 1, {.tolerance = 1}); }).find("no face to write") !=
-        std::string::npos);
+  CHECK(error_message([&] {
+          write_step_faces(file, {}, 1, {.tolerance = 1});
+        }).find("no face to write") != std::string::npos);
   CHECK(error_of(good, 1, 0).find("tolerance of 0") != std::string::npos);
   CHECK(error_of(good, 1, std::nan("")).find("tolerance of") != std::string::npos);
   CHECK(error_message([&] {

@@ -406,8 +406,7 @@ TEST_CASE("invalid decks of models are refused with the reason", "[io][calculix]
              Contains("2 faces") && Contains("no face has") && Contains("did you mean 'cut'?"));
   deck = good;
   deck.pressures = {{"face 11", 1}};
-  CHECK_THAT(answer(regions, deck),
-             Contains("'face 11'") && Contains("did you mean 'face 1'?"));
+  CHECK_THAT(answer(regions, deck), Contains("'face 11'") && Contains("did you mean 'face 1'?"));
   deck.pressures = {{regions[0]->name, std::nan("")}};
   CHECK_THAT(answer(regions, deck), Contains("not finite"));
   // Two different curves with one name.

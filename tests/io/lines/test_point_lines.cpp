@@ -299,7 +299,8 @@ TEST_CASE("published sketches are read whole", "[io][points]") {
 TEST_CASE("errors in tables are reported with line and column", "[io][points]") {
   CHECK(read_error("a.csv", "") == "1:1: found an empty file, expected points");
   CHECK(read_error("a.csv", "\r\n \n") == "1:1: found an empty file, expected points");
-  CHECK(read_error("a.csv", "x,y,z\n# only words\n") == "1:1: found no points, expected at least one");
+  CHECK(read_error("a.csv", "x,y,z\n# only words\n") ==
+        "1:1: found no points, expected at least one");
   CHECK(read_error("a.csv", "1,2\n3,4\n5,six\n") == "3:3: found 'six', expected a number");
   CHECK(read_error("a.csv", "1,2\n3 ,  4x\n") == "2:6: found '4x', expected a number");
   CHECK(read_error("a.csv", "x y 3\n1 2 3\n") ==

@@ -191,7 +191,8 @@ TEST_CASE("Abaqus: missing nodes of other elements are named with their position
         "8:1: found 3 nodes of an element of type C3D4, expected 4");
   CHECK(says("*MPC\nBEAM,1,9\n") ==
         "8:1: found *MPC with unknown nodes, expected nodes and sets of the deck");
-  CHECK(says("*EQUATION\n3\n1,1,1.\n") == "8:1: found an equation with missing terms, expected as many as stated");
+  CHECK(says("*EQUATION\n3\n1,1,1.\n") ==
+        "8:1: found an equation with missing terms, expected as many as stated");
 }
 
 namespace {

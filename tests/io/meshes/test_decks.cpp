@@ -412,8 +412,9 @@ TEST_CASE("Nastran: errors are reported with line and column", "[io][decks]") {
         "4:6: found node 4 in coordinate system 7, expected one that the deck defines");
   CHECK_THAT(says(grids + "GRDSET          3\nCTRIA3,1,1,1,2,3\n"),
              Contains("1:9: found node 1 in coordinate system 3, expected one"));
-  CHECK(says("BEGIN BULK\n" + grids + "CTRIA3,5,1,1,2,3\n") ==
-        "6:1: found the end of a deck with BEGIN BULK, expected ENDDATA: the file may be truncated");
+  CHECK(
+      says("BEGIN BULK\n" + grids + "CTRIA3,5,1,1,2,3\n") ==
+      "6:1: found the end of a deck with BEGIN BULK, expected ENDDATA: the file may be truncated");
   CHECK(says("BEGIN BULK\n" + grids + "BEGIN SUPER=1\n") ==
         "5:1: found 'BEGIN SUPER=1', expected one model without superelements");
   CHECK(says(grids + "CTRIA3  1       1       1       2\n") ==
@@ -702,7 +703,8 @@ TEST_CASE("decks and polygons that may be cut short are named", "[io][decks]") {
       CHECK_THROWS_WITH(MeshFile::read(cut / name), Contains("the file may be truncated"));
       continue;
     }
-    CHECK_THAT(joined(MeshFile::read(cut / name).warnings()), Contains("the file may be truncated"));
+    CHECK_THAT(joined(MeshFile::read(cut / name).warnings()),
+               Contains("the file may be truncated"));
   }
 }
 

@@ -257,7 +257,8 @@ TEST_CASE("a zebra has the requested number of stripes, given by the normals", "
   scene.zebra = 10;
   scene.zebra_direction = {1, 0, 0};
   scene.field = PictureScene::Field::Mean;
-  CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra stripes and a field"));
+  CHECK_THAT(error_message([&] { draw_picture(path, scene); }),
+             Contains("zebra stripes and a field"));
   scene.field = PictureScene::Field::None;
   scene.zebra_direction.setZero();
   CHECK_THAT(error_message([&] { draw_picture(path, scene); }), Contains("zebra direction"));

@@ -161,9 +161,8 @@ TEST_CASE("settings of faces and joins are checked at their position", "[io][sce
               {"s.toml:8:11:", "annulus = true with 1 loops", "2"});
   check_error(n + "[[face]]\nloops = [[\"a\"]]\nsurface = false\nname = \"x\"\n", {"'name'"});
   check_error(n + "[[face]]\nloops = [[\"a\"], [\"b\"]]\nsurface = false\n", {"2 loops", "one"});
-  check_error(
-      n + "[[face]]\nname=\"x\"\nloops=[[\"a\"]]\n[[face]]\nname=\"x\"\nloops=[[\"b\"]]\n",
-      {"s.toml:10:6:", "the face name 'x' again"});
+  check_error(n + "[[face]]\nname=\"x\"\nloops=[[\"a\"]]\n[[face]]\nname=\"x\"\nloops=[[\"b\"]]\n",
+              {"s.toml:10:6:", "the face name 'x' again"});
   check_error(n + "[[join]]\ncurves = [\"a\"]\ncontinuity = \"smoth\"\n",
               {"s.toml:8:14:", "'smoth'", "did you mean 'smooth'?"});
   check_error(n + "[[join]]\ncontinuity = \"smooth\"\n", {"curves"});

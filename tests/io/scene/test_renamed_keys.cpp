@@ -107,8 +107,8 @@ TEST_CASE("an old key is refused at its position, with its present name", "[io][
       CHECK(refusal(table.kind, table.header + "\n  " + old_name + " = " + value + "\n") ==
             "s.toml:2:3: found the key '" + old_name + "' in '" + table.path + "', expected '" +
                 now + "'" + kRenamedNote);
-      CHECK(refusal(table.kind, table.header + "\n" + now + " = " + value + "\n").find(kRenamedNote) ==
-            std::string::npos);
+      CHECK(refusal(table.kind, table.header + "\n" + now + " = " + value + "\n")
+                .find(kRenamedNote) == std::string::npos);
     }
 }
 
@@ -143,8 +143,9 @@ TEST_CASE("of several old keys the first in the file is named", "[io][scene]") {
   CHECK(refusal(SceneKind::Surface, skin + line).starts_with("s.toml:3:1: found the key 'hold'"));
   CHECK(refusal(SceneKind::Surface, line + skin).starts_with("s.toml:1:3: found the key 'line'"));
   // Also for two on one line, and for two tables of one name.
-  CHECK(refusal(SceneKind::Surface, "[[curve]]\nscale = { point = [0, 0, 0] }\n[[curve]]\nmove = 1\n")
-            .starts_with("s.toml:2:11: found the key 'point' in 'curve.scale'"));
+  CHECK(
+      refusal(SceneKind::Surface, "[[curve]]\nscale = { point = [0, 0, 0] }\n[[curve]]\nmove = 1\n")
+          .starts_with("s.toml:2:11: found the key 'point' in 'curve.scale'"));
   CHECK(refusal(SceneKind::Sequence, "[[operation]]\nspans = 1\nalong = 2\n")
             .starts_with("s.toml:2:1: found the key 'spans'"));
 }
@@ -227,8 +228,9 @@ TEST_CASE("keys that moved to another table name that table", "[io][scene]") {
   CHECK(refusal(SceneKind::Surface, "[skin]\nsettle = true\n")
             .starts_with("s.toml:2:1: found the key 'settle' in 'skin', expected "
                          "minimize_distortion in [mesh]"));
-  CHECK(refusal(SceneKind::Surface, "edge_length = 3\n")
-            .starts_with("s.toml:1:1: found the key 'edge_length', expected edge_length in [mesh]"));
+  CHECK(
+      refusal(SceneKind::Surface, "edge_length = 3\n")
+          .starts_with("s.toml:1:1: found the key 'edge_length', expected edge_length in [mesh]"));
   CHECK(refusal(SceneKind::Surface, "[[curve]]\nhold = false\n")
             .starts_with("s.toml:2:1: found the key 'hold' in 'curve', expected trim_only = true"));
 }

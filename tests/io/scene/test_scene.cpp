@@ -221,14 +221,15 @@ TEST_CASE("an invalid scene is refused with position, what was found and a remed
               {"s.toml:1:8: found the unit 'mn'", "mm, cm, m, in, ft", "did you mean 'mm'?"});
   check_error("unit = \"mm\"\n", {"found no curves, expected [[curve]]"});
   check_error("unit = 3\n", {"s.toml:1:8: found 3 for 'unit', expected a text in quotes"});
-  check_error("fit_tolerence = 1\n" + kSmall,
-              {"s.toml:1:1: found key 'fit_tolerence' in the scene", "did you mean 'fit_tolerance'?"});
+  check_error("fit_tolerence = 1\n" + kSmall, {"s.toml:1:1: found key 'fit_tolerence' in the scene",
+                                               "did you mean 'fit_tolerance'?"});
   check_error("fit_tolerance = -1\n" + kSmall,
               {"s.toml:1:17: found -1, expected a number above 0 for 'fit_tolerance'"});
   check_error("fit_tolerance = nan\n" + kSmall, {"s.toml:1:17: found nan (not a number)"});
   check_error("fit_tolerance = \"fine\"\n" + kSmall, {"s.toml:1:17: found the text \"fine\""});
   check_error("corner_angle = 200\n" + kSmall, {"s.toml:1:16: found 200, expected less than 180"});
-  check_error("curve = 3\n" + kSmall.substr(0, 12), {"s.toml:1:9: found 3 for 'curve'", "[[curve]]"});
+  check_error("curve = 3\n" + kSmall.substr(0, 12),
+              {"s.toml:1:9: found 3 for 'curve'", "[[curve]]"});
 }
 
 TEST_CASE("errors in curves are reported", "[io][scene]") {

@@ -101,7 +101,8 @@ TEST_CASE("a table is added behind its kind, and removed with its comment", "[io
   CHECK_FALSE(scene.has({"load", "swell"}));
   scene.remove({"constraint", "pin"});
   CHECK(scene.text().ends_with("beta = [1, 2, 3]\n"));
-  CHECK(scene.add("join", "{ curves = [\"rim\"], continuity = \"G0\" }") == SceneTable{"join", "#1"});
+  CHECK(scene.add("join", "{ curves = [\"rim\"], continuity = \"G0\" }") ==
+        SceneTable{"join", "#1"});
 }
 
 TEST_CASE("a parameter's value reads back with the same bits", "[io][scene]") {

@@ -290,10 +290,9 @@ TEST_CASE("errors in loads are reported with their position", "[io][scene][sculp
                 {"s.toml:16:9: found the curve 'rims'", "did you mean 'rim'?"});
   check_refusal(load("pressure", "curve = \"rim\""),
                 {"s.toml:15:9", "it only with type = \"line\" or \"attractors\""});
-  check_refusal(
-      load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
-      {"s.toml:16:6: found 'at' for the load 'l', expected it only with type = \"point\" "
-       "or \"attractors\""});
+  check_refusal(load("uniform", "direction = [0,0,1]\nat = [0,0,0]"),
+                {"s.toml:16:6: found 'at' for the load 'l', expected it only with type = \"point\" "
+                 "or \"attractors\""});
   check_refusal(load("pressure", "falloff = 1"), {"it only with type = \"attractors\""});
   check_refusal("[[load]]\nname = \"l\"\ntype = \"pressure\"\nvalue = []\n",
                 {"s.toml:14:9: found an empty list, expected a number, or [[t, value], …]"});
@@ -318,16 +317,20 @@ TEST_CASE("errors in point clouds and attractors are reported with their positio
                 {"s.toml:16:6: found 1 points, expected 2, one for each point of 'at'"});
   check_refusal(load("attractors", "at = [0,0,0]\nto = [[0,0,1]]"),
                 {"s.toml:15:7: found 0, expected a list of points"});
-  check_refusal(load("attractors", "at = []\nto = []"), {"found an empty list, expected at least one point"});
-  check_refusal(load("attractors", "at = [[0,0,0]]\nplane = { origin = [0,0,0], normal = [0,0,0] }"),
-                {"s.toml:16:", "found [0, 0, 0], expected a direction"});
+  check_refusal(load("attractors", "at = []\nto = []"),
+                {"found an empty list, expected at least one point"});
+  check_refusal(
+      load("attractors", "at = [[0,0,0]]\nplane = { origin = [0,0,0], normal = [0,0,0] }"),
+      {"s.toml:16:", "found [0, 0, 0], expected a direction"});
   check_refusal(load("attractors", "at = [[0,0,0]]\nto = [[0,0,1]]\nfalloff = -1"),
                 {"s.toml:17:11: found -1, expected a length, not below 0"});
-  check_refusal(load("point_cloud", "file = \"p.csv\"\nfalloff = 1"),
-                {"s.toml:16:11: found 'falloff' for the load 'l'", "only with type = \"attractors\""});
+  check_refusal(
+      load("point_cloud", "file = \"p.csv\"\nfalloff = 1"),
+      {"s.toml:16:11: found 'falloff' for the load 'l'", "only with type = \"attractors\""});
   check_refusal(load("attractors", "file = \"p.csv\"\nat = [[0,0,0]]"),
                 {"found 'file' for the load 'l'", "only with type = \"point_cloud\""});
-  check_refusal(load("springs", "file = \"p.csv\""), {"gravity, point, line, point_cloud, attractors"});
+  check_refusal(load("springs", "file = \"p.csv\""),
+                {"gravity, point, line, point_cloud, attractors"});
   check_refusal("[[load]]\nname = \"l\"\ntype = \"point_cloud\"\nvalue = -1\nfile = \"p.csv\"\n",
                 {"s.toml:14:9: found -1, expected a stiffness, not below 0"});
 }
@@ -340,8 +343,10 @@ TEST_CASE("errors in stiffness fields, offsets and motion are reported with thei
                 {"s.toml:14:8: found the word 'gamma'", "expected one of: alpha, beta"});
   check_refusal(weight + "type = \"beta\"\nalong = \"spin\"\n",
                 {"s.toml:15:9: found the curve 'spin'", "did you mean 'spine'?"});
-  check_refusal(weight + "type = \"beta\"\nparametric_direction = [0, 0]\n", {"s.toml:15:24: found [0, 0]"});
-  check_refusal(weight + "type = \"beta\"\nparametric_direction = [1, 0, 0]\n", {"[u, v] for 'parametric_direction'"});
+  check_refusal(weight + "type = \"beta\"\nparametric_direction = [0, 0]\n",
+                {"s.toml:15:24: found [0, 0]"});
+  check_refusal(weight + "type = \"beta\"\nparametric_direction = [1, 0, 0]\n",
+                {"[u, v] for 'parametric_direction'"});
   check_refusal("[[stiffness]]\nname = \"alpha\"\ntype = \"beta\"\nvalue = 1\n",
                 {"s.toml:12:8: found the stiffness field name 'alpha'", "a parameter of [skin]"});
   const std::string move = "[[offset]]\nname = \"m\"\nvalue = 1\n";
@@ -378,7 +383,8 @@ TEST_CASE("errors in rules are reported with their position", "[io][scene][sculp
   check_refusal(slider +
                     "drives = [{ name = \"q\", factor = 1 }]\n[[parameter]]\nname = \"q\"\n"
                     "value = 1\ndrives = [{ name = \"p\", factor = 1 }]\n",
-                {"s.toml:18:20: parameter 'q': found a circular dependency: 'q' depends on 'p' depends on 'q'"});
+                {"s.toml:18:20: parameter 'q': found a circular dependency: 'q' depends on 'p' "
+                 "depends on 'q'"});
   check_refusal(
       slider + "drives = [{ name = \"beta\", factor = 1 }, { name = \"beta\", factor = 2 }]\n",
       {"found 'beta' again"});

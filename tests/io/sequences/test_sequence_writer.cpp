@@ -251,8 +251,9 @@ TEST_CASE("writers refuse data that they cannot write", "[io][sequences]") {
   const auto writing = [&](const std::string& name) {
     return error_message([&] { write_sequence(folder / name, s); });
   };
-  CHECK_THAT(writing("a.obj"), Contains("found one file for all frames, expected a pattern for their "
-                                        "numbers, such as a_*.obj"));
+  CHECK_THAT(writing("a.obj"),
+             Contains("found one file for all frames, expected a pattern for their "
+                      "numbers, such as a_*.obj"));
   CHECK_THAT(writing("a.gltf"), Contains("found the extension '.gltf', expected"));
   CHECK_THAT(writing("a_*.bdf"), Contains("found numbered files '.bdf', expected .obj"));
   CHECK_THAT(writing("a_*_*.obj"), Contains("found several patterns for a number"));

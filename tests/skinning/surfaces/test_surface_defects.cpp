@@ -237,12 +237,10 @@ TEST_CASE("curved surfaces at a sharp edge do not cross because of their facets"
 TEST_CASE("facets that overlap in one plane intersect, whatever its normal",
           "[skinning][surfaces][defects]") {
   // Planes with exact coordinates, so that the facets are exactly coplanar.
-  const std::pair<Vec3, Vec3> planes[] = {{Vec3::UnitX(), Vec3::UnitY()},
-                                          {Vec3::UnitX(), Vec3::UnitZ()},
-                                          {Vec3::UnitY(), Vec3::UnitZ()},
-                                          {Vec3(1, 1, 0), Vec3::UnitZ()},
-                                          {Vec3(1, 0, 1), Vec3::UnitY()},
-                                          {Vec3(1, 0, -1), Vec3(0, 1, -1)}};
+  const std::pair<Vec3, Vec3> planes[] = {
+      {Vec3::UnitX(), Vec3::UnitY()}, {Vec3::UnitX(), Vec3::UnitZ()},
+      {Vec3::UnitY(), Vec3::UnitZ()}, {Vec3(1, 1, 0), Vec3::UnitZ()},
+      {Vec3(1, 0, 1), Vec3::UnitY()}, {Vec3(1, 0, -1), Vec3(0, 1, -1)}};
   const auto count = [](const std::pair<Vec3, Vec3>& plane, const std::array<Vec2, 6>& corners) {
     std::vector<Vec3> points;
     for (const Vec2& c : corners)
