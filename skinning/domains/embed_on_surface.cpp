@@ -135,9 +135,8 @@ class Embedder {
       constexpr double far = 0.5;
       if (closest.distance > far * task_.size)
         throw InputError("curve '" + line.line.name + "' is " + format_number(closest.distance) +
-                         " away from the face inside of the outline, expected at most half of "
-                         "its size " +
-                         format_number(task_.size));
+                         " away from the face, expected at most half of the face's size, " +
+                         format_number(far * task_.size));
       const SurfaceJet jet = surface_.jet(closest.where);
       const Vec2 uv = surface_.mesh().shape(closest.where.triangle).point(closest.where.L);
       Eigen::Matrix<double, 3, 2> J;

@@ -49,12 +49,12 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
 
 namespace {
 
-constexpr int kSamples = 24;  // per boundary curve
+constexpr int kBoundarySamples = 24;  // per boundary curve
 
 std::vector<Vec3> samples(const HermiteCurve& curve) {
   std::vector<Vec3> points;
-  for (int i = 0; i <= kSamples; ++i)
-    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kSamples));
+  for (int i = 0; i <= kBoundarySamples; ++i)
+    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kBoundarySamples));
   return points;
 }
 
@@ -63,7 +63,7 @@ double depth_of(const HermiteCurve& curve) {
   const std::vector<Vec3> points = samples(curve);
   if (curve.closed()) {
     Vec3 centre = Vec3::Zero();
-    for (int i = 0; i < kSamples; ++i) centre += points[i] / kSamples;
+    for (int i = 0; i < kBoundarySamples; ++i) centre += points[i] / kBoundarySamples;
     double least = std::numeric_limits<double>::infinity();
     for (const Vec3& p : points) least = std::min(least, (p - centre).norm());
     return least;

@@ -10,7 +10,7 @@ namespace batten {
 namespace {
 
 constexpr int kSteps = 96;    // along the rails: 4 degrees per step for a full turn
-constexpr int kSamples = 48;  // of the sections, for twist and mismatch
+constexpr int kSectionSamples = 48;  // of the sections, for twist and mismatch
 // Of the longest chord: below it the rails meet and the frame is undefined.
 constexpr double kMinChord = 1e-3;
 
@@ -60,8 +60,8 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
   const Mat3 back = transported_.back().transpose();
   std::vector<Vec3> first, last;
   double cosine = 0, sine = 0, bulge0 = 0, bulge1 = 0;
-  for (int k = 0; k <= kSamples; ++k) {
-    const double u = static_cast<double>(k) / kSamples;
+  for (int k = 0; k <= kSectionSamples; ++k) {
+    const double u = static_cast<double>(k) / kSectionSamples;
     first.push_back((c0(u).x - origin0_) / length0_);
     last.push_back(back * (c1(u).x - origin1_) / length1_);
     const Vec3 a = first.back() - first.back().dot(e) * e, b = last.back() - last.back().dot(e) * e;

@@ -320,7 +320,7 @@ TEST_CASE("an invalid shell is refused with the reason", "[analysis][shell]") {
   CHECK_THROWS_WITH(ShellAssembler(surface, {{steel, NAN}}), Contains("thickness = nan"));
   CHECK_THROWS_WITH(ShellAssembler(surface, {{ShellMaterial{}, 1}}), Contains("positive definite"));
   CHECK_THROWS_WITH(ShellAssembler(surface, {{steel, 1}, {steel, 1}}),
-                    Contains("2 sections for 18"));
+                    Contains("2 shell sections for 18"));
   const Surface point(surface.shared_mesh(), TriangleElement::HCT,
                       Points::Zero(surface.dofs().rows(), 3));
   CHECK_THROWS_WITH(ShellAssembler(point, {{steel, 1}}).stiffness(),

@@ -178,8 +178,8 @@ TEST_CASE("sections belong to faces and are checked before they are used", "[ana
     return ShellModel(arm.layout, arm.shape, {sections, foot, {}, {}});
   };
   CHECK_NOTHROW(made({good, good}));
-  CHECK_THROWS_WITH(made({good, good, good}), Contains("3 sections for 2 regions"));
-  CHECK_THROWS_WITH(made({}), Contains("0 sections"));
+  CHECK_THROWS_WITH(made({good, good, good}), Contains("3 shell sections for 2 faces"));
+  CHECK_THROWS_WITH(made({}), Contains("0 shell sections"));
   CHECK_THROWS_AS(made({good, none}), InputError);
 }
 

@@ -233,8 +233,8 @@ TEST_CASE("a script gives the same bits each time, and says where it stopped",
   const CliCase folder("document_script");
   folder.file("s.toml", kInflatedPanel);
   folder.file("a.batten",
-              "# as recorded\nopen s.toml\nslide crown 2\nanswer\nslide crown "
-              "9\nanswer\nsolve\n\nadd load " +
+              "# as recorded\nopen s.toml\nslide crown 2\nupdate\nslide crown "
+              "9\nupdate\nsolve\n\nadd load " +
                   kPush + "\nundo\nredo\nexport one.vtp\n");
   const CliResult one = folder.run({"run-script", "a.batten"});
   CHECK(one.code == 0);

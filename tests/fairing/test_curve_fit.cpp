@@ -225,7 +225,7 @@ TEST_CASE("points that cannot be fitted are refused by name, unusual ones are fi
     return fit_points("rim", points, options);
   };
   CHECK_THAT(error_message([&] { fit({}); }), Contains("'rim' has 0 points"));
-  CHECK_THAT(error_message([&] { fit({{1, 2, 3}}); }), Contains("'rim' has 1 point:"));
+  CHECK_THAT(error_message([&] { fit({{1, 2, 3}}); }), Contains("'rim' has 1 point,"));
   CHECK_THAT(error_message([&] { fit({{1, 2, 3}, {1, 2, 3}}); }), Contains("zero length"));
   CHECK_THAT(error_message([&] {
                fit({{0, 0, 0}, {1, NAN, 0}});

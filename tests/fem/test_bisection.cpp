@@ -138,7 +138,7 @@ TEST_CASE("nothing marked changes nothing, a wrong count is refused", "[fem][bis
   CHECK(same.mesh.vertices() == mesh.vertices());
   CHECK(same.midpoint == std::vector<int>(mesh.edge_count(), -1));
   CHECK(error_message([&] { bisected(mesh, std::vector<char>(17, 0)); }) ==
-        "17 marks for 18 triangles");
+        "found 17 refinement marks for 18 triangles, expected one for each");
 }
 
 TEST_CASE("all marked twice: right isosceles triangles in four of half the size",

@@ -182,16 +182,16 @@ TEST_CASE("invalid meshes are input errors that state the reason", "[fem][parame
   CHECK_NOTHROW(ParametricMesh(square, {{0, 1, 2}, {0, 2, 3}}));
   CHECK(rejected(square, {}, "at least one triangle"));
   CHECK(rejected({}, {}, "at least one triangle"));
-  CHECK(rejected(square, {{0, 1, 2}, {0, 2, 4}}, "triangle 1 names vertex 4 of 4"));
-  CHECK(rejected(square, {{0, 1, 2}, {-1, 2, 3}}, "triangle 1 names vertex -1 of 4"));
+  CHECK(rejected(square, {{0, 1, 2}, {0, 2, 4}}, "triangle 1 uses vertex 4, expected 0 to 3"));
+  CHECK(rejected(square, {{0, 1, 2}, {-1, 2, 3}}, "triangle 1 uses vertex -1, expected 0 to 3"));
   CHECK(rejected(square, {{0, 2, 1}, {0, 3, 2}}, "counter-clockwise"));
-  CHECK(rejected(square, {{0, 1, 2}}, "vertex 3 has no triangle"));
+  CHECK(rejected(square, {{0, 1, 2}}, "vertex 3 belongs to no triangle"));
   CHECK(rejected({{0, 0}, {1, 0}, {2, 0}}, {{0, 1, 2}}, "area 0"));
   CHECK(rejected({{0, 0}, {1, 0}, {0, NAN}}, {{0, 1, 2}}, "vertex 2 is not finite"));
   CHECK(rejected({{0, 0}, {INFINITY, 0}, {0, 1}}, {{0, 1, 2}}, "vertex 1 is not finite"));
   // Folded: both triangles are on the same side of edge 0-1.
   CHECK(rejected({{0, 0}, {1, 0}, {0, 1}, {1, 1}}, {{0, 1, 2}, {0, 1, 3}},
-                 "edge 0-1 are wound in opposite directions"));
+                 "edge 0-1 have opposite orientations"));
   // Non-manifold: three triangles at edge 0-1.
   CHECK(rejected({{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, -1}}, {{0, 1, 2}, {1, 0, 3}, {1, 0, 4}},
                  "edge 0-1 has more than two triangles"));

@@ -550,7 +550,8 @@ TEST_CASE("edits and problems that cannot be are refused by name", "[mesh][defor
   has(why([](auto& p) { p.handles[0].vertices.clear(); }), "handle 'h' has no vertices");
   has(why([](auto& p) { p.features[0].vertices = {99}; }), "found vertex 99, expected 0 to 24");
   has(why([](auto& p) { p.point_constraints[0].point.entries[0].coefficient = 2; }), "sum to 2");
-  has(why([](auto& p) { p.point_constraints[0].direction.setZero(); }), "no direction");
+  has(why([](auto& p) { p.point_constraints[0].direction.setZero(); }),
+      "direction of point constraint 'g' has length 0");
   has(why([](auto& p) { p.chains = {{"c", {1, 2, 1}, true, 1}}; }), "chain 'c'");
   has(why([](auto& p) { p.chains = {{"c", {1, 2}, false, 1}}; }), "at least three");
   has(why([](auto& p) { p.chains = {{"c", {1, 2, 3}, false, 0}}; }), "width");
@@ -560,7 +561,7 @@ TEST_CASE("edits and problems that cannot be are refused by name", "[mesh][defor
         p.fixed.clear();
         p.handles.clear();
       }),
-      "nothing is fixed");
+      "no fixed nodes and no handles");
 
   FormFeatureDeformer deformer(mesh, good);
   const auto refused = [&](const auto& change) {
@@ -582,7 +583,7 @@ TEST_CASE("edits and problems that cannot be are refused by name", "[mesh][defor
   has(refused([](auto& e) { e.feature_scales = {1, 2}; }), "2 scales");
   has(refused([](auto& e) { e.constraint_origins[0][2] = INFINITY; }),
       "origin of point constraint 'g'");
-  has(refused([](auto& e) { e.targets[0][2] = NAN; }), "row 'r'");
+  has(refused([](auto& e) { e.targets[0][2] = NAN; }), "target of linear constraint 'r'");
 }
 
 TEST_CASE("the check of hard rows sees every kind of violation", "[mesh][deform]") {

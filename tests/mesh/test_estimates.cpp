@@ -434,21 +434,21 @@ TEST_CASE("estimates: bad input is refused with what was found", "[mesh][estimat
   CHECK(dual({{0, 1, 6}, {0, 1, 99}}) == "face 1 uses vertex 99, expected 0 to 24");
   CHECK(dual({{0, 1, 1}}) == "face 0 has vertex 1 twice, expected distinct corners");
   CHECK(dual({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}) ==
-        "the edge of vertices 0 and 1 has more than two faces, expected two");
+        "the edge between vertices 0 and 1 has more than two faces, expected at most two");
   CHECK(error_message([&] { ArapDeformer(c.mesh, {}, {}); }) ==
-        "nothing is fixed and there is no handle, expected one of them");
+        "found no fixed nodes and no handles, expected one of them");
   CHECK(error_message([&] { ArapDeformer(c.mesh, {77}, handles); }) ==
-        "the fixed region names vertex 77 of 25");
+        "the fixed region: found vertex 77, expected 0 to 24");
   ArapOptions negative;
   negative.smoothing = -1;
   CHECK(error_message([&] {
           ArapDeformer(c.mesh, c.left, handles, negative);
-        }).find("smoothing -1") != std::string::npos);
+        }).find("smoothing = -1") != std::string::npos);
   DualLaplacianOptions none;
   none.membrane = 0;
   CHECK(error_message([&] {
           DualLaplacianDeformer(c.mesh, {}, c.left, handles, none);
-        }).find("membrane 0") != std::string::npos);
+        }).find("membrane = 0") != std::string::npos);
   Points flat = c.mesh.points();
   flat.row(c.mesh.triangles()[3][0]) = flat.row(c.mesh.triangles()[3][1]);
   CHECK(error_message([&] {
@@ -456,7 +456,7 @@ TEST_CASE("estimates: bad input is refused with what was found", "[mesh][estimat
         }).find("has no area") != std::string::npos);
   ArapDeformer deformer(c.mesh, c.left, handles);
   CHECK(error_message([&] { deformer.deform({}); }) ==
-        "the edit has 0 moves of handles, expected 1");
+        "the edit has 0 transformations of handles, expected 1");
   HandleTransform move;
   move.translation.x() = std::nan("");
   CHECK(error_message([&] { deformer.deform(std::vector{move}); }).find("not finite") !=

@@ -190,7 +190,7 @@ TEST_CASE("means of rotations: outliers carry the squared one away, not the othe
   }
   CHECK(mean_rotation({}, {}) == Mat3::Identity());
   CHECK(error_message([&] { mean_rotation(rotations, {}); }) ==
-        "0 weights of 100 rotations, expected one each");
+        "found 0 weights for 100 rotations, expected one for each");
 }
 
 TEST_CASE("regions: a rigid motion of all handles moves the mesh rigidly",
@@ -458,7 +458,7 @@ TEST_CASE("feature regions: bad input is refused with what was found", "[mesh][f
           deformer.deform(Points::Zero(4, 3), std::vector<HandleTransform>(1));
         }) == "the estimate has 4 points, expected 121 finite ones");
   CHECK(error_message([&] { deformer.deform(panel.mesh.points(), {}); }) ==
-        "the edit has 0 moves of handles, expected 1");
+        "the edit has 0 transformations of handles, expected 1");
   CHECK(error_message([&] {
           FeatureRegionDeformer(panel.mesh, {{"a", {}, {60}}, {"a", {}, {61}}}, panel.fixed,
                                 panel.handles);
@@ -502,7 +502,7 @@ TEST_CASE("saliency: a bump stands out from the ball it is on, wherever and howe
           grown_region(mesh, saliency, nearest_vertex(mesh, {0, 0, -1}), 0.2);
         }).find("expected the threshold 0.2 or more") != std::string::npos);
   CHECK(error_message([&] { grown_region(mesh, VecX::Zero(3), 0, 0.2); }) ==
-        "there are 3 saliencies, expected 10242");
+        "found 3 saliency values, expected 10242");
   // Translated, rotated, scaled and turned inside out.
   const Mat3 R = Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Points moved = (1000 * p * R.transpose()).rowwise() + Eigen::RowVector3d(1e4, 0, 5);
@@ -565,6 +565,6 @@ TEST_CASE("strokes that cannot be separated are refused with the position",
   CutOptions options;
   options.convex = -1;
   CHECK(error_message([&] { stroke_cut(mesh, {8}, {40}, options); }) ==
-        "weight -1 of a bend, expected 0 or more");
+        "found the bend weight -1, expected 0 or more");
   CHECK_FALSE(stroke_cut(mesh, {8}, {40}).triangles.empty());
 }

@@ -301,7 +301,7 @@ TEST_CASE("creases that do not close and single vertices propose nothing", "[mes
   options.min_triangles = 1;
   CHECK(detect_features(spike, options).size() == 1);
   options.crease_degrees = 0;
-  CHECK(error_message([&] { detect_features(spike, options); }).find("crease angle 0") !=
+  CHECK(error_message([&] { detect_features(spike, options); }).find("crease angle of 0") !=
         std::string::npos);
 }
 
@@ -497,7 +497,7 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
     return error_message([&] { cut_feature(m, band, options); });
   };
   const auto x = [](const Vec3& at) { return at.x(); };
-  CHECK(refused(mesh, {}) == "the band has no triangles");
+  CHECK(refused(mesh, {}) == "the band has no triangles, expected one or more");
   CHECK(refused(mesh, {7, 200}) == "found triangle 200 of the band, expected 0 to 199");
   CHECK(refused(mesh, counted(200)) ==
         "the band covers the whole part of the mesh, expected it to separate 2 parts");
@@ -514,7 +514,7 @@ TEST_CASE("bands that do not separate exactly two sides are refused with what wa
 
   const std::vector<int> band = triangles_between(mesh, 0.2, 0.5, x);
   CHECK(refused(mesh, band, {1, 0.2, 3}) ==
-        "vertex 3 lies on no side of the band, expected on the feature's side");
+        "vertex 3 lies on neither side of the band, expected on the feature's side");
   CHECK(refused(mesh, band, {1, 0.2, 121}).find("121") != std::string::npos);
   CHECK(refused(mesh, band, {-1, 0.2, 0}).find("weight -1") != std::string::npos);
   CHECK(refused(mesh, band, {1, 0.2, 2}).empty());

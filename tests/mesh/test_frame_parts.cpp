@@ -271,7 +271,7 @@ TEST_CASE("sequences are checked before they are edited", "[mesh][sequences]") {
   s.shells.points = mesh.points();
   for (const auto& t : mesh.triangles()) s.shells.add_face(t);
   const auto refused = [&] { return error_message([&] { check(s, "walk"); }); };
-  CHECK(refused() == "walk: no frames");
+  CHECK(refused() == "walk: found no frames, expected one or more");
   s.frames = {mesh.points(), mesh.points()};
   CHECK(refused().find("times") != std::string::npos);
   s.times = {0, 0};

@@ -192,7 +192,7 @@ TEST_CASE("summaries: worst, mean, count, and what is not a number is worst", "[
   CHECK(b.aspect.mean == Approx(3.5));
   CHECK(summarize(ShellMesh(), Points(0, 3)).aspect.worst_face == -1);
   CHECK(error_message([&] { summarize(shells, Points::Zero(7, 3)); }) ==
-        "element quality: 7 points for 8 nodes");
+        "element quality: found 7 points for 8 nodes, expected one for each");
 }
 
 TEST_CASE("folds are found where the flat area changes its sign", "[mesh][quality]") {

@@ -62,7 +62,7 @@ TEST_CASE("responses are those of the continuous kernels", "[mesh][sequences]") 
   CHECK(std::abs(SignalFilter::cartoon(4, 1).response(std::sqrt(2.0) / 4) - 1 -
                  2 / std::numbers::e) < 1e-7);
   CHECK(error_message([] { SignalFilter::low_pass(0); }) ==
-        "filter: sigma is 0, expected above 0, up to 1e5 frames");
+        "filter: found sigma = 0, expected a number above 0, up to 1e5 frames");
 }
 
 TEST_CASE("filters keep constants, and uniform motion if the ends are mirrored",
@@ -226,12 +226,12 @@ TEST_CASE("hierarchies that cannot be are refused by the handle's name", "[mesh]
     change(handles);
     return error_message([&] { filtered(root, handles, SignalFilter::low_pass(1)); });
   };
-  CHECK(told([](auto& h) { h[1].parent = 2; }) == "body: its parent is none of the 2 handles");
-  CHECK(told([](auto& h) { h[1].parent = 0; }) ==
-        "arm: hangs on itself, or on handles in a circle");
+  CHECK(told([](auto& h) { h[1].parent = 2; }) ==
+        "body: found parent 2, expected one of the 2 handles");
+  CHECK(told([](auto& h) { h[1].parent = 0; }) == "arm: its parents form a cycle");
   CHECK(told([](auto& h) {
           h[0].trajectory = {smooth_path(9, 1), smooth_rotations(9, 1)};
-        }) == "arm: 9 frames, expected 10 as the root has");
+        }) == "arm: found 9 frames, expected 10 as the root has");
   CHECK(told([](auto& h) {
           h[0].foot_contacts = {{3, 10, Vec3::Zero()}};
         }) == "arm: the foot plant in frames 4-11 is outside of frames 1-10");

@@ -127,11 +127,12 @@ TEST_CASE("invalid foot plants are refused by name and frames", "[mesh][sequence
   };
   CHECK(told({{2, 5, a}, {6, 9, b}}).empty());
   CHECK(told({{2, 6, a}, {5, 9, a}}).empty());
-  CHECK(told({{2, 6, a}, {6, 9, b}}) ==
-        "left foot: the footprints of frames 3-7 and frames 7-10 overlap at places that are 0.5 "
-        "apart");
+  CHECK(
+      told({{2, 6, a}, {6, 9, b}}) ==
+      "left foot: the foot plants in frames 3-7 and frames 7-10 overlap at positions that are 0.5 "
+      "apart");
   CHECK(told({{2, 6, a}, {6, 10, a}}) ==
-        "left foot: the footprint of frames 7-11 is not in the frames 1-10");
+        "left foot: the foot plant in frames 7-11 is outside of frames 1-10");
   CHECK(told({{6, 2, a}}) == "left foot: the foot plant in frames 7-3 ends before it starts");
   CHECK(
       told({{2, 6, a}, {6, 9, a, rotation_matrix(Vec3(0, 0, 0.1))}}).find("different rotations") !=

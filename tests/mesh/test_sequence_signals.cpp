@@ -78,7 +78,7 @@ TEST_CASE("rigid motions compose, turn back, and are found again in trajectories
     CHECK((found[k](mesh.row(7).transpose()) - frames[k].row(7).transpose()).norm() < 1e-9);
   CHECK(error_message([&] {
           trajectory_of(frames, {3, 30});
-        }) == "found vertex 31, but frame 1 has 30 vertices");
+        }) == "trajectory: found vertex 31, but frame 1 has 30 vertices");
   const std::vector<RigidMotion> again = motions_between(t, moved(motions, t));
   for (int k = 0; k < 8; ++k) CHECK((again[k].rotation - motions[k].rotation).norm() < 1e-14);
   CHECK(!error_message([&] { trajectory_of(frames, {}); }).empty());
@@ -141,15 +141,13 @@ TEST_CASE("keyframes that cannot be are refused by name", "[mesh][sequences]") {
     return error_message(
         [&] { KeyframeWeights::of_frames(t, keys, KeyframeExtrapolation::None, interval); });
   };
-  CHECK(told({}) == "no keyframes");
+  CHECK(told({}) == "found no keyframes, expected one or more");
   CHECK(told({3, 10}) == "keyframe 11 is not one of the frames 1-10");
-  CHECK(told({5, 5}) == "found keyframe 6 after keyframe 6");
+  CHECK(told({5, 5}) == "found keyframe 6 after keyframe 6, expected increasing frames");
   CHECK(told({3, 5}, {3, 9}) ==
-        "an influence from frame 4 on, where nothing changes yet, is not "
-        "before the first keyframe, 4");
+        "found the influence start at frame 4, expected it before the first keyframe, 4");
   CHECK(told({3, 5}, {{}, 5}) ==
-        "an influence to frame 6, where nothing changes any more, is not "
-        "after the last keyframe, 6");
+        "found the influence end at frame 6, expected it after the last keyframe, 6");
   CHECK(told({3, 5}, {2, 6}).empty());
 }
 
@@ -200,7 +198,7 @@ TEST_CASE("a twist of more than a turn is followed over the mesh", "[mesh][seque
     for (int v = 0; v < mesh.vertex_count(); ++v)
       CHECK((logs[m].row(v).transpose() - to_rotation_vector(axis, angle(m, v))).norm() < 1e-12);
   CHECK(error_message([&] { unwrapped_logs(at, sheet(2).topology()); }) ==
-        "1061 rotations for 9 vertices");
+        "found 1061 rotations for 9 vertices, expected one for each");
 }
 
 TEST_CASE("a sequence of one frame is edited too", "[mesh][sequences]") {
@@ -358,10 +356,10 @@ TEST_CASE("edits of trajectories that cannot be are refused", "[mesh][sequences]
   const std::vector<Mat3> rotations(5, Mat3::Identity());
   TrajectoryOptions options;
   CHECK(error_message([&] { edited_centres(c, rotations, {1}, Points(2, 3)); }) ==
-        "2 centroids for 1 keyframes");
+        "found 2 centroids for 1 keyframes, expected one for each");
   CHECK(error_message([&] { edited_centres(c, {}, {1}, Points(1, 3)); }) ==
-        "0 rotations for 5 frames");
+        "found 0 rotations for 5 frames, expected one for each");
   options.times = {0, 1, 1, 2, 3};
   CHECK(error_message([&] { edited_centres(c, rotations, {1}, Points(1, 3), options); }) ==
-        "frame 3 has a time that is not after the one before");
+        "frame 3 has a time that is not after that of the frame before");
 }

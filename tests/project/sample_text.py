@@ -56,7 +56,7 @@ def sentences():
         for number, line in enumerate([*file.read_text().splitlines(), ""], 1):
             if line.lstrip().startswith("```"):
                 fenced = not fenced
-            prose = line.strip() and not fenced and not re.match(r"(\s{4,}|\s*[|#`<!])", line)
+            prose = line.strip() and not fenced and not re.match(r"(\s{4,}|\s*([|#<]|!\[|```))", line)
             item = re.match(r"\s*([-*]|\d+\.)\s", line)
             if paragraph and (not prose or item):
                 for sentence in re.split(r"(?<=[.!?:])\s+(?=[A-Z*`\[])", " ".join(paragraph)):

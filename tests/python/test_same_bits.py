@@ -31,7 +31,7 @@ class SameBits(PropertyTests):
     def test_a_drag(self):
         scene = example("05-door", "scene.toml")
         with open(self.file("drag.txt"), "w") as script:
-            script.write(f"open {scene}\nslide swell 250\nanswer\nslide swell 180\nanswer\nsolve\n"
+            script.write(f"open {scene}\nslide swell 250\nupdate\nslide swell 180\nupdate\nsolve\n"
                          f"export {self.file('drag.vtp')}\n")
         self.assertIn(run_program("run-script", self.file("drag.txt")), (0, 4))
         session = batten.Session(scene)

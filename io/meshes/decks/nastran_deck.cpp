@@ -349,10 +349,10 @@ bool counted_only(const std::string& name) {
 }
 
 /// The values of one card.
-class Card {
+class BulkDataCard {
  public:
-  Card(const std::string& name, std::span<const std::string_view> values,
-       const MeshSourceText& file)
+  BulkDataCard(const std::string& name, std::span<const std::string_view> values,
+               const MeshSourceText& file)
       : values_(values), file_(file) {
     element_.name = name;
     element_.where = values.front();
@@ -484,7 +484,7 @@ bool is_non_shell_element(const std::string& name) {
 void add_non_shell_element(const std::string& name, std::span<const std::string_view> values,
                            const MeshSourceText& file, DeckMeshBuilder& deck) {
   if (counted_only(name)) return deck.count_other_element(name);
-  deck.add_element(Card(name, values, file).read());
+  deck.add_element(BulkDataCard(name, values, file).read());
 }
 
 namespace {

@@ -65,7 +65,7 @@ TEST_CASE("A stroke is one curve, its pieces exactly those of the file", "[io][s
 
 TEST_CASE("Errors in a sketch graph are reported with file and position", "[io][sketches]") {
   CHECK(error_message([] { read_sketch_graph("no/such.json"); }).find("no/such.json: ") == 0);
-  CHECK(error_message_of("{").find("no JSON") != std::string::npos);
+  CHECK(error_message_of("{").find("invalid JSON") != std::string::npos);
   CHECK(error_message_of("[]").find("\"segments\"") != std::string::npos);
   CHECK(error_message_of(R"({"segments": [], "strokes": []})").find("no stroke") !=
         std::string::npos);

@@ -257,7 +257,7 @@ TEST_CASE("a shared crease moves with both faces, and along the normal it needs 
   const TestModelBuilder p = walls(0.25);
   SculptingSession session(p.model({}), {});
   CHECK_THROWS_WITH(session.add(LineOffset{"m", "post 1", {}, 0.4}),
-                    Contains("crease 'post 1'") && Contains("expected a direction"));
+                    Contains("crease 'post 1'") && Contains("add a direction"));
   session.add(LineOffset{"m", "post 1", Vec3(1, -1, 0), 0.4}, {slider("m", 0.2)});
   session.solve_to_equilibrium();
   CHECK(off_line(session, "post 1") < 1e-12);

@@ -610,5 +610,5 @@ TEST_CASE("facets of faces with corners and cusps, and curves that touch wrongly
   wrong.embedded[1] = line_on_sheet("hole", circle({0.9, 0}, 0.25, 8), 0.15);
   CHECK_THAT(error_message([&] { facets(wrong, 1); }), Catch::Matchers::Contains("'rim'") &&
                                                            Catch::Matchers::Contains("'hole'") &&
-                                                           Catch::Matchers::Contains("cross"));
+                                                           Catch::Matchers::Contains("intersect"));
 }

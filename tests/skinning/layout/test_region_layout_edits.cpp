@@ -269,13 +269,13 @@ TEST_CASE("invalid edits are refused with the reason, and leave the layout as it
   };
   CHECK_THAT(add(line({1.2, 1.2, 0.1}, {3, 1.2, 0.1})), Contains("leaves the face"));
   CHECK_THAT(add(line({0.1, 0.7, 0.1}, {0.9, 0.7, 0.1})), Contains("leaves the face"));
-  CHECK_THAT(add(line({1, 1, 9}, {1.2, 1, 9})), Contains("away from the surface"));
-  CHECK_THAT(add(line({1.4, 0.4, 0.4}, {1.4, 1, 0.4})), Contains("cross"));
+  CHECK_THAT(add(line({1, 1, 9}, {1.2, 1, 9})), Contains("away from the face"));
+  CHECK_THAT(add(line({1.4, 0.4, 0.4}, {1.4, 1, 0.4})), Contains("'hollow' and 'new' intersect"));
   CHECK_THAT(add({"hollow", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Inner}),
              Contains("two curves have the name 'hollow'"));
   CHECK_THAT(add({"new", line({1, 1, 0.1}, {1.2, 1, 0.1}).curve, Role::Outline}),
              Contains("not an inner curve"));
-  CHECK_THAT(add({"new", nullptr, Role::Inner}), Contains("has no curve"));
+  CHECK_THAT(add({"new", nullptr, Role::Inner}), Contains("has no geometry"));
   const auto nowhere =
       curve_from_formula(0, 1, [](double t, int) { return Vec3(t, 0.2, std::sqrt(0.5 - t)); });
   CHECK_THAT(add({"new", nowhere, Role::Inner}), Contains("not finite"));
