@@ -61,12 +61,12 @@ void check_iges(const std::filesystem::path& file, const std::vector<std::string
       refuse(file, i + 1,
              "line number " + lines[i].substr(std::min<size_t>(73, lines[i].size())) +
                  " in section " + letter + "; expected " + std::to_string(count[found]) +
-                 ": a line is missing or cut short");
+                 ": a line is missing or truncated");
   }
   if (section != 4)
     refuse(file, lines.size(),
            "the file ends in section " + std::string(1, sections[section]) +
-               "; expected a last line of section T: the file is cut short");
+               "; expected a last line of section T: the file is truncated");
   for (size_t s = 0; s < 4; ++s)
     if (const long told = field(lines.back(), 8 * s + 1, 7); told != static_cast<long>(count[s]))
       refuse(file, lines.size(),
@@ -95,7 +95,7 @@ void check_step_text(const std::filesystem::path& file, const std::vector<std::s
   if (lines.back().find("END-ISO-10303-21") == std::string::npos)
     refuse(file, lines.size(),
            "the file ends with '" + lines.back().substr(0, 40) +
-               "'; expected 'END-ISO-10303-21;': the file is cut short");
+               "'; expected 'END-ISO-10303-21;': the file is truncated");
 }
 
 constexpr const char* kBrepSections[] = {
@@ -111,7 +111,7 @@ void check_binary_brep(const std::filesystem::path& file, const std::string& byt
     if (found == std::string::npos)
       throw InputError(file.string() + ": binary BREP without its section " + name +
                        " behind byte " + std::to_string(at) +
-                       "; expected one: it is damaged or cut short");
+                       "; expected one: it is damaged or truncated");
     at = found + name.size() + 1;
     char* end = nullptr;
     const long count = std::strtol(bytes.c_str() + at, &end, 10);
@@ -137,11 +137,11 @@ size_t brep_section(const std::filesystem::path& file, const std::vector<std::st
       refuse(file, i + 1,
              "found '" + lines[i].substr(0, 40) + "' before " +
                  std::to_string(lines.size() - i - 1) +
-                 " lines; expected a count that fits: the file is damaged or cut short");
+                 " lines; expected a count that fits: the file is damaged or truncated");
     return i;
   }
   refuse(file, lines.size(),
-         "the file ends without its section " + name + "; expected one: it is cut short");
+         "the file ends without its section " + name + "; expected one: it is truncated");
 }
 
 /// Checks a BREP text file. One of its first lines names the format, followed by sections, each
@@ -167,7 +167,7 @@ void check_brep_text(const std::filesystem::path& file, const std::vector<std::s
     refuse(file, lines.size(),
            "found " + std::to_string(shapes) + " of " + std::to_string(count) + " shapes" +
                (whole || shapes != count ? "" : ", the last one incomplete") +
-               "; expected all: the file is cut short");
+               "; expected all: the file is truncated");
 }
 
 /// Refuses 'nan' and 'inf', which OpenCASCADE reads as numbers. Quoted text is skipped; in IGES, so

@@ -200,7 +200,7 @@ TEST_CASE("sections alone make a surface: their rails are found", "[apps][fair]"
     CHECK(wrong.code == 1);
     return wrong.err;
   };
-  CHECK(error("[\"a\", \"b\"]").find("'sections' names 2 of 3 lines") != std::string::npos);
+  CHECK(error("[\"a\", \"b\"]").find("2 of 3 curves are sections") != std::string::npos);
   CHECK(error("[\"b\", \"b\", \"a\"]").find("so that rails can connect them") != std::string::npos);
   CHECK(error("[\"a\", \"b\", \"d\"]").find("s.toml:") != std::string::npos);
 }

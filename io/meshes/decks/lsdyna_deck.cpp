@@ -474,7 +474,8 @@ class DynaReader {
       }
     }
     finish();
-    if (!lines_.ended()) mesh_.warnings.push_back("the deck has no *END: it may be cut short");
+    if (!lines_.ended())
+      mesh_.warnings.push_back("the deck has no *END: the file may be truncated");
   }
 
  private:

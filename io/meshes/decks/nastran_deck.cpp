@@ -508,10 +508,10 @@ class NastranReader {
     }
     if (!ended && begun_)
       file_.fail_at_end(
-          "found the end of a deck with BEGIN BULK, expected ENDDATA: it may be cut "
-          "short");
+          "found the end of a deck with BEGIN BULK, expected ENDDATA: the file may be "
+          "truncated");
     finish();
-    if (!ended) mesh_.warnings.push_back("the deck has no ENDDATA: it may be cut short");
+    if (!ended) mesh_.warnings.push_back("the deck has no ENDDATA: the file may be truncated");
     mesh_.warn_about_unwritten_includes();
   }
 

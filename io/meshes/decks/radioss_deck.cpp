@@ -43,7 +43,7 @@ class RadiossReader {
       if (!of_included) handle(words);
     }
     finish();
-    if (!ended) mesh_.warnings.push_back("the deck has no /END: it may be cut short");
+    if (!ended) mesh_.warnings.push_back("the deck has no /END: the file may be truncated");
   }
 
  private:

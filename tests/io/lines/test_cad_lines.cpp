@@ -256,7 +256,7 @@ TEST_CASE("A truncated CAD file is refused with the line where that shows", "[io
   refused("a.igs", step, "line 1");
   refused("a.stp", iges, "line 1: found");
   refused("a.step", "", "empty");
-  refused("a.step", step.substr(0, step.size() / 2), "cut short");
+  refused("a.step", step.substr(0, step.size() / 2), "truncated");
   refused("a.step", step.substr(0, step.find("DATA;")) + "DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "");
   refused("a.dxf", "0\nSECTION\n", "expected .igs, .iges, .stp, .step, .brep, .brp or .xml");
   CHECK_THROWS_WITH(read_cad_lines(folder / "none.igs", 1), Catch::Contains("no such file"));
