@@ -131,7 +131,10 @@ constexpr RenamedKey kRenamedKeys[] = {
     {Q, "operation.contact_detection", "frames", "min_frames"},
     {Q, "operation.terrain", "turns", "rotate"},
     {Q, "operation.align.rotate", "degrees", "angle"},
-    // Names of other programs.
+};
+
+// Names of other programs.
+constexpr RenamedKey kForeignKeys[] = {
     {S, "stress", "E", "young"},
     {S, "stress", "nu", "poisson"},
     {S, "stress", "rho", "density"},
@@ -213,29 +216,30 @@ class RenamedKeySearch {
   }
 
  private:
-  const RenamedKey* renamed(const std::string& path, const std::string& name) const {
-    for (const RenamedKey& key : kRenamedKeys)
+  template <class Keys>
+  const RenamedKey* find(const Keys& keys, const std::string& path, const std::string& name) const {
+    for (const RenamedKey& key : keys)
       if (key.kind == kind_ && key.table == path && key.old_name == name) return &key;
     return nullptr;
   }
   std::optional<std::string> present_name(const std::string& path, const std::string& name) const {
-    const RenamedKey* key = renamed(path, name);
+    const RenamedKey* key = find(kRenamedKeys, path, name);
     return key ? std::optional<std::string>(key->now) : std::nullopt;
   }
   void visit_key(const std::string& name, const toml::source_position& at,
                  const std::string& path) {
-    const RenamedKey* key = renamed(path, name);
+    const RenamedKey* renamed = find(kRenamedKeys, path, name);
+    const RenamedKey* key = renamed ? renamed : find(kForeignKeys, path, name);
     if (!key) return;
     const std::string where = path.empty() ? "" : " in '" + path + "'";
     store(at, "found the key '" + name + "'" + where + ", expected " + quoted(key->now) +
-                  " (renamed in Batten 1.0)");
+                  (renamed ? " (renamed)" : ""));
   }
   void visit_value(const std::string& path, const std::string& key, const std::string& value,
                    const toml::source_position& at) {
     for (const RenamedValue& v : kRenamedValues)
       if (v.kind == kind_ && v.table == path && v.key == key && v.old_value == value)
-        store(at, "found " + key + " = \"" + value + "\", expected \"" + v.now +
-                      "\" (renamed in Batten 1.0)");
+        store(at, "found " + key + " = \"" + value + "\", expected \"" + v.now + "\" (renamed)");
   }
   static std::string quoted(const std::string& now) {
     return now.find(' ') == std::string::npos ? "'" + now + "'" : now;

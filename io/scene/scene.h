@@ -225,7 +225,6 @@ struct Parameter {
 struct Scene {
   std::filesystem::path file;  ///< empty for a scene created in memory
   std::string name = "surface", unit = "mm";
-  std::vector<std::string> notes;  ///< remarks on deprecated keys, for the summary
   std::vector<SceneLine> lines;
   std::vector<SceneFairStage> fairing;  ///< [[fair]]: fairing before skinning
   SceneNetwork network;

@@ -20,7 +20,6 @@ class SceneLines {
         texts_(sources_.size()) {}
 
   FairedLines run() && {
-    result_.reading_notes = scene_.notes;
     if (!scene_.fairing.empty()) {
       take(fair_as_requested());
     } else {

@@ -18,7 +18,7 @@ using namespace batten;
 
 namespace {
 
-const std::string kRenamedNote = " (renamed in Batten 1.0)";
+const std::string kRenamedNote = " (renamed)";
 
 /// The message that rejects a scene, or "".
 std::string refusal(SceneKind kind, const std::string& text) {
