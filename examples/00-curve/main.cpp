@@ -15,7 +15,6 @@
 #include <random>
 
 #include "batten/fairing/curves/fair_curve.h"
-#include "batten/fairing/curves/fairness.h"
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/pictures/comb_pictures.h"
 

@@ -16,7 +16,7 @@
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/step/step.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/sculpting/statics/static_sculpt.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace {
