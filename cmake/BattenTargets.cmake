@@ -6,6 +6,9 @@ target_compile_options(batten_options INTERFACE -Wall -Wextra -Wpedantic -Wshado
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 sees overlapping copies in plain std::string concatenation, and endless ones where its headers are precompiled.
   target_compile_options(batten_options INTERFACE -Wno-restrict)
+  # A larger heap before GCC collects its garbage: a tenth less time for an eighth more memory (1.0 GB per process).
+  target_compile_options(batten_options INTERFACE "SHELL:--param ggc-min-expand=100"
+                         "SHELL:--param ggc-min-heapsize=524288")
   if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     target_compile_options(batten_options INTERFACE -Wno-array-bounds -Wno-stringop-overflow
                            -Wno-stringop-overread)
