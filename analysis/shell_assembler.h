@@ -21,7 +21,7 @@ struct ShellStrain {
   Vec3 membrane = Vec3::Zero(), curvature = Vec3::Zero();
 };
 
-/// Displacement U(u, v) and its derivatives at a point: columns w, u, v, uu, uv, vv.
+/// Displacement U(u, v) and its derivatives at a point: columns U, U_u, U_v, U_uu, U_uv, U_vv.
 using DisplacementJet = Eigen::Matrix<double, 3, kDerivatives>;
 
 /// Geometry of a surface X(u, v) at one point. The local axes are e1 (the direction `along`,
@@ -35,8 +35,8 @@ using DisplacementJet = Eigen::Matrix<double, 3, kDerivatives>;
 /// surface. Rigid-body motions cause no strain. Reference: docs/theory/shells.md.
 class ShellPoint {
  public:
-  /// `jet`: position and derivatives of the surface; `along`: direction of e1, zero for x_u. Throws
-  /// InputError if x_u × x_v = 0.
+  /// `jet`: position and derivatives of the surface; `along`: direction whose projection onto the
+  /// tangent plane is e1; zero: e1 is along x_u. Throws InputError if x_u × x_v = 0.
   ShellPoint(const SurfaceJet& jet, const Vec3& along);
 
   const Vec3& e1() const { return e1_; }
@@ -45,17 +45,17 @@ class ShellPoint {
   /// Jacobian |x_u × x_v|: surface area per area of (u, v).
   double jacobian() const { return jacobian_; }
 
-  /// Derivatives of functions along e1 (axis 0) or e2 (axis 1), from those with respect to u and v;
-  /// one column per function.
+  /// Derivatives of functions along e1 (`axis` = 0) or e2 (`axis` = 1), computed from their
+  /// derivatives f_u and f_v; one column per function.
   template <class U, class V>
   auto along_axes(int axis, const U& f_u, const V& f_v) const {
     return gradient_(axis, 0) * f_u + gradient_(axis, 1) * f_v;
   }
-  /// Curvature operator of the 12 shape functions in local axes, without the factor -n: rows
-  /// (11, 22, 2·12) of f,αβ - Γ^γ_αβ f,γ.
+  /// Covariant second derivatives f,αβ - Γ^γ_αβ f,γ of the 12 shape functions f in local axes, with
+  /// rows (11, 22, 2·12). Times -n they give the curvature changes.
   Eigen::Matrix<double, 3, 12> bending_matrix(const Tabulation& functions) const;
 
-  /// Strains caused by a displacement at this point.
+  /// Strains at this point caused by the displacement with the jet U.
   ShellStrain strain(const DisplacementJet& U) const;
 
  private:
@@ -86,7 +86,8 @@ class ShellTriangle {
   /// Reference dofs of a displacement with dofs q on this triangle, the input of jet().
   Dofs reference(const Dofs& q) const { return triangle_.pull_back(q); }
 
-  /// Displacement and its derivatives at a point, from reference dofs and tabulated functions.
+  /// Displacement and its derivatives at a point, from reference dofs and tabulated reference
+  /// functions.
   DisplacementJet jet(const Dofs& reference, const ReferenceTabulation& functions) const {
     const Eigen::Matrix<double, 3, 6> local = reference.transpose().lazyProduct(functions);
     DisplacementJet jet;
@@ -100,7 +101,8 @@ class ShellTriangle {
     const DisplacementJet x = jet(shape_, functions);
     return {{x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)}, along_};
   }
-  /// Shape functions of the element's dofs. P: pull_back_matrix(), computed once per triangle.
+  /// Matrix P that maps element dofs to reference dofs; compute it once per triangle. functions():
+  /// shape functions of the element dofs, from P and the tabulated reference functions f.
   Mat12 pull_back_matrix() const { return triangle_.pull_back_matrix(); }
   Tabulation functions(const Mat12& P, const ReferenceTabulation& f) const {
     Tabulation local;
@@ -125,8 +127,8 @@ class ShellTriangle {
 /// K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n dofs per coordinate.
 /// Loads of SurfaceAssembler can be used: point_load(), area_load() (force per area),
 /// pressure_load() (pressure along the normal). Supports are a ConstraintSet of Kind::Coupled for
-/// ConstrainedSolver. With a trim, the inside counts fully and the rest of the mesh with the factor
-/// `outside`, as in SurfaceAssembler.
+/// ConstrainedSolver. With a trim, the part of the mesh inside it counts fully, and the rest with
+/// the factor `outside`, as in SurfaceAssembler.
 ///
 /// Quadrature: HCT with 6 points on each sub-triangle, Z12 with the six-Duffy rule m = 4, because
 /// ordinary rules are inconsistent for Z12. Coarse meshes of curved shells show membrane locking:
@@ -138,7 +140,7 @@ class ShellAssembler {
   /// point.
   ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
 
-  /// Replaces the shape; the mesh must be the same. Throws InputError otherwise.
+  /// Replaces the surface by one on the same mesh. Throws InputError if the mesh differs.
   void update_shape(Surface surface);
 
   /// Stiffness matrix K (lower triangle). Cost: O(triangles), on all threads; results are
@@ -146,48 +148,52 @@ class ShellAssembler {
   SparseMatrix stiffness() const;
 
   /// Mass matrix M = ∬ ρ t N Nᵀ J du dv of one coordinate (lower triangle, n×n), the same for x, y
-  /// and z. On a trimmed surface only the inside counts. Rotary inertia is neglected, as usual for
-  /// thin shells.
+  /// and z. On a trimmed surface, only the part inside the trim counts. Rotary inertia is
+  /// neglected, as usual for thin shells.
   SparseMatrix mass() const;
   /// Geometric stiffness G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) J du dv of
-  /// one coordinate, with the membrane forces of a displacement q. ½ uᵀ G u is the energy that
-  /// these forces add when the shell is displaced further by u (negative if they release energy).
-  /// Throws InputError if q has the wrong number of dofs.
+  /// one coordinate, with the membrane forces N11, N22, N12 of a displacement q. ½ uᵀ G u is the
+  /// energy that these forces add when the shell is displaced further by u (negative if they
+  /// release energy). Throws InputError if q has the wrong number of dofs.
   SparseMatrix geometric_stiffness(const Points& q) const;
 
   /// Strains caused by a displacement q (n×3) at one point. Throws InputError if q has the wrong
   /// number of dofs.
   ShellStrain strain(const Points& q, const Location& where) const;
-  /// Stress (σ11, σ22, σ12) at height z above the middle surface, -t/2 … t/2.
+  /// Stress (σ11, σ22, σ12) in local axes caused by a displacement q (n×3), at height z above the
+  /// middle surface; z from -t/2 to t/2 for the thickness t.
   Vec3 stress(const Points& q, const Location& where, double z) const;
-  /// Stress resultants: membrane forces (N11, N22, N12) and moments (M11, M22, M12) per length.
+  /// Stress resultants: membrane forces (N11, N22, N12) and moments (M11, M22, M12) per length, in
+  /// local axes.
   struct Resultants {
     Vec3 forces, moments;
   };
   Resultants resultants(const Points& q, const Location& where) const;
   /// Stress resultants for a given strain at a point.
   Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain) const;
-  /// The point with its local axes, to which strains, stresses and resultants refer.
+  /// Geometry of the shell at a location, with the local axes to which strains, stresses and
+  /// resultants refer.
   ShellPoint point(const Location& where) const;
 
-  /// Calls `visit` at the quadrature points of the stiffness that are inside of a trim, with the
-  /// surface area that each point represents.
+  /// Calls `visit` at each quadrature point of the stiffness of a triangle, with the surface area
+  /// that the point represents. On a trimmed surface, only points inside the trim are visited.
   ///
-  /// The strain of q there is point.strain(triangle.jet(triangle.reference(q), functions)), which
-  /// takes a tenth of the time of strain().
+  /// The strain at the point, caused by a displacement with dofs q on the triangle, is
+  /// point.strain(triangle.jet(triangle.reference(q), functions)). This is ten times as fast as
+  /// strain().
   using PointVisitor =
       std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
                          const ShellPoint& point, const Vec3& L, double area)>;
   void for_each_quadrature_point(int triangle, const PointVisitor& visit) const;
-  /// The same at the points of another rule `whole`, and on cut triangles at those of the trim's
-  /// rule of the given degree.
+  /// Like the overload above, but at the points of the rule `whole`. On triangles that the trim
+  /// cuts, the points are those of Trim::rule() with the given degree.
   void for_each_quadrature_point(int triangle, const TabulatedRule& whole, int degree,
                                  const PointVisitor& visit) const;
-  /// Dofs of a displacement on one triangle (12×3).
+  /// Dofs on one triangle (12×3) of a displacement q (n×3).
   Eigen::Matrix<double, 12, 3> dofs_on(const Points& q, int triangle) const;
 
   const Surface& surface() const { return surface_; }
-  /// Section of a triangle.
+  /// Shell section (material and thickness) of a triangle.
   const ShellSection& section(int triangle) const {
     return sections_[sections_.size() == 1 ? 0 : static_cast<size_t>(triangle)];
   }

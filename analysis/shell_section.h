@@ -23,9 +23,10 @@ struct ShellMaterial {
   /// Isotropic material with Young's modulus E and Poisson's ratio ν: Q = E/(1-ν²) [1 ν 0; ν 1 0; 0
   /// 0 (1-ν)/2]. Throws InputError unless E > 0 and -1 < ν < 1/2.
   static ShellMaterial isotropic(double E, double nu, double density = 0);
-  /// Orthotropic material: moduli E1, E2 along 1 and 2, Poisson's ratio ν12 = -ε22/ε11 under stress
-  /// along 1, shear modulus G12. Q11 = E1/(1-ν12 ν21), Q22 = E2/(1-ν12 ν21), Q12 = ν12 Q22,
-  /// Q33 = G12, ν21 = ν12 E2/E1. Throws InputError unless all moduli are positive and ν12² < E1/E2.
+  /// Orthotropic material: moduli E1, E2 along the directions 1 and 2, Poisson's ratio ν12 =
+  /// -ε22/ε11 under stress along direction 1, shear modulus G12. Q11 = E1/(1-ν12 ν21), Q22 =
+  /// E2/(1-ν12 ν21), Q12 = ν12 Q22, Q33 = G12, ν21 = ν12 E2/E1. Throws InputError unless all moduli
+  /// are positive and ν12² < E1/E2.
   static ShellMaterial orthotropic(double E1, double E2, double nu12, double G12,
                                    double density = 0);
 };
@@ -37,10 +38,11 @@ struct ShellSection {
   /// Direction 1 of the material, projected onto the surface. If it is zero or perpendicular to the
   /// surface, direction 1 is x_u.
   Vec3 along = Vec3::Zero();
-  /// Added to the thickness at the three vertices of a triangle, linear in between.
+  /// Offsets that are added to the thickness at the three vertices of a triangle; linear in
+  /// between.
   Vec3 thickness_offset = Vec3::Zero();
 
-  /// Thickness at barycentric L of the triangle.
+  /// Thickness at the barycentric coordinates L of the triangle.
   double thickness_at(const Vec3& L) const { return thickness + thickness_offset.dot(L); }
 };
 
@@ -54,10 +56,10 @@ void require_section(const ShellSection& section);
 struct ShellPart {
   std::vector<int> regions = {};  ///< region indices; empty: all regions
   std::optional<Box3> box =
-      {};  ///< restricts the part to a box; its border is resolved to 1/32 of an element
+      {};  ///< restricts the part to a box, resolved to 1/32 of an element; unset: no box
 };
 
-/// Thrown if a part contains nothing of the surface.
+/// Thrown if a ShellPart contains no point of the surface.
 class EmptyPartError : public InputError {
  public:
   using InputError::InputError;

@@ -17,7 +17,7 @@
 #include "batten/fairing/curves/fair_curve.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
-#include "batten/io/decks/shell_deck.h"
+#include "batten/io/decks/calculix_decks.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/step/step.h"
 #include "batten/io/vtk/vtk_files.h"

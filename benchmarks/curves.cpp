@@ -13,7 +13,6 @@
 
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"
-#include "batten/fairing/curves/fairness.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "curve_measures.h"

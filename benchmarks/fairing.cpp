@@ -5,7 +5,6 @@
 #include <random>
 
 #include "batten/fairing/curves/fair_curve.h"
-#include "batten/fairing/curves/fairness.h"
 #include "bench.h"
 #include "curve_measures.h"
 

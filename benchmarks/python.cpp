@@ -10,7 +10,7 @@
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "bench.h"
 
 namespace {

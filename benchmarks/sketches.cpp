@@ -15,8 +15,8 @@
 #include <set>
 
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/io/lines/point_lines.h"
-#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/lines/curve_files.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/skinning/domains/hole_triangulation.h"
 #include "batten/skinning/facets/facets.h"

@@ -8,7 +8,6 @@
 #include "batten/tests/support/solver_matrices.h"
 #include "bench.h"
 #ifdef BATTEN_BENCH_CHOLMOD
-#include "batten/core/solvers/supernodal_factor.h"
 #include "batten/tests/support/cholmod_solver.h"
 #endif
 
@@ -121,10 +120,10 @@ Result measure(const BendingMatrix& problem, double& bandwidth) {
 #ifdef BATTEN_BENCH_CHOLMOD
   r.cholmod->solve = median(their_times[0]);
   if (variants == 2) r.cholmod->solve = std::min(r.cholmod->solve, median(their_times[1]));
-  SupernodalFactor factor;
-  factor.analyze(A, problem.order, FactorReuse::once);
-  factor.factorize(A);
-  cholmod[variants - 1]->set_factor_values(factor.values());
+  const auto factor = make_supernodal_factor();
+  factor->analyze(A, problem.order, FactorReuse::once);
+  factor->factorize(A);
+  cholmod[variants - 1]->set_factor_values(factor->values());
   cholmod[variants - 1]->solve(b);
   r.difference = relative(x - cholmod[variants - 1]->solution(), x);
 #endif

@@ -9,14 +9,14 @@
 #include <fstream>
 #include <map>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/benchmarks/step_cross_check.h"
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/io/files/text.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/io/step/step.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"

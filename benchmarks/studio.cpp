@@ -14,7 +14,6 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/meshes/edit_session.h"
-#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/benchmarks/bench.h"
 #include "batten/io/scene/deform_scene.h"

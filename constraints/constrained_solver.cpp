@@ -13,17 +13,14 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 
 ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                                      const std::vector<int>& dof_order,
-                                     std::unique_ptr<LinearSolverBackend> factor)
-    : reduction_(constraints), dof_order_(dof_order), backend_(std::move(factor)) {
-  this->factor(std::move(K));
+                                     std::unique_ptr<LinearSolverBackend> solver)
+    : reduction_(constraints),
+      dof_order_(dof_order),
+      solver_(solver ? std::move(solver) : std::make_unique<SparseCholesky>()) {
+  factor(std::move(K));
 }
 
-void ConstrainedSolver::solve_reduced(Eigen::Ref<MatX> b) const {
-  if (backend_)
-    backend_->solve_in_place(b);
-  else
-    cholesky_.solve_in_place(b);
-}
+void ConstrainedSolver::solve_reduced(Eigen::Ref<MatX> b) const { solver_->solve_in_place(b); }
 
 void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K) {
   reduction_ = AffineReduction(constraints);
@@ -33,13 +30,9 @@ void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K)
 void ConstrainedSolver::factor(SparseMatrix K) {
   K_ = std::move(K);
   const SparseMatrix reduced = reduction_.reduce(K_);
-  if (backend_) {
-    backend_->factorize(reduced);
-  } else {
-    if (!cholesky_.has_pattern_of(reduced))
-      cholesky_.analyze(reduced, reduction_.choose_ordering(reduced, K_, dof_order_));
-    if (!cholesky_.factorize(reduced)) throw NoSolutionError(cholesky_.message());
-  }
+  if (!solver_->has_pattern_of(reduced))
+    solver_->analyze(reduced, reduction_.choose_ordering(reduced, K_, dof_order_));
+  if (!solver_->factorize(reduced)) throw NoSolutionError(solver_->message());
   fixed_part_ = reduction_.reduce_load(K_, Points::Zero(reduction_.dof_count(), 3));
 }
 

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/solvers/linear_solver_backend.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 
 namespace batten {
 
 /// Solves K x = F under constraints in one call: reduces, factors, solves and expands. Throws
-/// ConflictError for contradicting constraints and NoSolutionError for a singular system.
+/// ConflictError for contradictory constraints and NoSolutionError for a singular system.
 Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
 
 /// Constrained linear system with a stored factorization, for many loads.
@@ -20,24 +21,26 @@ class ConstrainedSolver {
   /// Reduces and factors K (lower triangle).
   ///
   /// `dof_order`: fill-reducing elimination order of all n dofs, for example
-  /// nested_dissection_order() of the mesh; empty: automatic. `factor`: solver for DᵀKD; null:
-  /// SparseCholesky. Throws ConflictError, NoSolutionError.
+  /// nested_dissection_order() of the mesh; empty: automatic. `solver`: back end for DᵀKD; null:
+  /// SparseCholesky. Throws ConflictError for contradictory constraints and NoSolutionError for a
+  /// singular system.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                     const std::vector<int>& dof_order = {},
-                    std::unique_ptr<LinearSolverBackend> factor = nullptr);
-  /// Replaces constraints and matrix, for example after the shape has moved. If the pattern of DᵀKD
-  /// is unchanged, which is usual, the symbolic analysis is reused. If it throws, the only valid
-  /// call afterwards is update().
+                    std::unique_ptr<LinearSolverBackend> solver = nullptr);
+  /// Replaces the constraints and the matrix, for example after the shape has changed. If the
+  /// sparsity pattern of DᵀKD is unchanged, as usual, the symbolic analysis is reused. After an
+  /// exception, only update() may be called.
   void update(const ConstraintSet& constraints, SparseMatrix K);
   /// Solution x (n×3) for the load F (n×3). Cost: one pair of triangular solves.
   Points solve(const Points& F) const;
-  /// Like solve(), with one step of iterative refinement whose residual F - K q is computed in long
+  /// Like solve(), with one step of iterative refinement whose residual F - K x is computed in long
   /// double. Use it for coupled systems whose soft modes are 1e8 times softer than their stiff
-  /// ones, such as thin shells. The result is accurate to about 10 digits, relative to the matrix K
-  /// as stored with 16 digits, whichever solver factored it. Cost: two solves and one product.
+  /// ones, such as thin shells. The result is accurate to about 10 digits for the matrix K as
+  /// stored in double precision, whichever back end factored it. Cost: two solves and one product.
   /// Throws InputError if K is not 3n×3n.
   Points solve_refined(const Points& F) const;
-  /// Solves DᵀKD y = b in place for free unknowns: b is overwritten by y.
+  /// Solves (DᵀKD) y = b in place for the free unknowns y, with D of reduction(): b is overwritten
+  /// by y.
   void solve_reduced(Eigen::Ref<MatX> b) const;
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
@@ -48,9 +51,8 @@ class ConstrainedSolver {
   AffineReduction reduction_;
   SparseMatrix K_;
   std::vector<int> dof_order_;
-  SparseCholesky cholesky_;
-  std::unique_ptr<LinearSolverBackend> backend_;  // used instead of cholesky_ if not null
-  MatX fixed_part_;                               // -Dᵀ K d0
+  std::unique_ptr<LinearSolverBackend> solver_;
+  MatX fixed_part_;  // -Dᵀ K d0
 };
 
 // Implicit time integration of a curve or surface under loads.
@@ -73,27 +75,27 @@ class ConstrainedSolver {
 class ThetaIntegrator {
  public:
   struct Options {
-    double density = 1;  ///< ρ ≥ 0; ρ and μ not both 0
-    double damping = 1;  ///< μ ≥ 0
-    double dt = 0;       ///< > 0
-    double theta = 1;    ///< ½ … 1
+    double density = 1;  ///< mass density ρ ≥ 0; ρ and μ must not both be 0
+    double damping = 1;  ///< damping coefficient μ ≥ 0
+    double dt = 0;       ///< time step, > 0
+    double theta = 1;    ///< parameter θ of the method, ½ … 1
   };
   /// `K`, `M`: lower triangles of the stiffness and mass matrices of one coordinate. The motion
   /// starts at rest, at d0 (see start()). Throws InputError if sizes differ or options are out of
-  /// range; ConflictError, NoSolutionError.
+  /// range, ConflictError for contradictory constraints, NoSolutionError for a singular system.
   ThetaIntegrator(const ConstraintSet& constraints, SparseMatrix K, SparseMatrix M,
                   const Options& options);
 
-  /// Sets the initial state. Positions x (n×3) must satisfy the constraints, velocities v (n×3) the
-  /// homogeneous constraints. Throws InputError for other sizes.
+  /// Sets the initial state. The positions x (n×3) must satisfy the constraints, the velocities v
+  /// (n×3) the homogeneous constraints. Throws InputError if the sizes are wrong.
   void start(Points x, Points v);
   /// Performs one step under the load F (n×3) and returns the new positions.
   const Points& step(const Points& F);
 
   const Points& positions() const { return x_; }
   const Points& velocities() const { return v_; }
-  /// Kinetic energy ½ ρ vᵀMv, and potential energy ½ xᵀKx - Fᵀx. Their sum never increases under a
-  /// constant F.
+  /// Kinetic energy ½ ρ vᵀMv. potential(): potential energy ½ xᵀKx - Fᵀx under the load F. The sum
+  /// of both never increases under a constant load.
   double kinetic() const;
   double potential(const Points& F) const;
 

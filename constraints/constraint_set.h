@@ -29,7 +29,7 @@ class ConstraintSet {
   };
   /// One uncoupled constraint: three equations with the same coefficients.
   struct Constraint {
-    int name;  ///< index into names()
+    int name;  ///< index of the constraint's name in names()
     std::vector<Entry> entries;
     Vec3 value;
   };
@@ -40,8 +40,8 @@ class ConstraintSet {
     double value;
   };
 
-  /// Whether the set is coupled from the start. Use Coupled if the system matrix itself couples x,
-  /// y and z.
+  /// Coupled: the system matrix itself couples x, y and z. Uncoupled: the set becomes coupled when
+  /// the first coupled constraint is added.
   enum class Kind { Uncoupled, Coupled };
   explicit ConstraintSet(int dof_count, Kind kind = Kind::Uncoupled)
       : dof_count_(dof_count), kind_(kind) {}
@@ -53,17 +53,17 @@ class ConstraintSet {
   const std::vector<CoupledConstraint>& coupled_constraints() const { return coupled_constraints_; }
   const std::vector<std::string>& names() const { return names_; }
 
-  /// Adds q_dof = value.
+  /// Adds the uncoupled constraint q_dof = value, for x, y and z.
   void fix(const std::string& name, int dof, const Vec3& value);
-  /// Adds an uncoupled or a coupled constraint. Throws InputError if a dof is out of range or a
-  /// number is not finite.
+  /// Adds the uncoupled constraint Σ coefficient · q_dof = value. add_coupled() adds a coupled
+  /// constraint. Both throw InputError if a dof is out of range or a number is not finite.
   void add(const std::string& name, std::vector<Entry> entries, const Vec3& value);
   void add_coupled(const std::string& name, std::vector<CoupledEntry> entries, double value);
 
-  /// The same constraints for the unknown q - constant·byᵀ instead of q, with an n-vector
-  /// `constant`. If `constant` is 1 at the position dofs of a surface, these are the constraints on
-  /// the surface translated by -by. Far from the origin, solving the translated problem avoids the
-  /// loss of digits due to large coordinates.
+  /// The same constraints, expressed for the unknown q - constant · byᵀ instead of q. `constant`:
+  /// n-vector. If it is 1 at the position dofs of a surface, these are the constraints on the
+  /// surface translated by -by. Far from the origin, solving the translated problem avoids the loss
+  /// of digits due to large coordinates.
   ConstraintSet translated(const VecX& constant, const Vec3& by) const;
 
   /// Largest residual |Σ a_m q_m - d| over all equations for dofs q (n×3).

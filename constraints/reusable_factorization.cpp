@@ -4,7 +4,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/solvers/symbolic_analysis.h"
+#include "batten/core/solvers/linear_solver_backend.h"
 
 namespace batten {
 namespace {

@@ -17,11 +17,12 @@ using DofVertices = std::vector<std::array<int, 2>>;
 /// vertices that `reduced` couples (elimination_order()), each vertex with all of its dofs. The dof
 /// of an edge follows directly after the end that is eliminated first.
 ///
-/// This graph has a sixth of the unknowns and is ordered in a tenth of the time. Because vertices
-/// and edges stay together, the factor is also smaller than with an order of the unknowns: by a
-/// fifth to a quarter compared with AMD on surface meshes, by half if constraints along curves
-/// connect many dofs. Cost: O(entries of `reduced`) and the ordering of the vertices. Throws
-/// InputError if `vertices` has a wrong size or the reduction is coupled.
+/// This graph has a sixth as many nodes as there are unknowns, and is ordered in a tenth of the
+/// time. Because all dofs of a vertex stay together, the factor is also smaller than if the
+/// unknowns themselves were ordered: by a fifth to a quarter compared with AMD on surface meshes,
+/// by half if constraints along curves connect many dofs. Cost: O(entries of `reduced`) and the
+/// ordering of the vertices. Throws InputError if `vertices` has the wrong size or the reduction is
+/// coupled.
 std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseMatrix& reduced,
                                  const DofVertices& vertices, FactorReuse factor_reuse);
 
@@ -30,9 +31,10 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
 ///
 ///     N y = Dᵀ b - H d,     N = Dᵀ S D,     H = Dᵀ S R
 ///
-/// N is factored once. Changing b or d costs a pair of triangular solves, a product with D and one
-/// with H, which is sparse because constraints are local. Both K x = F and implicit time steps have
-/// this form. SchurComplementConstraints::apply(), if used, is called between solve() and expand().
+/// N is factored once. Changing b or d costs one pair of triangular solves, one product with D, and
+/// one product with H, which is sparse because constraints are local. Both K x = F and implicit
+/// time steps have this form. SchurComplementConstraints::apply(), if used, is called between
+/// solve() and expand().
 class ReusableFactorization {
  public:
   /// `S`: lower triangle of the matrix of one coordinate. It is factored in the vertex_ordering()
@@ -57,13 +59,17 @@ class ReusableFactorization {
   /// Number of free unknowns of one coordinate.
   int free_count() const { return reduction_->free_count(); }
 
-  /// Starts a right-hand side: to = -H d, or 0 if there are no constraints. d: constraints × 3.
+  /// Sets the right-hand side `to` of the reduced system to the contribution of the constraints, -H
+  /// d, or to zero if there are none. `d`: values of the constraints, one row per constraint, three
+  /// columns.
   void start_load(const MatX& d, MatX& to) const;
-  /// Adds a load: to += Dᵀ b.
+  /// Adds the load b (n×3) to the right-hand side of the reduced system: to += Dᵀ b.
   void add_load(const Points& b, MatX& to) const { to.noalias() += D().transpose() * b; }
-  /// Solves in place: the right-hand side is overwritten by y.
+  /// Solves N y = r in place, N = DᵀSD: the right-hand side r in `y` is overwritten by the
+  /// solution.
   void solve(MatX& y) const { factor_.solve_in_place(y); }
-  /// z = D y + e, with e = R d (n×3, zero at free dofs). z must already have n rows.
+  /// Computes all dofs z = D y + e from the free unknowns y. `e`: R d, the contribution of the
+  /// constraint values d; n×3, zero at free dofs. `z` must already have n rows.
   void expand(const MatX& y, const Points& e, Points& z) const;
 
   /// Memory of the factor and of the matrices, in bytes.

@@ -18,8 +18,8 @@ namespace batten {
 ///
 /// f may be restricted to a sample of the dofs, for example the positions of vertices. This costs
 /// less and avoids mixing the different scales of positions and derivatives. The oldest difference
-/// is dropped when a seventh is added. It is also dropped if less than the fraction `independence`
-/// of the newest Δf is linearly independent of the stored ones.
+/// is dropped when a seventh is added. The oldest difference is also dropped if less than the
+/// fraction `independence` of the newest Δf is linearly independent of the stored ones.
 ///
 /// The differences may be kept when the right-hand side changes: they remain valid while the
 /// operator hardly changes. An interactive drag then converges in two iterations instead of eight.
@@ -30,27 +30,31 @@ namespace batten {
 class AndersonAccelerator {
  public:
   /// `independence`: smallest fraction of a new Δf, between 0 and 1, that must be linearly
-  /// independent of the stored ones. Large values (0.3) suit differences kept from other right-hand
-  /// sides, because their errors would be amplified. Values of 0.1 and below suit a single iteration.
+  /// independent of the stored ones. Use a large value (0.3) if differences are kept when the
+  /// right-hand side changes: a small one would amplify the errors of these differences. Use 0.1 or
+  /// less within a single iteration.
   explicit AndersonAccelerator(double independence = 0.3) : independence_(independence) {}
 
   /// Allocates memory for iterates with `rows` rows and drops all differences. `sample`: rows at
-  /// which f is measured (empty: all rows).
+  /// which the residual f = g(x) - x is measured; empty: all rows.
   void resize(long rows, std::vector<int> sample = {});
-  /// Drops all differences and the last iterate.
+  /// Drops all stored differences and the last iterate.
   void reset() { count_ = 0, has_last_ = false; }
-  /// Drops all differences but keeps the last iterate.
+  /// Drops all stored differences but keeps the last iterate.
   void clear() { count_ = 0; }
-  /// Starts a new iteration: the next iterate forms no difference with the previous one. The stored
-  /// differences are kept.
+  /// Starts a new iteration: no difference is formed between the next iterate and the previous one.
+  /// The stored differences are kept.
   void begin() { has_last_ = false; }
 
-  /// Adds an iterate x and its image g = g(x), both rows×3.
+  /// Adds an iterate x and its image g = g(x) under the fixed-point map. Both have three columns
+  /// and as many rows as passed to resize().
   void add_iterate(const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& g);
-  /// Replaces g, which must be the image added last, by x_next.
+  /// Replaces `g`, which must be the image passed to the last add_iterate(), by the accelerated
+  /// iterate x_next.
   void extrapolate(Eigen::Ref<Points> g) const;
-  /// Adds an iterate and writes x_next to `next`. If there is no difference yet (first iterate
-  /// after reset()), it returns false and leaves `next` unchanged.
+  /// Adds an iterate `x` with its image `g` and writes the accelerated iterate to `next`. Returns
+  /// false and leaves `next` unchanged if no difference is stored yet (first iterate after
+  /// reset()).
   template <class Matrix>
   bool accelerate(const Matrix& x, const Matrix& g, Matrix& next) {
     add_iterate(x, g);

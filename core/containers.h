@@ -28,7 +28,8 @@ inline std::vector<int> sorted_unique(std::vector<int> values) {
 
 // Disjoint sets of integers.
 
-/// Disjoint sets (union-find) of the integers 0 … count - 1; initially each is a set of its own.
+/// Disjoint sets (union-find) of the integers 0 … count - 1; initially each integer is a set of its
+/// own.
 ///
 /// The representative of a set is its lowest element, whatever the order of the unions.
 class DisjointSets {

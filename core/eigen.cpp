@@ -37,6 +37,11 @@ SymmetricEigen3 symmetric_eigen(const Mat3& A) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+Vec3 to_rotation_vector(const Mat3& R) {
+  const Eigen::AngleAxisd rotation(R);
+  return rotation.axis().normalized() * rotation.angle();
+}
+
 MatX least_squares(const MatX& A, const MatX& b) {
   return A.completeOrthogonalDecomposition().solve(b);
 }

@@ -30,8 +30,8 @@ using Triplet = Eigen::Triplet<double, int>;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Decompositions of small dense matrices. These wrap Eigen's decompositions, which are instantiated
-// in one source file only: in every file that used them directly they would add seconds of
-// compilation time.
+// in one source file only. Using them directly would add seconds to the compilation of every source
+// file.
 
 /// Singular value decomposition A = U diag(values) Vᵀ, values in descending order. Cost: O(m n²)
 /// for m ≥ n.
@@ -40,8 +40,8 @@ struct Svd {
   VecX values;
   MatX V;
 };
-Svd thin_svd(const MatX& A);  ///< U is m × k and V is n × k, k = min(m, n)
-Svd full_svd(const MatX& A);  ///< U is m × m and V is n × n
+Svd thin_svd(const MatX& A);  ///< thin SVD: U is m×k, V is n×k, k = min(m, n)
+Svd full_svd(const MatX& A);  ///< full SVD: U is m×m, V is n×n
 
 /// Singular value decomposition of a 3×3 matrix, values in descending order.
 struct Svd3 {
@@ -49,7 +49,7 @@ struct Svd3 {
   Vec3 values;
   Mat3 V;
 };
-Svd3 svd(const Mat3& A);  ///< allocates no memory
+Svd3 svd(const Mat3& A);  ///< SVD of a 3×3 matrix; allocates no memory
 
 /// Eigendecomposition A = vectors diag(values) vectorsᵀ of a symmetric matrix, values in ascending
 /// order. Only the lower triangle of A is read. Cost: O(n³).
@@ -58,7 +58,7 @@ struct SymmetricEigen {
   MatX vectors;
 };
 SymmetricEigen symmetric_eigen(const MatX& A);
-/// Eigenvalues only, in ascending order.
+/// Eigenvalues of a symmetric matrix, in ascending order. Only the lower triangle of A is read.
 VecX symmetric_eigenvalues(const MatX& A);
 
 /// Eigendecomposition of a symmetric 3×3 matrix, values in ascending order.
@@ -68,6 +68,10 @@ struct SymmetricEigen3 {
 };
 SymmetricEigen3 symmetric_eigen(const Mat3& A);
 
+/// Shortest rotation vector of a rotation matrix R: the unit rotation axis times the angle in [0,
+/// π]. Inverse of rotation_matrix() in core/geometry.h. Allocates no memory.
+Vec3 to_rotation_vector(const Mat3& R);
+
 /// Least-squares solution of A x = b with minimum norm, for each column of b. Cost: O(m n²) for an
 /// m×n matrix A.
 MatX least_squares(const MatX& A, const MatX& b);
@@ -75,10 +79,11 @@ MatX least_squares(const MatX& A, const MatX& b);
 /// Solution of A x = b for a symmetric matrix A, for each column of b: LDLᵀ factorization with
 /// diagonal pivoting. Only the lower triangle of A is read. Cost: O(n³).
 MatX solve_symmetric(const MatX& A, const MatX& b);
-Vec2 solve_symmetric_2x2(const Mat2& A, const Vec2& b);  ///< allocates no memory
+/// Solution of A x = b for a symmetric 2×2 matrix; allocates no memory.
+Vec2 solve_symmetric_2x2(const Mat2& A, const Vec2& b);
 
-/// Solution of A x = b for a regular square matrix A, for each column of b: LU factorization with
-/// partial pivoting. Cost: O(n³).
+/// Solution of A x = b for a nonsingular square matrix A, for each column of b: LU factorization
+/// with partial pivoting. Cost: O(n³).
 MatX solve_square(const MatX& A, const MatX& b);
 
 /// Principal axes of a point set: the eigenvalues (ascending) and eigenvectors of the scatter
@@ -89,8 +94,8 @@ struct PrincipalAxes {
   Vec3 values = Vec3::Zero();
   Mat3 axes = Mat3::Identity();
 };
-/// Computes the principal axes of `points`. Without points the mean and values are 0 and the axes
-/// the identity.
+/// Computes the principal axes of `points`. If there are no points, mean and values are 0 and the
+/// axes are the identity matrix.
 PrincipalAxes principal_axes(std::span<const Vec3> points);
 
 }  // namespace batten

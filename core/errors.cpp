@@ -54,4 +54,9 @@ std::string closest_match(const std::string& word, const std::vector<std::string
   return best_distance <= limit ? best : "";
 }
 
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
+  const std::string closest = closest_match(word, words);
+  return closest.empty() ? "" : "; did you mean '" + closest + "'?";
+}
+
 }  // namespace batten

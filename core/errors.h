@@ -1,4 +1,5 @@
-// Exception classes of Batten, grouped by what the user has to do about the error.
+// Exception classes of Batten, grouped by exit code, and the formatting of numbers and words in
+// their messages.
 //
 // Each class corresponds to one exit code of the program (docs/conventions.md). The library may
 // also throw std::bad_alloc, and std::logic_error if a call violates a documented precondition (for
@@ -25,17 +26,25 @@ class InputError : public Error {
 };
 
 /// Invalid mesh of the (u, v) plane, for example a triangle without area or an edge shared by three
-/// triangles. If the mesh was generated from curves, they leave too little space for elements.
+/// triangles. If the mesh was generated from curves, the curves leave too little space for
+/// elements.
 class MeshError : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// Contradicting constraints. Exit code 2.
+/// Thrown by require_memory() if a computation would need more memory than is available.
+class MemoryError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Contradictory constraints. Exit code 2.
 class ConflictError : public Error {
  public:
-  /// One contradiction: the constraints that take part in it, and by how much they miss each other,
-  /// in the units of the right-hand side of the constraint equation that was checked last.
+  /// One contradiction: the names of the constraints involved, and the amount by which they
+  /// contradict each other, in the unit of the right-hand side of the constraint that was checked
+  /// last.
   struct Conflict {
     std::vector<std::string> names;
     double amount = 0;
@@ -43,7 +52,7 @@ class ConflictError : public Error {
     /// Empty: the amount has the unit of the right-hand side.
     std::string unit = {};
   };
-  /// `where`: text that precedes the message.
+  /// `where`: prefix of the message, for example the file and line of the input.
   explicit ConflictError(std::vector<Conflict> conflicts, const std::string& where = "");
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
 
@@ -51,7 +60,8 @@ class ConflictError : public Error {
   std::vector<Conflict> conflicts_;
 };
 
-/// No solution was found: the system is singular or the load exceeds its limit. Exit code 3.
+/// Thrown if no solution was found because the system is singular or the load exceeds its limit.
+/// Exit code 3.
 class NoSolutionError : public Error {
  public:
   using Error::Error;
@@ -67,7 +77,11 @@ class CancelledError : public Error {
 std::string format_number(double value);
 
 /// Element of `words` with the smallest edit distance to `word`, for "did you mean" messages.
-/// Returns "" if the distance is more than a third of the letters of `word` and more than one.
+/// Returns "" if the smallest distance exceeds both one and a third of the length of `word`.
 std::string closest_match(const std::string& word, const std::vector<std::string>& words);
+
+/// Suffix of a message about an unknown word: "; did you mean 'x'?" if closest_match() finds a
+/// similar one among `words`, otherwise "".
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace batten

@@ -34,15 +34,13 @@ auto bounding_box(const PointRange& points) {
 
 // Rotations represented by rotation vectors.
 
-/// Rotation vector r of the rotation by `angle` (radians) about `axis`: |r| is the full angle, r = 0
-/// the identity.
+/// Rotation vector r of the rotation by `angle` (radians) about `axis`: |r| is the full angle; r =
+/// 0 is the identity.
 ///
 /// The angle is not reduced: rotations by 350° and by -10° are the same rotation but have different
 /// rotation vectors. A field of rotation vectors can therefore wind several times. The quaternion
-/// logarithms of [Masuda2006], eq. 6 and 7, are r/2.
+/// logarithms of [Masuda2006], eq. 6 and 7, are r/2. For rotation matrices see core/eigen.h.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) { return axis.normalized() * angle; }
-/// Shortest rotation vector of a rotation matrix R.
-Vec3 to_rotation_vector(const Mat3& R);
 
 /// Rotates x by a rotation vector. Cost: one sine, one cosine and two cross products.
 inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
@@ -55,7 +53,7 @@ inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
-/// Matrix of a rotation vector.
+/// Rotation matrix of a rotation vector.
 inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));
@@ -64,11 +62,15 @@ inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
 
 // Text of points in messages, and angles between vectors.
 
-/// Formats a point as "(x, y, z)". Components that are only rounding errors compared with the
-/// largest coordinate (below 1e-14 of it) are written as 0.
-std::string format_point(const Vec3& p);
+/// Formats a point as "(x, y, z)". Components smaller than 1e-14 of the largest one are rounding
+/// errors and are written as 0.
+inline std::string format_point(const Vec3& p) {
+  const double rounding = 1e-14 * p.cwiseAbs().maxCoeff();
+  const auto word = [&](double x) { return format_number(std::abs(x) <= rounding ? 0.0 : x); };
+  return "(" + word(p.x()) + ", " + word(p.y()) + ", " + word(p.z()) + ")";
+}
 
-/// Angle between two vectors of any length, in degrees in [0, 180]. Accurate to rounding also near
+/// Angle between two vectors of any length, in degrees in [0, 180]. Accurate to rounding even near
 /// 0 and 180.
 inline double degrees_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;

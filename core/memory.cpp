@@ -54,8 +54,8 @@ double available_memory() {
 void require_memory(double bytes, const std::string& what) {
   const double available = available_memory();
   if (bytes > available)
-    throw InputError(what + " needs " + format_bytes(bytes) + " of memory, but only " +
-                     format_bytes(std::max(available, 0.0)) + " are available");
+    throw MemoryError(what + " needs " + format_bytes(bytes) + " of memory, but only " +
+                      format_bytes(std::max(available, 0.0)) + " are available");
 }
 
 std::string format_bytes(double bytes) {

@@ -8,12 +8,12 @@
 
 namespace batten {
 
-/// Kinds of operations that are counted. Unlike timings, which depend on the machine, counts show
-/// what was done: a test can check that no work is done twice.
+/// Kinds of operations that are counted. Unlike timings, which depend on the machine, counts are
+/// reproducible: a test can check that no work is done twice.
 enum class OpCounter {
   Analysis,           ///< symbolic analysis of a sparse Cholesky factor
   Factorization,      ///< numeric sparse Cholesky factorization
-  Solve,              ///< pair of triangular solves, full or partial, all columns
+  Solve,              ///< full or partial pair of triangular solves, for all right-hand sides
   AssembledElement,   ///< element stiffness or mass matrix added to a matrix
   Triangulation,      ///< Delaunay or fan mesh of a domain, or of facets
   HoleTriangulation,  ///< triangulation of a 3D polygon, O(n³)
@@ -25,8 +25,8 @@ namespace detail {
 inline std::array<std::atomic<std::int64_t>, kOpCounterCount> totals{};
 }
 
-/// Adds to the process-wide total of one kind. Thread-safe; takes a few nanoseconds and allocates
-/// nothing.
+/// Adds `times` to the process-wide count of one kind of operation. Thread-safe; takes a few
+/// nanoseconds and allocates nothing.
 inline void count(OpCounter kind, std::int64_t times = 1) {
   detail::totals[static_cast<size_t>(kind)].fetch_add(times, std::memory_order_relaxed);
 }
@@ -47,7 +47,15 @@ class ScopedOpCount {
     return detail::totals[k] - start_[k];
   }
   /// All counts as text for messages: "2 analyses, 1 factorizations, …".
-  std::string text() const;
+  std::string text() const {
+    constexpr std::array<const char*, kOpCounterCount> words = {
+        "analyses",       "factorizations",      "solves",     "assembled elements",
+        "triangulations", "hole triangulations", "allocations"};
+    std::string text;
+    for (size_t k = 0; k < words.size(); ++k)
+      text += (k ? ", " : "") + std::to_string(of(static_cast<OpCounter>(k))) + " " + words[k];
+    return text;
+  }
 
  private:
   std::array<std::int64_t, kOpCounterCount> start_{};

@@ -20,8 +20,8 @@ void set_thread_count(int count);
 /// when all calls have finished.
 ///
 /// The first exception thrown by a part is rethrown here. The threads are kept for the next call
-/// and sleep in between. Nested calls, calls concurrent with another one, and calls in a forked
-/// process run all parts in the calling thread.
+/// and sleep in between. Nested calls, concurrent calls and calls in a forked process run all parts
+/// in the calling thread.
 void parallel_for(int parts, const std::function<void(int part)>& work);
 
 // Parallel loops over many small items.

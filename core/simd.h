@@ -1,6 +1,8 @@
 // Macros and functions that select the vector instruction set of the machine at run time.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <type_traits>
 
 /// Attribute of a function that is compiled once for each generation of vector units; the version
@@ -25,11 +27,33 @@
 
 namespace batten {
 
+namespace detail {
+
+inline std::atomic<int> max_vector_bits{512};
+
+// The widest registers that the machine supports, in bits.
+inline int supported_vector_bits() {
+#ifdef BATTEN_WIDE_VECTORS
+  __builtin_cpu_init();
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return 128;
+  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                    __builtin_cpu_supports("avx512dq");
+  return wide ? 512 : 256;
+#else
+  return 128;
+#endif
+}
+
+}  // namespace detail
+
 /// Width of the vector registers that are used: 512, 256 or 128 bits. This is the widest that the
-/// machine supports, at most the limit of set_max_vector_bits().
-int vector_bits();
+/// machine supports, at most the limit of set_max_vector_bits(). Thread-safe; takes a nanosecond.
+inline int vector_bits() {
+  static const int widest = detail::supported_vector_bits();
+  return std::min(widest, detail::max_vector_bits.load(std::memory_order_relaxed));
+}
 /// Sets the upper limit of vector_bits(), default 512. For tests.
-void set_max_vector_bits(int bits);
+inline void set_max_vector_bits(int bits) { detail::max_vector_bits = bits; }
 
 /// Selects the kernels for vector_bits(). `narrow` is the version for 128 bits; if
 /// BATTEN_WIDE_VECTORS is defined, there are also versions for 256 bits (`middle`) and 512 bits

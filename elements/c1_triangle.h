@@ -38,7 +38,7 @@
 
 namespace batten {
 
-/// One C1 triangle element of type `kind`. Construction is cheap and allocates nothing.
+/// One C1 triangle element of type `kind`. Construction is cheap and allocates no memory.
 class C1Triangle {
  public:
   C1Triangle(TriangleElement kind, const TriangleShape& shape) : kind_(kind), shape_(shape) {}
@@ -52,23 +52,25 @@ class C1Triangle {
   /// V1. Z12 second derivatives at a vertex are the limits along the direction
   /// ρ = L_j/(L_j+L_k) = 1/2, which points to the midpoint of the opposite edge.
   Tabulation evaluate(const Vec3& L) const;
-  /// The function with dofs q (12×3) at L: its value, and (jet) its value and all derivatives up to
-  /// order two. Same as qᵀ evaluate(L), in a fifth and in two thirds of the time, respectively.
+  /// Value at barycentric L of the function with dofs q (12×3). jet() computes the value and all
+  /// derivatives up to order two. The results equal qᵀ evaluate(L), but position() takes a fifth
+  /// and jet() two thirds of the time.
   Vec3 position(const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const;
   Eigen::Matrix<double, 3, kDerivatives> jet(const Vec3& L,
                                              const Eigen::Matrix<double, 12, 3>& q) const;
 
-  /// Stiffness matrix for a constant material, exact to rounding. It combines nine precomputed
-  /// reference tensors and applies P; no quadrature is needed (about 0.3 µs).
+  /// Stiffness matrix for a constant material, exact to rounding. It is computed from nine
+  /// precomputed reference tensors and pull_back_matrix(), without quadrature, in about 0.3 µs.
   Mat12 stiffness(const SurfaceStiffness& material) const;
 
-  /// Mass matrix ∬ N Nᵀ and load vector ∬ N of a unit load, exact to rounding.
+  /// Mass matrix ∬ N Nᵀ du dv, and load() the load vector ∬ N du dv of a unit load, for the shape
+  /// functions N. Both are exact to rounding.
   Mat12 mass() const;
   Vec12 load() const;
 
   /// Quadrature rule for variable coefficients and loads. HCT: degree 4 on each sub-triangle, exact
-  /// for bending with quadratic coefficients and for stretching with constant ones. Z12: six-Duffy
-  /// rule with m = 5 (relative error 8e-7).
+  /// for bending with quadratic coefficients and for stretching with constant coefficients. Z12:
+  /// six-Duffy rule with m = 5 (relative error 8e-7).
   static const TriangleRule& default_quadrature(TriangleElement kind);
 
   /// Bézier ordinates (control points) of the cubic on sub-triangle `sub` of the HCT triangle, for
@@ -76,7 +78,8 @@ class C1Triangle {
   /// 300 030 003 210 120 021 012 102 201 111. Throws InputError for Z12, which is not polynomial.
   Eigen::Matrix<double, 10, 3> bezier(int sub, const Eigen::Matrix<double, 12, 3>& q) const;
 
-  /// The matrix P, and the reference dofs q̂ = P q.
+  /// Matrix P that maps the dofs q of this triangle to the affine-invariant reference dofs q̂ = P
+  /// q. pull_back() computes q̂.
   Mat12 pull_back_matrix() const;
   Eigen::Matrix<double, 12, 3> pull_back(const Eigen::Matrix<double, 12, 3>& q) const;
 

@@ -2,7 +2,7 @@
 //
 // Triangle rules consist of barycentric points L and weights that sum to 1; multiply by the area of
 // the triangle. Segment rules are defined on [0, 1] with weights that sum to 1; multiply by the
-// length.
+// length. Rules have no state: if a rule is used often, compute it once (static const).
 #pragma once
 
 #include "batten/core/eigen.h"
@@ -11,14 +11,14 @@ namespace batten {
 
 /// Quadrature rule on the segment [0, 1].
 struct SegmentRule {
-  VecX s;        ///< points in (0, 1)
-  VecX weights;  ///< sum to 1
+  VecX s;        ///< n points in (0, 1), ascending
+  VecX weights;  ///< n weights above 0 that sum to 1
 };
 
 /// Quadrature rule on a triangle.
 struct TriangleRule {
-  Points L;      ///< barycentric coordinates, one point per row
-  VecX weights;  ///< sum to 1
+  Points L;      ///< barycentric coordinates, n×3: one point per row
+  VecX weights;  ///< n weights above 0 that sum to 1
 };
 
 /// Gauss-Legendre rule with n ≥ 1 points, exact for polynomials up to degree 2n-1. Throws
@@ -29,13 +29,15 @@ SegmentRule gauss_legendre(int n);
 /// Symmetric triangle rule with positive weights, exact for polynomials up to `degree`.
 ///
 /// There are rules of degree 1, 2, 4, 5, 6 and 8, with 1, 3, 6, 7, 12 and 16 points; for other
-/// degrees up to 8 the next higher rule is returned. Throws InputError above 8. For polynomials
-/// only: for the rational functions of the Z12 triangle, these rules converge algebraically at best
-/// (12 % error of the bending stiffness at degree 6).
+/// degrees up to 8 the next higher rule is returned [Dunavant1985]. Throws InputError for a degree
+/// below 0 or above 8. For polynomials only: for the rational functions of the Z12 triangle, these
+/// rules converge algebraically at best (12 % error of the bending stiffness at degree 6).
 TriangleRule symmetric_triangle_rule(int degree);
 
 /// Symmetric rule of `degree` on each of the three sub-triangles (V_j, V_k, centroid). It is exact
-/// for the piecewise polynomials of the HCT triangle. Points are ordered by sub-triangle.
+/// for the piecewise polynomials of the HCT triangle. It has three times as many points as
+/// symmetric_triangle_rule(), ordered by sub-triangle. Throws InputError for a degree below 0 or
+/// above 8.
 TriangleRule split_triangle_rule(int degree);
 
 /// Six-Duffy rule with 6 m² points for the Z12 triangle, whose functions are singular only at the
@@ -45,7 +47,7 @@ TriangleRule split_triangle_rule(int degree);
 /// them, m×m Gauss points (r, t) of the unit square are mapped to barycentric (1-r, r(1-t), rt).
 /// This Duffy transformation collapses an edge into V_i and makes the integrand smooth there
 /// ([Duffy1982]). Relative error of the bending stiffness of a well-shaped triangle: m = 3: 6e-4,
-/// 5: 8e-7, 7: 5e-10, 10: 8e-15.
+/// 5: 8e-7, 7: 5e-10, 10: 8e-15. Throws InputError for m < 1. Cost: O(m²).
 TriangleRule six_duffy_rule(int m);
 
 }  // namespace batten

@@ -58,7 +58,7 @@ enum class TriangleElement { HCT, Z12 };
 using Vec12 = Eigen::Matrix<double, 12, 1>;
 using Mat12 = Eigen::Matrix<double, 12, 12>;
 
-/// Columns of a tabulation: value and derivatives up to order two.
+/// Column indices of a Tabulation: value and derivatives up to order two.
 enum Derivative { kW = 0, kU, kV, kUU, kUV, kVV, kDerivatives };
 
 /// The twelve shape functions at one point. Row a belongs to dof a; the columns are w, w_u, w_v,
@@ -70,33 +70,35 @@ struct TriangleShape {
   /// Vertices in (u, v), and the sign of each edge's normal dof (see c1_triangle.h).
   std::array<Vec2, 3> vertex;
   std::array<double, 3> edge_sign{1, 1, 1};
-  std::array<double, 3> b{}, c{};  ///< b_i = v_j - v_k, c_i = u_k - u_j
+  std::array<double, 3> b{}, c{};  ///< b_i = v_j - v_k, c_i = u_k - u_j, (i, j, k) cyclic
   double area = 0;
 
-  /// Vertices must be in counter-clockwise order. Throws MeshError if the area is not positive or a
-  /// coordinate is not finite.
+  /// `v1`, `v2`, `v3`: vertices in counter-clockwise order. `signs`: sign of the normal dof of each
+  /// edge. Throws MeshError if the area is not positive or a coordinate is not finite.
   TriangleShape(const Vec2& v1, const Vec2& v2, const Vec2& v3,
                 const std::array<double, 3>& signs = {1, 1, 1});
 
-  /// The point with barycentric coordinates L.
+  /// Point in (u, v) with barycentric coordinates L.
   Vec2 point(const Vec3& L) const { return L[0] * vertex[0] + L[1] * vertex[1] + L[2] * vertex[2]; }
   /// Barycentric coordinates of a point, which may lie outside of the triangle.
   Vec3 barycentric(const Vec2& p) const;
 };
 
-/// Reference functions at one point. Row a contains N̂_a and its derivatives in the reduced
+/// Reference shape functions at one point. Row a contains N̂_a and its derivatives in the reduced
 /// variables (L1, L2), L3 = 1-L1-L2: columns N, ∂1, ∂2, ∂11, ∂12, ∂22.
 using ReferenceTabulation = Eigen::Matrix<double, 12, 6>;
 
-/// Reference functions and their derivatives up to order two at barycentric L.
+/// Reference shape functions and their derivatives up to order two at barycentric L.
 ReferenceTabulation reference_functions(TriangleElement kind, const Vec3& L);
-/// First derivatives of the reference functions only, (∂1, ∂2), in a third of the time.
+/// First derivatives (∂1, ∂2) of the reference shape functions; takes a third of the time of
+/// reference_functions().
 Eigen::Matrix<double, 12, 2> reference_gradients(TriangleElement kind, const Vec3& L);
 
 /// Matrix that maps the reference dofs to the ten Bézier ordinates of HCT sub-triangle `sub`.
 const Eigen::Matrix<double, 10, 12>& hct_ordinates(int sub);
 
-/// Integrals over a triangle of area 1 with respect to the reference dofs.
+/// Stiffness tensors, mass matrix and unit load of the reference shape functions, integrated over a
+/// triangle of area 1.
 struct ReferenceTensors {
   /// Nine row-major 12×12 matrices. 0-2: stretching 11, 12 + 21, 22; 3-8: bending 11·11, 12·12,
   /// 22·22, 11·12 + 12·11, 11·22 + 22·11, 12·22 + 22·12.
@@ -106,7 +108,7 @@ struct ReferenceTensors {
 };
 
 /// Reference tensors of an element type. They are computed at first use by an exact rule (HCT) or
-/// by six-Duffy with m = 14 (Z12); entries are accurate to about 1e-15.
+/// by the six-Duffy rule with m = 14 (Z12); entries are accurate to about 1e-15.
 const ReferenceTensors& reference_tensors(TriangleElement kind);
 
 /// Converts derivatives with respect to (L1, L2) into derivatives with respect to (u, v). The rows
@@ -117,20 +119,20 @@ struct DerivativeMap {
   explicit DerivativeMap(const TriangleShape& shape);
 };
 
-/// Quadrature rule with the reference functions tabulated at its points.
+/// Quadrature rule with the reference shape functions tabulated at its points.
 struct TabulatedRule {
   TriangleRule rule;
   std::vector<ReferenceTabulation> functions;
-  std::vector<double> rows;  ///< the five derivatives of the functions: [point][derivative][12]
+  std::vector<double> rows;  ///< five derivatives of the functions: [point][derivative][function]
   TabulatedRule(TriangleElement kind, TriangleRule r);
 };
 
-/// The entries of the dof transformation P of a triangle: 2×2 gradient maps, altitudes over the
-/// edges, and slants of the medians.
+/// Entries of the matrix P that maps the dofs of a triangle to its reference dofs: 2×2 gradient
+/// maps, altitudes over the edges, and slants of the medians.
 struct DofTransformCoefficients {
-  double gradient[3][4];  ///< row-major [to next; to previous] × [u, v]
-  double altitude[3];     ///< edge_sign · 2A / edge length
-  double slant[3];        ///< (V_i - M_i)·(V_k - V_j) / |V_k - V_j|²
+  double gradient[3][4];  ///< per vertex V_i, row-major: (u, v) of V_j - V_i; of V_k - V_i
+  double altitude[3];     ///< edge_sign · 2 · triangle area / edge length
+  double slant[3];        ///< (V_i - M_i)·(V_k - V_j) / |V_k - V_j|², M_i: midpoint of edge i
   explicit DofTransformCoefficients(const TriangleShape& shape);
 };
 
@@ -168,7 +170,7 @@ inline SurfaceStiffness scaled_to_unit_domain(const SurfaceStiffness& material, 
 /// Elastic energy ½ qᵀK q of a surface, split into its two terms.
 struct SurfaceEnergy {
   double stretching = 0;  ///< ½ ∬ of the alpha terms, summed over x, y, z
-  double bending = 0;     ///< ½ ∬ of the beta terms
+  double bending = 0;     ///< ½ ∬ of the beta terms, summed over x, y, z
 };
 
 }  // namespace batten

@@ -1,8 +1,8 @@
 // Assembles stiffness, mass and load of a deformable curve.
 //
 // The energy of one coordinate is E = ∫ ½ (alpha w_u² + beta w_uu²) - f w du = ½ qᵀK q - Fᵀq, so
-// the minimum satisfies K q = F. x, y and z share K. Matrices are symmetric and stored as their
-// LOWER triangle.
+// the minimum satisfies K q = F. x, y and z share K. Matrices are n×n for n = mesh().dof_count(),
+// symmetric, and stored as their LOWER triangle; loads are n×3. Reference: [Celniker1991].
 #pragma once
 
 #include <vector>
@@ -13,7 +13,8 @@
 
 namespace batten {
 
-/// Assembles matrices and load vectors of a curve from its cubic Hermite segments.
+/// Assembles matrices and load vectors of a curve from its cubic Hermite segments, with the shape
+/// functions H. Cost: O(segments) per matrix or load vector.
 class CurveAssembler {
  public:
   /// Coefficient along the curve, constant or linear within a segment: one entry for all segments,
@@ -23,19 +24,22 @@ class CurveAssembler {
   explicit CurveAssembler(CurveMesh mesh);
 
   const CurveMesh& mesh() const { return mesh_; }
-  /// Matrix with the sparsity pattern of the curve and zero entries.
+  /// Zero matrix with the sparsity pattern of the curve.
   SparseMatrix pattern() const { return pattern_.zero(); }
-  /// Stiffness ∫ alpha H_u H_uᵀ + beta H_uu H_uuᵀ, exact. Throws InputError if a coefficient has
-  /// the wrong number of entries.
+  /// Stiffness matrix ∫ alpha H_u H_uᵀ + beta H_uu H_uuᵀ du with the shape functions H, exact. `K`:
+  /// a matrix with the sparsity of pattern(), which is overwritten. Throws InputError if a
+  /// coefficient has the wrong number of entries.
   void stiffness(const Coefficient& alpha, const Coefficient& beta, SparseMatrix& K) const;
   SparseMatrix stiffness(const Coefficient& alpha, const Coefficient& beta) const;
-  /// Mass ∫ weight H Hᵀ. `weight`: one value for all segments, or one per segment; throws
-  /// InputError otherwise.
+  /// Mass matrix ∫ weight H Hᵀ du with the shape functions H. `weight`: one value for all segments,
+  /// or one per segment. Throws InputError for another number of values.
   SparseMatrix mass(const std::vector<double>& weight = {1}) const;
-  /// Load ∫ H f, exact. f: values at u_0 … u_m (rows), linear in between. Throws InputError if the
-  /// number of rows is wrong.
+  /// Load vector ∫ H f du of a distributed force f with the shape functions H, exact. `f`: one row
+  /// per parameter u_0 … u_m of the mesh, linear in between. Throws InputError if the number of
+  /// rows is wrong.
   Points load(const Points& f) const;
-  /// Load of a point force at parameter u.
+  /// Load vector of a point force at parameter u, which is clamped or wrapped as in
+  /// CurveMesh::locate().
   Points point_load(double u, const Vec3& force) const;
 
  private:

@@ -9,7 +9,7 @@
 namespace batten {
 
 /// Evaluates position x and unit normal x_u × x_v / |x_u × x_v| at fixed locations of a surface
-/// whose dofs change all the time, for example while it is dragged. Only the dofs that contribute
+/// whose dofs change continually, for example while it is dragged. Only the dofs that contribute
 /// are stored for each location:
 ///
 ///     at a vertex          3 dofs: they are x, x_u and x_v
@@ -18,8 +18,8 @@ namespace batten {
 ///
 /// Coefficients are stored in single precision and applied to differences. Since Σ N_a = 1 over the
 /// position dofs a, x_u = Σ N_u,a (q_a - q_1) + slopes, and no digits are lost to the factor 1/h in
-/// N_u. Sums are accumulated in double precision. Accuracy: 1e-6 of the size of the surface and of
-/// a unit normal, unless x_u and x_v are almost parallel.
+/// N_u. Sums are accumulated in double precision. Accuracy: 1e-6 of the size of the surface for
+/// points and 1e-6 for unit normals, unless x_u and x_v are almost parallel.
 ///
 /// Memory: about 100 bytes per location on an edge, 180 inside a triangle. Time: about ten
 /// nanoseconds per location on one thread.
@@ -37,7 +37,7 @@ class DisplayPoints {
   /// Computes points and normals for the dofs x (n×3), in the order of the locations.
   ///
   /// `shift` is added to the points. `points` and `normals` must hold 3 count() numbers each. The
-  /// normal is zero if the surface is singular: |x_u × x_v| ≤ 1e-6 |x_u||x_v|. Allocates nothing;
+  /// normal is zero if the surface is singular: |x_u × x_v| ≤ 1e-6 |x_u||x_v|. Allocates no memory;
   /// results are bit-identical for any number of threads. Not thread-safe, because calls share a
   /// workspace. Throws InputError if x does not have as many rows as the mesh has dofs.
   void evaluate(const Points& x, const Vec3& shift, float* points, float* normals) const;

@@ -16,10 +16,11 @@ namespace batten {
 /// belongs to one thread, which adds its contributions in the order of the elements.
 class ElementPattern {
  public:
-  /// Elements of equal size. `dofs`: `per_element` global dofs for each element, one element after
-  /// the other.
+  /// Pattern of elements with `per_element` dofs each. `dofs`: global dofs of all elements, one
+  /// element after the other.
   ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
-  /// Elements of different sizes: element e has the dofs dofs[starts[e]] … dofs[starts[e+1] - 1].
+  /// Pattern of elements of different sizes: element e has the dofs dofs[starts[e]] …
+  /// dofs[starts[e+1] - 1].
   ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs);
 
   int element_count() const { return isize(starts_) - 1; }
@@ -31,7 +32,8 @@ class ElementPattern {
 
   /// Assembles the element matrices into `matrix`, which must have this pattern and is first set to
   /// zero. `element(e, K)` writes the symmetric matrix of element e, size_of(e)² doubles. It is
-  /// called from several threads, and more than once for elements at the border between threads.
+  /// called from several threads, and more than once for elements at the border between the ranges
+  /// of two threads.
   void assemble(const std::function<void(int element, double* K)>& element,
                 SparseMatrix& matrix) const;
 

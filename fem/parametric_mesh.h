@@ -14,28 +14,29 @@ namespace batten {
 ///
 ///            V_i              Edge i of a triangle is opposite its vertex i and runs V_j → V_k,
 ///            /\               (i, j, k) cyclic. In the mesh, an edge runs from its lower vertex
-/// edge k / \ edge j index to the higher one, which fixes the sign of its normal
+///    edge k /  \ edge j       index to the higher one, which fixes the sign of its normal
 ///          /____\             (c1_triangle.h). Edges are numbered in the order in which they
 ///       V_j edge i V_k        first occur in the triangles.
 ///
 /// A mesh may be periodic in u, as on a tube: (u + period, v) is the same point as (u, v). Vertices
 /// have u in [0, period). Triangles and edges that cross the seam are unwrapped: their vertices are
-/// shifted to within half a period of their first vertex (edges: of the lower vertex).
+/// shifted to within half a period of the first vertex of the triangle, or of the lower-numbered
+/// vertex of the edge.
 class ParametricMesh {
  public:
   using Triangle = std::array<int, 3>;
   struct Edge {
-    int low, high;    ///< vertex indices, low < high
+    int low, high;    ///< indices of the end vertices, low < high
     int triangle[2];  ///< adjacent triangles; triangle[1] is -1 on the boundary
-    int local[2];     ///< local index 0..2 of the edge in each
+    int local[2];     ///< local index 0 … 2 of the edge in each adjacent triangle
     bool boundary() const { return triangle[1] < 0; }
   };
 
   /// Throws MeshError if a vertex index is out of range, a triangle is not counter-clockwise, an
   /// edge has more than two triangles or occurs twice in the same direction, or a vertex belongs to
-  /// no triangle. For periodic meshes also if u is outside of [0, period), or if an edge spans a
-  /// third of the period or more, because its direction around the tube would be ambiguous.
-  /// `period`: 0 for a mesh that is not periodic.
+  /// no triangle. For a periodic mesh, it also throws if the u of a vertex is outside of [0,
+  /// period), or if an edge spans a third of the period or more, because its direction around the
+  /// tube would be ambiguous. `period`: 0 for a mesh that is not periodic.
   ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle> triangles, double period = 0);
 
   /// Disjoint union of meshes: vertices, edges and triangles of each mesh follow those of the
@@ -45,25 +46,27 @@ class ParametricMesh {
   int vertex_count() const { return isize(vertices_); }
   int edge_count() const { return isize(edges_); }
   int triangle_count() const { return isize(triangles_); }
-  /// Period in u of a single mesh; 0 if it is not periodic.
+  /// Period in u; 0 for a mesh that is not periodic and for concatenated() meshes.
   double period() const { return period_; }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Edge>& edges() const { return edges_; }
-  /// The three edges of a triangle; edge i is opposite vertex i.
+  /// Indices of the three edges of a triangle; edge i is opposite vertex i.
   const Triangle& edges_of(int triangle) const { return triangle_edges_[triangle]; }
-  /// Edge between two vertices, or -1.
+  /// Index of the edge between vertices a and b; -1 if there is no such edge.
   int edge_between(int a, int b) const;
 
-  /// Sign +1 if the edge has the counter-clockwise direction of the triangle, otherwise -1.
+  /// +1 if edge `local` of the triangle, taken from its lower to its higher vertex index, runs
+  /// counter-clockwise around the triangle; otherwise -1.
   double edge_sign(int triangle, int local) const {
     const auto& t = triangles_[triangle];
     return t[(local + 1) % 3] < t[(local + 2) % 3] ? 1 : -1;
   }
   /// Shape of a triangle, unwrapped across the seam of a periodic mesh.
   TriangleShape shape(int triangle) const;
-  /// Unit vector from the lower to the higher vertex of an edge, and this vector rotated by +90°.
+  /// Unit vector from the lower-numbered to the higher-numbered vertex of an edge. edge_normal():
+  /// this vector rotated by +90°.
   Vec2 edge_tangent(int edge) const;
   Vec2 edge_normal(int edge) const;
   double edge_length(int edge) const;
@@ -72,8 +75,8 @@ class ParametricMesh {
   Vec2 image_near(const Vec2& p, const Vec2& anchor) const;
   /// Periodic image of p with u in [0, period); p itself if the mesh is not periodic.
   Vec2 wrapped(Vec2 p) const;
-  /// Vector from the first to the last vertex of a chain of edges, summed along the chain:
-  /// (period, 0) for a chain once around a periodic mesh.
+  /// Vector from the first to the last vertex of a chain of vertices, summed over its edges. For a
+  /// closed chain once around a periodic mesh, it is (period, 0) or (-period, 0).
   Vec2 chain_vector(const std::vector<int>& chain) const;
 
   /// Mesh of n×n squares on [0,1]², each divided by its (0,0)-(1,1) diagonal. Used by benchmarks
@@ -137,7 +140,8 @@ struct Location {
 /// cheaper than ordering the matrix graph and gives less fill on large meshes.
 std::vector<int> nested_dissection_order(const ParametricMesh& mesh);
 
-/// For each dof its vertex, twice, or the two ends of its edge: the input of vertex_ordering().
+/// Two vertices per dof, the input of vertex_ordering(): for a vertex dof, its vertex twice; for an
+/// edge dof, the two ends of its edge.
 std::vector<std::array<int, 2>> dof_vertices(const ParametricMesh& mesh);
 
 }  // namespace batten

@@ -23,26 +23,29 @@
 namespace batten {
 
 /// Operator for follower pressure and enclosed volume; constructed once per mesh and used for many
-/// shapes of it.
+/// surfaces on it.
 ///
 /// It keeps no reference to mesh or trim. Triangles outside of a trim carry no load. HCT: exact.
 /// Z12: relative error 1e-10 on uncut triangles; cut ones use the trim's rule of degree 7.
 ///
-/// add() and volume() allocate nothing, run on thread_count() threads with bit-identical results
+/// add() and volume() allocate no memory, run on thread_count() threads with bit-identical results
 /// for any number of them, and take about 0.1 µs per triangle on one thread (five times as long for
 /// a cut one). Not thread-safe, because calls share a workspace.
 class PressureOperator {
  public:
-  /// Cost: O(triangles), plus about 20 µs per cut triangle.
+  /// Precomputes the tensors of the mesh. `trim`: restricts the pressure to the inside; null: the
+  /// whole mesh. Cost: O(triangles), plus about 20 µs per cut triangle.
   PressureOperator(const ParametricMesh& mesh, TriangleElement kind,
                    std::shared_ptr<const Trim> trim = nullptr);
 
-  /// F += value ∬ w N (x_u × x_v) du dv for the surface with dofs x (n×3). `weights`: w of each
-  /// triangle; empty: 1 everywhere. Throws InputError for wrong sizes.
+  /// Adds the load value ∬ w N (x_u × x_v) du dv of the pressure `value` to F, for the surface with
+  /// dofs x (n×3) and the shape functions N. `weights`: factor w per triangle; empty: 1 everywhere.
+  /// Throws InputError for wrong sizes.
   void add(const Points& x, const VecX& weights, double value, Points& F) const;
 
-  /// Volume ⅓ ∬ w x·(x_u × x_v) du dv between the surface and the origin. For a closed surface with
-  /// outward normals this is the enclosed volume. Throws InputError for wrong sizes.
+  /// Volume ⅓ ∬ w x·(x_u × x_v) du dv between the origin and the surface with dofs x (n×3). For a
+  /// closed surface with outward normals, this is the enclosed volume. `weights`: factor w per
+  /// triangle; empty: 1 everywhere. Throws InputError for wrong sizes.
   double volume(const Points& x, const VecX& weights = VecX()) const;
 
  private:

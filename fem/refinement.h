@@ -22,15 +22,15 @@ namespace batten {
 ///
 /// The indicator is zero for a cubic. On smooth shapes its sum is O(h⁴), like the error of the
 /// energy. With a trim, only the part inside counts; boundary edges have no jump. Integrals use
-/// three Gauss points, which is exact for HCT. Cost: O(triangles), about a microsecond each.
-/// Reference: [Verfurth1996], residual estimator for plates; only the dominant edge term is used.
+/// three Gauss points, which is exact for HCT. Cost: about a microsecond per triangle. Reference:
+/// [Verfurth1996], residual estimator for plates; only the dominant edge term is used.
 VecX residual_indicator(const Surface& surface);
 
 // Marking.
 
-/// Dörfler (bulk) marking: smallest set of indices whose values hold at least `fraction` of the
-/// total sum, largest values first. Ties are in ascending order of index. Values must be ≥ 0; if
-/// all are zero, the result is empty.
+/// Dörfler (bulk) marking: the smallest set of indices whose values add up to at least `fraction`
+/// of the sum of all values. The indices are in descending order of their values, equal values in
+/// ascending order of index. Values must be ≥ 0; if all are zero, the result is empty.
 template <class Values>
 std::vector<int> dorfler_marking(const Values& values, double fraction) {
   std::vector<int> order(static_cast<size_t>(values.size()));
@@ -46,28 +46,28 @@ std::vector<int> dorfler_marking(const Values& values, double fraction) {
 
 // Local refinement of a conforming mesh.
 
-/// Refined mesh. Old vertices keep their indices; new ones follow, in the order of the bisected
-/// edges.
+/// Result of bisected(). Old vertices keep their indices; new vertices follow, in the order of the
+/// bisected edges.
 struct Bisection {
   ParametricMesh mesh;
-  std::vector<int> midpoint;  ///< new vertex at the middle of each old edge, or -1
+  std::vector<int> midpoint;  ///< new vertex at the midpoint of each old edge; -1: not bisected
 };
 
 /// Bisects the marked triangles across their longest edges, and as many others as are needed to
 /// keep the mesh conforming ([Rivara1984]).
 ///
-/// `marked`: one flag per triangle. Angles never fall below half of the smallest angle of the first
-/// mesh, however often this is called; right isosceles triangles keep their shape. The two to four
-/// children of a triangle take its position in the list of triangles. Throws InputError if `marked`
-/// has the wrong size. Cost: O(triangles) and a few sweeps.
+/// `marked`: one flag per triangle. Angles never fall below half of the smallest angle of the
+/// initial mesh, however often a mesh is refined; right isosceles triangles keep their shape. The
+/// two to four children of a triangle take its position in the list of triangles. Throws InputError
+/// if `marked` has the wrong size. Cost: O(triangles), in a few sweeps.
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked);
 
-/// Part of a mesh; vertices keep their relative order.
+/// Result of extract_submesh(). Vertices keep their relative order.
 struct Submesh {
   ParametricMesh mesh;
-  std::vector<int> vertex;  ///< new index of each old vertex, or -1
+  std::vector<int> vertex;  ///< new index of each old vertex; -1: not in the submesh
 };
-/// Extracts a mesh that consists of the given triangles only.
+/// Extracts the part of a mesh that consists of the given triangles.
 Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& triangles);
 
 // Transfer of a surface to another mesh of the same domain.
@@ -82,15 +82,15 @@ struct SurfaceTransfer {
 /// derivatives at its edge midpoints.
 ///
 /// `to` must lie in the same domain and not extend beyond it, for example the result of bisected(),
-/// with or without extract_submesh(). Points outside are evaluated in the nearest triangle.
-/// Vertices, edges and triangles that both meshes share keep their dofs to the last bit. Along
-/// edges that are halves of old ones, position and normal derivative are preserved exactly. Cubics
-/// are preserved everywhere.
+/// with or without extract_submesh(). Points outside of the old mesh are evaluated in its nearest
+/// triangle. Vertices, edges and triangles that both meshes share keep their dofs to the last bit.
+/// Along edges that are halves of old ones, position and normal derivative are preserved exactly.
+/// Cubics are preserved everywhere.
 ///
 /// Elsewhere, an old element and its children are different piecewise cubics: positions change by
 /// O(h³) times the curvature jumps inside the old element, and by O(h⁴) on smooth shapes.
-/// `max_displacement` is measured at six points inside each new triangle. Cost:
-/// O(triangles log triangles), about ten microseconds per new triangle, on several threads.
+/// `max_displacement` is measured at six points inside each new triangle. Cost: O(triangles log
+/// triangles), about ten microseconds per new triangle; uses several threads.
 SurfaceTransfer interpolate_onto(const Surface& from, const ParametricMesh& to);
 
 }  // namespace batten

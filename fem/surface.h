@@ -1,6 +1,7 @@
 // C1 finite-element surface in space over a parametric mesh.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace batten {
 struct SurfaceJet {
   Vec3 x, x_u, x_v, x_uu, x_uv, x_vv;
 
-  /// Area vector x_u × x_v; its length is the Jacobian of the surface.
+  /// Area vector x_u × x_v, whose length is the Jacobian of the surface.
   Vec3 area_vector() const;
   /// Unit normal, right-handed with (u, v); zero if the surface is singular.
   Vec3 normal() const;
@@ -23,9 +24,9 @@ struct SurfaceJet {
 /// sphere of radius R with outward normals has mean curvature -1/R. Units: 1/length; Gaussian
 /// curvature 1/length².
 struct Curvatures {
-  double mean = 0, gauss = 0, k1 = 0, k2 = 0;  ///< k1 ≥ k2
+  double mean = 0, gauss = 0, k1 = 0, k2 = 0;  ///< mean, Gaussian and principal curvatures; k1 ≥ k2
 };
-/// Computes the curvatures from position and derivatives.
+/// Computes the curvatures of a surface at a point from its derivatives there.
 Curvatures curvatures(const SurfaceJet& jet);
 
 /// The surface X(u, v) = Σ N_m(u, v) q_m with dofs q (n×3). It is C1; second derivatives jump at
@@ -54,20 +55,21 @@ class Surface {
 
   Vec3 position(const Location& where) const;
   SurfaceJet jet(const Location& where) const;
-  /// Area vector x_u × x_v, in a third of the time of jet().
+  /// Area vector x_u × x_v; takes a third of the time of jet().
   Vec3 area_vector(const Location& where) const;
 
-  /// Triangle that contains (u, v). For points outside of the domain: the nearest triangle, with L
-  /// clamped to it. Cost: O(triangles); TriangleLocator is faster for many points.
+  /// Triangle that contains (u, v), and barycentric coordinates. For points outside of the domain,
+  /// it is the nearest triangle, with coordinates clamped to it. Cost: O(triangles);
+  /// TriangleLocator is faster for many points.
   Location locate(const Vec2& uv) const;
 
   /// Point of the surface nearest to p. Evaluates 15 samples per triangle, and starts Newton's
-  /// method from every sample that is nearer than its neighbours. It is found unless the surface
-  /// folds between two samples. With a trim, candidates are the points inside, and points of the
-  /// loops x(c(t)), which are sampled likewise. Cost: O(triangles).
+  /// method from every sample that is nearer than its neighbours. The nearest point is found unless
+  /// the surface folds between two samples. With a trim, the candidates are the points inside and
+  /// the points of its loops, which are sampled in the same way. Cost: O(triangles).
   ClosestPoint closest_point(const Vec3& p) const;
 
-  /// Area of the surface; with a trim, of the part inside.
+  /// Area of the surface in space; with a trim, area of the part inside.
   double area() const;
 
  private:
@@ -81,26 +83,44 @@ class Surface {
   std::shared_ptr<const Trim> trim_;
 };
 
-/// Sparse evaluation matrix E (points × dofs) with the rows N(where): positions of many fixed
-/// points are the product E q. `derivative`: kW for positions, kU … kVV for derivatives.
+/// Sparse evaluation matrix E (points × dofs), whose rows are the shape functions at the given
+/// points: E q evaluates a surface with dofs q at many fixed points. `derivative`: kW for
+/// positions, kU … kVV for derivatives.
 SparseMatrix evaluation_operator(const ParametricMesh& mesh, TriangleElement kind,
                                  const std::vector<Location>& points, Derivative derivative = kW);
 
 /// Display mesh: parametric locations and facets. Points on element edges are shared, so that the
 /// facets are watertight.
 struct Tessellation {
-  std::vector<Location> points;  ///< the vertices of the mesh come first, in their order
+  /// Display points; those at mesh vertices come first, in mesh order.
+  std::vector<Location> points;
   std::vector<std::array<int, 3>> facets;
-  std::vector<int> facet_triangle;  ///< element that contains each facet
+  std::vector<int> facet_triangle;  ///< index of the element triangle that contains each facet
 };
-/// Display mesh with n² facets per triangle, n ≥ 1.
+/// Creates a display mesh with n² facets per triangle, n ≥ 1.
 Tessellation tessellate(const ParametricMesh& mesh, int n);
 
 /// Curvatures at the points of a tessellation. They are evaluated at the centroids of the
 /// sub-triangles, where they are most accurate, averaged to the vertices with area weights, and
-/// then interpolated linearly. Error: O(h²). With a trim, an element counts by the fraction of its
-/// area that is inside; vertices with less than a fifth of an element around them get the mean of
-/// their neighbours.
+/// interpolated linearly. Error: O(h²). With a trim, an element counts by the fraction of its area
+/// that is inside; vertices with less than a fifth of an element around them get the mean of their
+/// neighbours.
 std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tessellation& points);
+
+// Dofs that interpolate a given surface.
+
+/// Position of a surface and its derivatives with respect to u and v (two columns).
+struct FirstOrderJet {
+  Vec3 x = Vec3::Zero();
+  Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();
+};
+
+/// Interpolates a surface over (u, v) on a mesh. The dofs are positions and slopes at vertices, and
+/// normal slopes at edge midpoints. If `edge_midpoints` is not null, it receives the positions of
+/// `surface` at edge midpoints, one row per edge; compare them with the interpolant to see how well
+/// the mesh resolves the surface. Calls `surface` once per vertex and per edge, in parallel.
+Points interpolate_surface(const ParametricMesh& mesh,
+                           const std::function<FirstOrderJet(const Vec2& uv)>& surface,
+                           Points* edge_midpoints = nullptr);
 
 }  // namespace batten

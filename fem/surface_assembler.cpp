@@ -355,7 +355,9 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     for (long g = 0; g < parts * gauss.s.size(); ++g) {
       const double length = (cuts[i + 1] - cuts[i]) / parts,
-                   t = cuts[i] + (g / gauss.s.size() + gauss.s[g % gauss.s.size()]) * length;
+                   t = cuts[i] +
+                       (static_cast<double>(g / gauss.s.size()) + gauss.s[g % gauss.s.size()]) *
+                           length;
       const Location on = locator.locate(drop_z(pcurve.evaluate(t)));
       const Vec12 N = C1Triangle(kind, mesh.shape(on.triangle)).evaluate(on.L).col(kW);
       const double weight =

@@ -25,9 +25,9 @@ class SurfaceAssembler {
   using MaterialField = std::function<SurfaceStiffness(const Vec2& uv)>;
   using LoadField = std::function<Vec3(const Location& where, const Vec2& uv)>;
 
-  /// Keeps a reference to the mesh. With a trim, all integrals are restricted to the inside. The
-  /// stiffness also includes the rest of the mesh, multiplied by `outside`: this keeps the matrix
-  /// well conditioned however small the cuts are, and changes results by less than the
+  /// Keeps a reference to the mesh. With a trim, all integrals are restricted to the inside. Only
+  /// the stiffness also includes the rest of the mesh, multiplied by `outside`. This keeps the
+  /// matrix well conditioned however small the cuts are, and changes results by less than the
   /// discretisation error (docs/theory/domains.md). Cost: O(triangles).
   SurfaceAssembler(const ParametricMesh& mesh, TriangleElement kind,
                    std::shared_ptr<const Trim> trim = nullptr, double outside = 1e-6);
@@ -35,35 +35,40 @@ class SurfaceAssembler {
   /// Zero matrix with the right sparsity pattern, for the functions below that write into a matrix.
   SparseMatrix pattern() const { return pattern_.zero(); }
 
-  /// Stiffness for a constant material: exact, without quadrature.
+  /// Computes the stiffness matrix for a constant material, exactly and without quadrature. `K`: a
+  /// matrix with the sparsity of pattern(), which is overwritten.
   void stiffness(const SurfaceStiffness& material, SparseMatrix& K) const;
-  /// Stiffness for one material per triangle: exact, without quadrature. Throws InputError for a
+  /// Computes the stiffness matrix for one material per triangle, exactly and without quadrature.
+  /// `K`: a matrix with the sparsity of pattern(), which is overwritten. Throws InputError for a
   /// wrong number of materials.
   void stiffness(const std::vector<SurfaceStiffness>& materials, SparseMatrix& K) const;
-  /// Stiffness for a material that varies inside triangles, by C1Triangle::default_quadrature().
-  /// The field is called from several threads.
+  /// Computes the stiffness matrix for a material that varies inside triangles, by
+  /// C1Triangle::default_quadrature(). `material` is called from several threads. `K`: a matrix
+  /// with the sparsity of pattern(), which is overwritten.
   void stiffness(const MaterialField& material, SparseMatrix& K) const;
   SparseMatrix stiffness(const SurfaceStiffness& material) const;
 
-  /// Mass ∬ w N Nᵀ, w constant in each triangle; empty: w = 1. Throws InputError for a wrong number
-  /// of weights.
+  /// Mass matrix ∬ w N Nᵀ du dv with the shape functions N. `triangle_weights`: one weight w per
+  /// triangle; empty: w = 1. Throws InputError for a wrong number of weights.
   SparseMatrix mass(const VecX& triangle_weights = VecX()) const;
-  /// Load ∬ N f for a constant f: exact.
+  /// Load vector ∬ N f du dv of a constant force f per area of the domain, exact.
   Points load(const Vec3& f) const;
-  /// Load ∬ N f for a variable f. HCT: symmetric rule of `degree` (0 to 8; 6 is exact for cubic f)
-  /// on each sub-triangle. Z12: six-Duffy rule with m = 5. f is called from several threads.
+  /// Load vector ∬ N f du dv of a variable force f per area of the domain. HCT: symmetric rule of
+  /// `degree` (0 to 8; 6 is exact for cubic f) on each sub-triangle. Z12: six-Duffy rule with m =
+  /// 5. f is called from several threads.
   Points load(const LoadField& f, int degree = 6) const;
-  /// Load ∬ w N with w constant in each triangle, one number per dof: exact on uncut triangles.
-  /// Throws InputError for a wrong number of weights.
+  /// Load vector ∬ w N du dv of a unit force, one number per dof; exact on uncut triangles.
+  /// `triangle_weights`: one weight w per triangle. Throws InputError for a wrong number of
+  /// weights.
   VecX load(const VecX& triangle_weights) const;
-  /// Load ∬ N |x_u × x_v| du dv of a unit force per area of a surface on this mesh, one number per
-  /// dof. The integrand is not polynomial; the quadrature rules are those of pressure_load().
-  /// Throws InputError if the surface has a different number of dofs.
+  /// Load vector ∬ N |x_u × x_v| du dv of a unit force per area of a surface on this mesh, one
+  /// number per dof. The integrand is not polynomial; the quadrature rules are those of
+  /// pressure_load(). Throws InputError if the surface has a different number of dofs.
   VecX area_load(const Surface& surface) const;
-  /// Load ∬ N (x_u × x_v) du dv of a unit pressure along the normal of the surface with dofs q.
-  /// Computed by quadrature, exact for HCT; PressureOperator is ten times as fast.
+  /// Load vector ∬ N (x_u × x_v) du dv of a unit pressure along the normal of the surface with dofs
+  /// q (n×3). Computed by quadrature, exact for HCT; PressureOperator is ten times as fast.
   Points pressure_load(const Points& q) const;
-  /// Load of a point force on the surface.
+  /// Load vector of a point force on the surface.
   Points point_load(const Location& where, const Vec3& force) const;
 
   const ParametricMesh& mesh() const { return mesh_; }
@@ -97,16 +102,16 @@ class SurfaceAssembler {
 
 // Line load on a surface.
 
-/// Load ∫ N(c(t)) |X'(t)| dt of a unit force per length along a curve on the surface, one number
-/// per dof. Multiply by a direction to get a load vector; the position dofs sum to the length of
-/// the curve.
+/// Load vector ∫ N(c(t)) |X'(t)| dt of a unit force per length along a curve on the surface, one
+/// number per dof. Multiply it by a force per length to get the load in x, y and z. The entries of
+/// the position dofs sum to the length of the curve.
 ///
 /// `pcurve`: c(t) in (u, v), with z = 0; `curve`: X(t) in space, over the same parameter interval.
 /// For an EdgeAlignedLine these are edge_aligned_pcurve() and `fitted`, for an EmbeddedLine
-/// `pcurve` and `fitted`. The curve is split where it passes from one element cubic to the next.
-/// Six Gauss points are used on pieces no longer than half an element; the error is 1e-8 or less.
-/// Throws InputError if the parameter intervals differ. Cost: O(length / element size), some
-/// microseconds each.
+/// `pcurve` and `fitted`. The curve is split where it crosses from one polynomial piece of the
+/// elements to the next. Six Gauss points are used per piece of at most half an element; the error
+/// is 1e-8 or less. Throws InputError if the parameter intervals differ. Cost: some microseconds
+/// per piece.
 VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleLocator& locator,
                const HermiteCurve& pcurve, const HermiteCurve& curve);
 

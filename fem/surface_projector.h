@@ -8,21 +8,26 @@
 
 namespace batten {
 
-/// Projects points in space onto a surface by Newton's method across elements. It starts at the
-/// nearest of the surface's vertices and centroids, or at a known location nearby.
+/// Projects points in space onto a surface by Newton's method across elements. The iteration starts
+/// at the nearest sample (vertex or centroid of an element), or at a known location nearby.
 ///
-/// Points of the whole mesh are candidates, whether inside of a trim or not.
-/// Surface::closest_point() searches everywhere and takes hundreds of times as long. Keeps a
-/// reference to the surface. Cost: a few microseconds per point, plus O(triangles) to find the
+/// All points of the mesh are candidates, also those outside of a trim. The result is a local
+/// minimum of the distance: on a surface that folds between two samples, another point may be
+/// nearer. Surface::closest_point() searches everywhere and takes hundreds of times as long.
+///
+/// Keeps a reference to the surface, which must outlive it. Queries are thread-safe. Cost:
+/// O(triangles) for the construction; a few microseconds per point, plus O(triangles) to find the
 /// nearest sample.
 class SurfaceProjector {
  public:
   explicit SurfaceProjector(const Surface& surface);
 
-  /// Nearest point to p, starting from the nearest sample.
+  /// Nearest point to p, starting from the nearest sample. `p` and the distance: model units.
   Surface::ClosestPoint nearest(const Vec3& p) const;
   /// Nearest point to p, starting from a known location nearby, for example that of the previous
-  /// point on a curve.
+  /// point on a curve. Newton steps are replaced by Gauss-Newton steps if the distance is not
+  /// convex. Steps are halved until the distance decreases, and those that leave the mesh end on
+  /// its boundary.
   Surface::ClosestPoint nearest(const Vec3& p, const Location& start) const;
 
  private:
@@ -36,14 +41,15 @@ class SurfaceProjector {
 
 /// Copy of a surface prepared for many evaluations. For HCT triangles it stores the Bézier
 /// ordinates of their three cubics, 90 numbers per triangle, which Surface::position() recomputes
-/// at each point.
+/// at each point. Cost: O(triangles) for the construction, O(1) per point. Thread-safe.
 class SurfaceEvaluator {
  public:
   explicit SurfaceEvaluator(Surface surface);
 
   const Surface& surface() const { return surface_; }
-  /// Like TriangleLocator::locate().
+  /// Location of (u, v) in the mesh, see TriangleLocator::locate().
   Location locate(const Vec2& uv) const { return locator_.locate(uv); }
+  /// Position of the surface at a location of the mesh or at parameters (u, v); model units.
   Vec3 position(const Location& where) const;
   Vec3 position(const Vec2& uv) const { return position(locate(uv)); }
 

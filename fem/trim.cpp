@@ -134,7 +134,7 @@ class ClippedSubtriangle {
       const double half = 0.5 * (from + to);
       if (!loops_.contains(beside_segments(e, half, a + half * d))) continue;
       const Vec2 p = a + from * d, q = a + to * d;
-      pieces_.push_back({true, {{p, p + (q - p) / 3, q - (q - p) / 3, q}}});
+      pieces_.push_back({true, PlanarCubic::straight(p, q)});
     }
   }
 

@@ -2,7 +2,8 @@
 // quadrature.
 //
 // The mesh does not follow the loops. Integrals extend over the part of each triangle that is
-// inside, by the divergence theorem. With any point P of a convex sub-triangle S,
+// inside the region; they are computed by the divergence theorem. With any point P of a convex
+// sub-triangle S,
 //
 //   ∫ f dA  =  Σ over the boundary of (S ∩ region)  ∫₀¹∫₀¹ f(P + r (c(t) - P)) r (c - P) × c' dr dt
 //    S∩region
@@ -33,27 +34,31 @@ class Trim {
   /// that they cross).
   Trim(const ParametricMesh& mesh, DomainLoops domain_loops);
 
-  /// The loops; on a mesh that is periodic in u also their images one period to either side.
+  /// Loops that bound the region. On a mesh that is periodic in u, their images one period to
+  /// either side are included.
   const DomainLoops& loops() const { return loops_; }
   Side side(int triangle) const { return side_[triangle]; }
   /// Triangles that the loops pass through, ascending.
   const std::vector<int>& cut_triangles() const { return cut_triangles_; }
-  /// Fraction of the triangle's area that is inside, 0 to 1.
+  /// Fraction of the area of a triangle that is inside the region, 0 to 1.
   double area_fraction(int triangle) const { return area_fraction_[triangle]; }
-  /// Area inside, in (u, v). It equals the area of the given loops if the mesh covers the region.
+  /// Area of the part of the mesh inside the region, in (u, v). It equals the area of the region if
+  /// the mesh covers it.
   double area() const { return area_; }
 
-  /// Quadrature rule on the inside of a triangle: barycentric points, and weights that sum to
-  /// area_fraction(triangle); multiply by the area of the triangle. Exact for polynomials of
-  /// `degree` on each sub-triangle (V_j, V_k, centroid). Points are ordered by sub-triangle.
+  /// Quadrature rule on the part of a triangle that is inside the region: barycentric points, and
+  /// weights that sum to area_fraction(triangle); multiply by the area of the triangle. Exact for
+  /// polynomials of `degree` on each sub-triangle (V_j, V_k, centroid). Points are ordered by
+  /// sub-triangle.
   TriangleRule rule(int triangle, int degree) const;
 
-  /// Union of the trims of several meshes, see ParametricMesh::concatenated(); null for untrimmed
-  /// meshes. The result has no loops(), because these belong to the (u, v) plane of each mesh.
+  /// Trim of the concatenated `meshes` (ParametricMesh::concatenated()). `trims`: one per mesh;
+  /// null for an untrimmed mesh. The result has no loops(), because loops belong to the (u, v)
+  /// plane of a single mesh.
   static Trim concatenated(const std::vector<const Trim*>& trims,
                            const std::vector<const ParametricMesh*>& meshes);
 
-  /// This trim for a mesh that consists of the given triangles only, in this order.
+  /// Trim of the mesh that consists of the given triangles only, in this order.
   Trim restricted(const std::vector<int>& triangles) const;
 
  private:

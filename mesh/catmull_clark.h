@@ -9,22 +9,23 @@
 
 namespace batten {
 
-/// Edges and nodes of at least this sharpness are infinitely sharp.
+/// Smallest sharpness at which an edge or node counts as infinitely sharp.
 constexpr double kInfinitelySharp = 10;
 
-/// A semi-sharp crease edge. `sharpness` is the number of subdivision levels during which the
-/// crease rule applies: 0 is smooth, kInfinitelySharp and above never decays.
+/// A semi-sharp crease edge of a cage. `sharpness` is the number of subdivision levels during which
+/// the crease rule applies: 0 is smooth; a sharpness of kInfinitelySharp or more never decays.
 struct CageCrease {
-  int a = 0, b = 0;  ///< its end nodes, 0-based
+  int a = 0, b = 0;  ///< end nodes of the edge, 0-based
   double sharpness = kInfinitelySharp;
 };
-/// A semi-sharp corner: the node keeps its position for `sharpness` subdivision levels.
+/// A semi-sharp corner of a cage: a node that keeps its position for `sharpness` subdivision
+/// levels.
 struct CageCorner {
   int node = 0;
   double sharpness = kInfinitelySharp;
 };
-/// Creases and corners of a cage, in addition to its boundary. If several entries name the same
-/// edge or node, the last one counts.
+/// Semi-sharp creases and corners of a cage; boundary edges are always sharp. If several entries
+/// refer to the same edge or node, the last one applies.
 struct CageTags {
   std::vector<CageCrease> creases;
   std::vector<CageCorner> corners;
@@ -32,15 +33,16 @@ struct CageTags {
 
 /// Options of catmull_clark().
 struct CatmullClarkOptions {
-  int levels = 4;  ///< at least 1; each level splits a polygon of n corners into n quads
+  int levels = 4;  ///< at least 1; each level splits an n-gon into n quads
   CageTags tags = {};
 };
 
-/// Subdivides a cage and projects the nodes to the limit surface. The result is a quad mesh.
+/// Subdivides a cage by the Catmull-Clark scheme and projects the nodes to the limit surface. The
+/// result is a quad mesh.
 ///
 /// For a node v with n edges, e denotes the far ends of these edges, f the centroids of the faces
-/// around v, and d the corners diagonally opposite to v in the quads. One level moves v to v', and
-/// its limit position is v∞:
+/// around v, and d the corners diagonally opposite to v in the quads. One level moves v to v'. The
+/// limit position of v is v∞:
 ///
 ///     v' = v (n - 2)/n + Σ e/n² + Σ f/n²,     v∞ = (n² v + 4 Σ e + Σ d)/(n (n + 5))
 ///
@@ -48,27 +50,28 @@ struct CatmullClarkOptions {
 /// faces are infinitely sharp. A node of a single face is an infinitely sharp corner. With sharp
 /// edges at v these rules apply:
 ///
-///     two sharp edges         v' = (a + 6v + b)/8, v∞ = (a + 4v + b)/6 with a, b their far ends
+///     two sharp edges va, vb  v' = (a + 6v + b)/8, v∞ = (a + 4v + b)/6
 ///     three or more, or v is a corner        v' = v
 ///     one sharp edge          v' as in the smooth case; v∞ is taken after 60 further levels
 ///
 /// A sharpness s becomes s - 1 at the next level. For 0 < s < 1, the new node of an edge is s times
-/// its midpoint plus (1 - s) times the smooth edge point. If the sharpness of edges at v, or of v
-/// itself, ends at a level such that another rule applies afterwards, v' blends both rules. The
-/// blending factor is the mean of the sharpnesses that end. The limit is therefore exact for any
-/// number of levels: if some sharpness is left, the one-ring of v is subdivided further until none
-/// is.
+/// the edge midpoint plus (1 - s) times the smooth edge point. If the sharpness of v or of edges at
+/// v drops to 0 at a level, so that another rule applies afterwards, v' is a blend of both rules.
+/// The blending factor is the mean of the sharpnesses that drop to 0. The limit positions are exact
+/// for any number of levels: if edges at v are still semi-sharp after the last level, the one-ring
+/// of v is subdivided further until their sharpness is 0.
 ///
-/// Faces are ordered like those of the cage: each cage quad gives 4^k consecutive quads after k
-/// levels. Second-order faces are treated as polygons of their corners. Throws InputError: fewer
-/// than one level, more than 4,000,000 quads, a crease that is not an edge, a corner that is not a
-/// node, a negative sharpness. O(quads). Sources: [CatmullClark1978]; limit positions:
-/// [HalsteadKassDeRose1993]; semi-sharp creases: [DeRoseKassTruong1998].
+/// The quads are in the order of the cage faces: each cage quad gives 4^k consecutive quads after k
+/// levels. Second-order faces are treated as polygons of their corners. Throws InputError if there
+/// is fewer than one level, the result has more than 4,000,000 quads, a crease is not an edge, a
+/// corner is not a node, or a sharpness is negative. O(quads). References: [CatmullClark1978];
+/// [HalsteadKassDeRose1993] (limit positions); [DeRoseKassTruong1998] (semi-sharp creases).
 ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& options = {});
 
-/// Subdivides a cage until the deviation of its quads from the limit surface is about `chord`, but
-/// at most 8 times, and not to more than 200,000 quads. `chord`: units of the cage. Throws as
-/// catmull_clark(). Cost: about that of the last subdivision.
+/// Subdivides a cage until the quads deviate from the limit surface by about `chord`, but at most 8
+/// times and to at most 200,000 quads. `chord`: largest distance between a quad and the limit
+/// surface, in the length unit of the cage. Throws the same exceptions as catmull_clark(). Costs
+/// about as much as the last subdivision.
 ShellMesh catmull_clark_limit(const ShellMesh& cage, const CageTags& tags, double chord);
 
 }  // namespace batten

@@ -9,25 +9,29 @@ namespace batten {
 ///
 ///     (L_c)_ij = -½ (cot α_ij + cot β_ij),   (L_c)_ii = ½ Σ_j (cot α_ij + cot β_ij)
 ///
-/// α_ij and β_ij are the angles opposite to edge ij; a boundary edge has only one. L_c is positive
-/// semidefinite: qᵀ L_c q is the Dirichlet energy ∫ |∇q|² of a piecewise linear q. Rows of vertices
-/// without triangles are empty. A triangle without area gives entries that are not finite;
-/// prepare() rejects such meshes. O(triangles).
+/// α_ij and β_ij are the angles opposite to edge ij; a boundary edge has only α_ij. L_c is positive
+/// semidefinite: qᵀ L_c q is the Dirichlet energy ∫ |∇q|² of a piecewise linear function q. Rows of
+/// vertices without triangles are empty. A triangle of zero area gives entries that are not finite;
+/// prepare() rejects such meshes. O(triangles). Reference: [PinkallPolthier1993].
 ///
-/// The mean-curvature vector at p_i is δ_i = (L_c p)_i / (2 A_i) = κ_i n_i. κ_i is the mean of the
-/// two principal curvatures; on a sphere, n_i points away from the centre.
+/// The mean-curvature vector at vertex i with position p_i, normal n_i and mixed area A_i (see
+/// mixed_areas()) is δ_i = (L_c p)_i / (2 A_i) = κ_i n_i. κ_i is the mean of the two principal
+/// curvatures; on a sphere, n_i points away from the centre.
 SparseMatrix cotangent_laplacian(const TriangleMesh& mesh);
 
-/// ½ cot of the angles at the three corners of each triangle, 3×triangles. L_c is assembled from
-/// them.
+/// Half the cotangents of the three corner angles of each triangle, 3×triangles. They are the terms
+/// from which cotangent_laplacian() is assembled. O(triangles).
 Eigen::Matrix3Xd half_cotangents(const TriangleMesh& mesh);
 
-/// Cotangent weights ½ (cot α + cot β) of the edges of the topology, equal to -(L_c)_ij.
+/// Cotangent weight ½ (cot α + cot β) of each edge, in the order of MeshTopology::edges(). α and β
+/// are the angles opposite to the edge. The weight is the negative off-diagonal entry of
+/// cotangent_laplacian(). O(triangles).
 std::vector<double> edge_cotangents(const TriangleMesh& mesh);
 
-/// Mixed areas A_i of the vertices, size n. Each corner gets its Voronoi area within the triangle.
-/// In an obtuse triangle the obtuse corner gets half of the area and the other two a quarter each.
-/// The areas sum to the area of the mesh; vertices without triangles have 0. Source: [Meyer2003].
+/// Mixed area of each of the n vertices, in model units². A vertex gets its Voronoi area within
+/// each adjacent triangle. In an obtuse triangle, the vertex at the obtuse angle gets half of the
+/// area and the other two a quarter each. The mixed areas sum to the area of the mesh; those of
+/// vertices without triangles are 0. Reference: [Meyer2003].
 VecX mixed_areas(const TriangleMesh& mesh);
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// Curved PN triangles, closest points on a mesh of them, and harmonic parametrization of such a
-// mesh.
+// Curved point-normal (PN) triangles, closest points on a mesh of PN triangles, and harmonic
+// parametrization of such a mesh.
 #pragma once
 
 #include <array>
@@ -14,23 +14,23 @@ namespace batten {
 
 // One curved triangle.
 
-/// Curved PN triangle: a cubic Bézier triangle that interpolates three points and is tangent to the
-/// plane normal to the given vector at each of them. Its inner control point is chosen such that
-/// quadratic patches are reproduced. For triangles of size h on a smooth surface, exact points and
-/// unit normals at the corners give an error of O(h³), usually O(h⁴). Flat triangles give O(h²). If
-/// all three normals equal the normal of the flat triangle, the patch is that triangle. Source:
+/// Curved point-normal (PN) triangle: a cubic Bézier triangle that interpolates three points and
+/// has a given normal at each of them. Its inner control point is chosen such that quadratic
+/// patches are reproduced. For triangles of size h on a smooth surface, exact points and unit
+/// normals at the corners give an error of O(h³), usually O(h⁴). Flat triangles give O(h²). If all
+/// three normals equal the normal of the flat triangle, the patch is the flat triangle. Reference:
 /// [Vlachos2001], section 3.1.
 class PnTriangle {
  public:
   using Corners = std::array<Vec3, 3>;
   PnTriangle(const Corners& points, const Corners& normals);
 
-  /// Position, and first and second derivatives with respect to the second and third barycentric
-  /// coordinates (u and v).
+  /// Position x of a surface point, and its first and second derivatives with respect to u and v,
+  /// the second and third barycentric coordinates.
   struct Jet {
     Vec3 x, u, v, uu, uv, vv;
   };
-  /// Position and derivatives at barycentric coordinates `weights`, which sum to 1.
+  /// Position and derivatives at the barycentric coordinates `weights`, which sum to 1.
   Jet jet(const Vec3& weights) const;
   Vec3 at(const Vec3& weights) const { return jet(weights).x; }
 
@@ -40,34 +40,35 @@ class PnTriangle {
   std::array<Vec3, 10> b_;
 };
 
-/// A triangle mesh whose triangles are PN triangles defined by corner normals. Different normals of
-/// two triangles at a common corner represent a crease. Queries are thread-safe.
+/// A mesh of PN triangles, defined by a triangle mesh and corner normals. If two triangles have
+/// different normals at a common corner, their shared edge is a crease. Queries are thread-safe.
 class PnTriangleMesh {
  public:
-  /// `normals`: one unit vector per triangle corner, on the side of the triangle's area vector. If
-  /// empty, all triangles are flat. Throws InputError if their number differs from the number of
-  /// triangles.
+  /// `normals`: three unit vectors per triangle, one at each corner, on the side of the area vector
+  /// of the triangle. If `normals` is empty, all triangles are flat. Throws InputError if `normals`
+  /// is not empty and its size is not the number of triangles.
   explicit PnTriangleMesh(TriangleMesh mesh, std::vector<PnTriangle::Corners> normals = {});
 
   const TriangleMesh& mesh() const { return mesh_; }
   PnTriangle triangle(int t) const;
-  /// True if the triangle is curved, that is, a corner normal differs from the flat normal.
+  /// True if triangle t is curved, that is, a corner normal differs from that of the flat triangle.
   bool curved(int t) const { return !normals_.empty() && curved_[t] != 0; }
 
-  /// Corner normals of a triangle. Undefined if the mesh was built without normals.
+  /// Corner normals of triangle t. Must not be called if the mesh was built without normals.
   const PnTriangle::Corners& normals(int t) const { return normals_[t]; }
 
   struct ClosestPoint {
     int triangle = -1;
-    Vec3 weights = Vec3::Zero();  ///< barycentric
+    Vec3 weights = Vec3::Zero();  ///< barycentric coordinates in the triangle
     Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();
-    bool on_boundary = false;  ///< on an edge that has only one triangle
+    bool on_boundary = false;  ///< the point lies on an edge with only one triangle
   };
-  /// The point of the curved surface that is closest to p. If `side` is given, the search starts
-  /// from the nearest triangle whose normal has a positive dot product with `side`; empty if there
-  /// is none. Newton's method starts in the nearest flat triangle and continues in the adjacent
-  /// triangle when it leaves one. The result always lies on the surface. It may be only a local
-  /// minimum if the mesh is coarse compared with the distance. Costs some microseconds.
+  /// The point of the curved surface that is closest to p. Newton's method starts in the nearest
+  /// flat triangle and continues in the adjacent triangle when it crosses an edge. If `side` is
+  /// given, it starts in the nearest triangle whose normal has a positive dot product with `side`;
+  /// the result is empty if no triangle has such a normal. The result always lies on the surface.
+  /// It may be only a local minimum of the distance if the triangles are large compared with the
+  /// distance. Costs some microseconds.
   std::optional<ClosestPoint> nearest(const Vec3& p, const std::optional<Vec3>& side = {}) const;
 
  private:
@@ -79,7 +80,7 @@ class PnTriangleMesh {
   TriangleMesh mesh_;
   std::vector<PnTriangle::Corners> normals_;
   std::vector<char> curved_;
-  AabbTree search_;
+  TriangleTree search_;
 };
 
 // Parametrization over the plane.
@@ -87,11 +88,11 @@ class PnTriangleMesh {
 /// Harmonic parametrization of a mesh with boundary over the plane. The parameters u_i of the
 /// vertices minimise
 ///
-///     Σ w_ij |u_i - u_j|²  over all edges, with the u_i of boundary vertices given.
+///     Σ w_ij |u_i - u_j|²  over all edges ij, with given parameters of boundary vertices.
 ///
-/// w_ij are the cotangent weights, clamped to [0.01, 100]. With positive weights no triangle is
-/// inverted if the boundary parameters form a convex polygon; otherwise few triangles are. Sources:
-/// [Tutte1963]; [Floater1997]; [PinkallPolthier1993] (cotangent weights).
+/// w_ij are the cotangent weights, clamped to [0.01, 100]. Since they are positive, no triangle is
+/// inverted if the boundary parameters form a convex polygon; otherwise few triangles are inverted.
+/// References: [Tutte1963]; [Floater1997]; [PinkallPolthier1993] (cotangent weights).
 class HarmonicMap {
  public:
   /// `boundary_parameter`: maps the position of a boundary vertex to its parameter. Throws
@@ -100,16 +101,16 @@ class HarmonicMap {
   HarmonicMap(const PnTriangleMesh& mesh,
               const std::function<Vec2(const Vec3&)>& boundary_parameter);
 
-  /// Parameter of a vertex.
+  /// Parameter (u, v) of a vertex.
   Vec2 parameter(int vertex) const { return flat_.point(vertex).head<2>(); }
-  /// The point of the curved surface at a parameter; outside the parameter domain, at its nearest
-  /// point. Costs about 1 µs.
+  /// The point of the curved surface at a parameter. A parameter outside the domain is replaced by
+  /// the nearest point of the domain. Costs about 1 µs.
   Vec3 surface_point(const Vec2& parameter) const;
 
  private:
   const PnTriangleMesh& mesh_;
   TriangleMesh flat_;
-  AabbTree search_;
+  TriangleTree search_;
 };
 
 }  // namespace batten

@@ -42,7 +42,7 @@ constexpr size_t kMaxListed = 8;
 constexpr double kFlat = 1e-12;  // height over longest edge; below it a triangle counts as having
                                  // no area
 
-std::string counted(int count, const std::string& noun) {
+std::string count_of(int count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
@@ -316,7 +316,7 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
     throw InputError("node " + name(d.non_finite_nodes[0]) +
                      " has a coordinate that is not finite");
   if (analysis.face_of.empty())
-    throw InputError("all " + counted(shells.face_count(), "face") +
+    throw InputError("all " + count_of(shells.face_count(), "face") +
                      " have fewer than three distinct corners");
   if (d.zero_area_triangles > 0) {
     auto t =
@@ -325,14 +325,14 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
                         return has_no_area(shells.points, analysis.manifold_patches.nodes_of(x));
                       });
     t = analysis.manifold_patches.nodes_of(t);
-    throw InputError("found " + counted(d.zero_area_triangles, "triangle") +
+    throw InputError("found " + count_of(d.zero_area_triangles, "triangle") +
                      " without area (the first has nodes " + name(t[0]) + ", " + name(t[1]) + ", " +
                      name(t[2]) + ")");
   }
 
   std::vector<std::string> notes;
   const auto add_note = [&](int count, const std::string& noun, const std::string& what) {
-    if (count > 0) notes.push_back(counted(count, noun) + " " + what);
+    if (count > 0) notes.push_back(count_of(count, noun) + " " + what);
   };
   add_note(d.collapsed_faces, "face", "with fewer than three distinct corners (ignored)");
   add_note(d.duplicate_faces, "face", "with the same nodes as another face (ignored)");
@@ -343,17 +343,17 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
            "at the position of another node: the surface is open there");
   if (d.components > 1) notes.push_back("the mesh has " + std::to_string(d.components) + " parts");
   if (d.non_manifold_edge_count > 0)
-    notes.push_back(counted(d.non_manifold_edge_count, "edge") +
+    notes.push_back(count_of(d.non_manifold_edge_count, "edge") +
                     " with three or more faces (the first between nodes " +
                     name(d.non_manifold_edges[0][0]) + " and " + name(d.non_manifold_edges[0][1]) +
                     "): the parts of the surface stay connected there");
   if (d.non_manifold_node_count > 0)
-    notes.push_back(counted(d.non_manifold_node_count, "node") +
+    notes.push_back(count_of(d.non_manifold_node_count, "node") +
                     " where parts of the surface touch (the first is node " +
                     name(d.non_manifold_nodes[0]) + "): they stay connected there");
   if (!d.orientable)
     notes.push_back("the surface is not orientable (as a Möbius strip): it is cut along " +
-                    counted(analysis.manifold_patches.cut_edges, "edge") + " in the computation");
+                    count_of(analysis.manifold_patches.cut_edges, "edge") + " in the computation");
   TriangleMesh mesh(shells.points, std::move(analysis.manifold_patches.triangles),
                     std::move(analysis.manifold_patches.duplicate_vertex_nodes));
   return {std::move(mesh), std::move(analysis.face_of), d, std::move(notes)};

@@ -275,7 +275,8 @@ constexpr int kScales = 5;          // number of scales, σ = 2ε … 6ε
 constexpr std::array<int, 8> kWidths = {2, 3, 4, 5, 6, 8, 10, 12};
 constexpr std::array<int, kScales> kNarrow = {0, 1, 2, 3, 4}, kWide = {2, 4, 5, 6, 7};
 
-/// Uniform grid over the vertices of a mesh, for neighbourhood queries.
+/// Uniform grid over the vertices of a mesh, for neighbourhood queries. Unlike a BoxTree it needs no
+/// descent, as all queries have the same radius, and it visits cells in a fixed order.
 class SpatialGrid {
  public:
   SpatialGrid(const Points& points, double size) : points_(points), size_(size) {

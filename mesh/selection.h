@@ -8,35 +8,37 @@
 
 namespace batten {
 
-/// Vertex indices, ascending, without repetition. The functions below return selections; they
-/// accept vertex indices in any order. They throw InputError, naming the first index, if one is out
-/// of range. Selection by position never includes vertices without triangles. Distances and rings
-/// continue across non-manifold edges. Selections by position, distance or rings contain all
-/// coincident vertices of a node or none.
+/// Vertex indices, ascending, without repetition. The functions of this header that return a
+/// Selection accept vertex indices in any order, and throw InputError if an index is out of range;
+/// the message names the first one. Selections by position never contain vertices without
+/// triangles. Distances and rings continue across non-manifold edges. Selections by position,
+/// distance or rings contain either all coincident vertices of a node or none of them.
 using Selection = std::vector<int>;
 
-/// Vertices with low ≤ p ≤ high in every coordinate.
+/// Vertices in an axis-aligned box: all positions p with low ≤ p ≤ high in every coordinate.
 Selection vertices_in_box(const TriangleMesh& mesh, const Vec3& low, const Vec3& high);
 
-/// Vertices with |p - centre| ≤ radius.
+/// Vertices in a sphere: all positions p with |p - centre| ≤ radius.
 Selection vertices_in_sphere(const TriangleMesh& mesh, const Vec3& centre, double radius);
 
-/// Vertices with 0 ≤ n·(p - origin) ≤ max_height, where n is the unit vector along `normal`. Throws
-/// InputError if `normal` is zero or not finite.
+/// Vertices on the positive side of a plane, up to the height `max_height` above it. Their
+/// positions p satisfy 0 ≤ n·(p - origin) ≤ max_height with the unit vector n along `normal`.
+/// Throws InputError if `normal` is zero or not finite.
 Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, const Vec3& normal,
                                 double max_height = std::numeric_limits<double>::infinity());
 
-/// Geodesic distance of every vertex from the nearest source. Infinite for vertices that are
-/// unreachable or farther than `farthest`. Two sources connected by an edge make the whole edge a
-/// source, so that a chain of sources acts as a curve.
+/// Geodesic distance of every vertex from the nearest source, in model units. `sources`: vertex
+/// indices. The distance is infinite for vertices that are unreachable or farther than `farthest`.
+/// If two sources are connected by an edge, the whole edge is a source, so that a chain of sources
+/// acts as a curve.
 ///
 /// Fast marching: fronts start at the sources and propagate through triangles. Two corners a, b
-/// with distances d_a, d_b give the third corner c the value |c - s|. Here s is the virtual source
-/// in the plane of the triangle, on the other side of ab, at distance d_a from a and d_b from b.
-/// This holds if the segment sc crosses ab; otherwise c gets min(d_a + |ac|, d_b + |bc|). Fronts
-/// that start from edges are treated as locally straight, d_c = d_a + g·(c - a) with |g| = 1 and
+/// with the distances d_a, d_b give the third corner c the distance d_c = |c - s|. The virtual
+/// source s lies in the plane of the triangle, on the other side of ab, at distance d_a from a and
+/// d_b from b. If the segment sc does not cross ab, d_c = min(d_a + |ac|, d_b + |bc|). Fronts that
+/// start from edges are treated as locally straight: d_c = d_a + g·(c - a) with |g| = 1 and
 /// g·(b - a) = d_b - d_a. Vertices are processed in the order of their distances, and again if a
-/// later front gives a smaller distance. Obtuse triangles therefore need no splitting.
+/// later front gives a smaller distance. Therefore obtuse triangles need not be split.
 ///
 /// Accuracy: exact to rounding on flat meshes that are fully visible from one source, otherwise
 /// first order in the edge length h. Measured errors: 0.08 h on spheres at a quarter of the great
@@ -44,62 +46,66 @@ Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, co
 /// meet; 0.9 h behind a hole; up to 0.3 h on flat meshes whose triangles are nearly all very obtuse
 /// (a vertex is processed at most 20 times).
 ///
-/// Throws InputError if there are no sources. O(n log n). Sources: after [KimmelSethian1998];
-/// two-point update of [NovotniKlein2002].
+/// Throws InputError if `sources` is empty. O(n log n). References: [KimmelSethian1998] (fast
+/// marching on triangle meshes); [NovotniKlein2002] (update from two corners).
 VecX geodesic_distances(const TriangleMesh& mesh, const std::vector<int>& sources,
                         double farthest = std::numeric_limits<double>::infinity());
 
-/// Vertices within geodesic `distance` of the nearest source; see geodesic_distances().
+/// Vertices whose geodesic distance from the nearest source is at most `distance`; see
+/// geodesic_distances().
 Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sources,
                           double distance);
 
-/// The vertices together with `rings` rings of neighbours around them.
+/// The given vertices together with `rings` rings of neighbours around them.
 Selection grown(const MeshTopology& topology, const std::vector<int>& vertices, int rings);
 
-/// The given vertices that have at least one neighbour outside the selection.
+/// The border of a set of vertices: those with at least one neighbour outside the set.
 Selection border(const MeshTopology& topology, const std::vector<int>& vertices);
 
 /// All corners of the given triangles.
 Selection vertices_of_triangles(const MeshTopology& topology, const std::vector<int>& triangles);
 
-/// Triangles with at least one corner among the vertices, ascending.
+/// Triangles with at least one corner among the given vertices, ascending.
 std::vector<int> triangles_touching(const MeshTopology& topology, const std::vector<int>& vertices);
 
-/// Union, intersection and difference (a without b) of two selections.
+/// Set operations on two selections: union, intersection, and difference (a without b).
 Selection union_of(const Selection& a, const Selection& b);
 Selection intersection_of(const Selection& a, const Selection& b);
 Selection difference_of(const Selection& a, const Selection& b);
 
-/// Index of the connected component of each node; -1 for nodes without triangles. Components that
-/// share a node are one. They are numbered by their lowest nodes.
+/// Index of the connected component of each node; -1 for nodes without triangles. Manifold patches
+/// that share a node belong to the same component. Components are numbered in the order of their
+/// lowest-numbered nodes.
 std::vector<int> node_components(const MeshTopology& topology);
 
-/// The vertex nearest to a point (ties: lowest index), among those with triangles. Throws
-/// InputError if no vertex has triangles. O(n).
+/// The vertex that is nearest to a point (ties: lowest index). Vertices without triangles are
+/// ignored. Throws InputError if the mesh has no triangles. O(n).
 int nearest_vertex(const TriangleMesh& mesh, const Vec3& point);
 
 // Mesh saliency, and regions grown by it.
 
 /// Mesh saliency of every vertex: a measure of visual importance between 0 and 1 [Lee2005].
 ///
-///     C         mean curvature, δ_i · n_i (mesh/differential_operators.h; n_i the vertex normal)
+///     C         mean curvature, δ_i · n_i (mesh/differential_operators.h; n_i: vertex normal)
 ///     G(C, σ)   mean of C over the vertices within 2σ, weights A_j exp(-|p_j - p_i|² / 2σ²)
-///     S_σ       |G(C, σ) - G(C, 2σ)|,   σ = 2ε, 3ε, 4ε, 5ε, 6ε,   ε = 0.003 of the box diagonal
-///     S         Σ_σ N(S_σ), divided by its largest value
+///     S_σ       |G(C, σ) - G(C, 2σ)|,   σ = 2ε, 3ε, 4ε, 5ε, 6ε,   ε = 0.003 size
+///     S         saliency: Σ_σ N(S_σ), divided by its largest value
 ///
-/// N normalises a map: it is divided by its maximum and multiplied by (1 - m̄)², where m̄ is the
-/// mean of its other local maxima. Maps with a few high peaks therefore count more than maps with
-/// many similar ones. The areas A_j, which the paper does not have, make the result independent of
-/// local mesh refinement. The saliency is 0 everywhere on surfaces of nearly constant curvature
-/// (all S_σ below 1e-9 / size).
+/// `size` is the diagonal of the bounding box of the mesh, A_j the mixed area of vertex j. The
+/// operator N divides a map S_σ by its maximum and multiplies it by (1 - m̄)², where m̄ is the mean
+/// of the other local maxima. Maps with a few high peaks therefore count more than maps with many
+/// similar ones. The paper has no weights A_j; they make the result independent of local mesh
+/// refinement. The saliency is 0 everywhere on surfaces of nearly constant curvature (all S_σ below
+/// 1e-9 / size).
 ///
-/// O(n · vertices within 0.072 of the diagonal), in parallel: 10 s on one core for 100,000
-/// vertices. Throws InputError for a mesh without triangles. Sources: [Lee2005]; [Itti1998] (N).
+/// O(n · vertices within 0.072 size), in parallel: 10 s on one core for 100,000 vertices. Throws
+/// InputError if the mesh has no triangles. References: [Lee2005]; [Itti1998] (N).
 VecX mesh_saliency(const TriangleMesh& mesh);
 
-/// Region growing: the vertices connected to `picked` by edge paths on which the saliency is at
-/// least `threshold`, ascending. Throws InputError: `saliency` does not have one entry per vertex,
-/// `picked` is out of range, or its own saliency is below the threshold (the message states it).
+/// Region growing: the vertices connected to vertex `picked` by edge paths along which the saliency
+/// is at least `threshold`, ascending. `saliency`: one value per vertex, see mesh_saliency().
+/// Throws InputError if `saliency` does not have one value per vertex, `picked` is out of range, or
+/// the saliency at `picked` is below the threshold.
 std::vector<int> grown_region(const TriangleMesh& mesh, const VecX& saliency, int picked,
                               double threshold);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -302,85 +300,36 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {va / sum, vb / sum, vc / sum};
 }
 
-constexpr int kLeafSize = 4;  // triangles per leaf
-constexpr int kDeepest = 64;  // capacity of the traversal stack: halvings of more triangles than an
-                              // int can count
+BoxTree<3> triangle_boxes(const TriangleMesh& mesh) {
+  std::vector<Box3> boxes;
+  std::vector<Vec3> centroids;
+  for (const auto& [a, b, c] : mesh.triangles()) {
+    const std::array<Vec3, 3> corners = {mesh.point(a), mesh.point(b), mesh.point(c)};
+    boxes.push_back(bounding_box(corners));
+    centroids.push_back((corners[0] + corners[1] + corners[2]) / 3);
+  }
+  return BoxTree<3>(boxes, centroids);
+}
 
 }  // namespace
 
-AabbTree::AabbTree(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangle_count()) {
-  std::iota(order_.begin(), order_.end(), 0);
-  std::vector<Vec3> centroids;
-  for (const auto& [a, b, c] : mesh.triangles())
-    centroids.push_back((mesh.point(a) + mesh.point(b) + mesh.point(c)) / 3);
-  if (!order_.empty()) build(0, isize(order_), centroids);
-}
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(mesh), tree_(triangle_boxes(mesh)) {}
 
-int AabbTree::build(int first, int last, const std::vector<Vec3>& centroids) {
-  Node node;
-  node.first = first;
-  node.last = last;
-  node.low.setConstant(std::numeric_limits<double>::infinity());
-  node.high = -node.low;
-  for (int i = first; i < last; ++i)
-    for (const int v : mesh_.triangles()[order_[i]]) {
-      node.low = node.low.cwiseMin(mesh_.point(v));
-      node.high = node.high.cwiseMax(mesh_.point(v));
-    }
-  const int own = isize(nodes_);
-  nodes_.push_back(node);
-  if (last - first <= kLeafSize) return own;
-  int axis = 0;
-  (node.high - node.low).maxCoeff(&axis);
-  const int middle = (first + last) / 2;
-  const auto before = [&](int s, int t) {
-    return centroids[s][axis] != centroids[t][axis] ? centroids[s][axis] < centroids[t][axis]
-                                                    : s < t;
-  };
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last, before);
-  build(first, middle, centroids);
-  const int right = build(middle, last, centroids);
-  nodes_[own].right = right;
-  return own;
-}
-
-std::optional<AabbTree::ClosestPoint> AabbTree::nearest(const Vec3& p,
-                                                        const std::optional<Vec3>& normal) const {
-  if (nodes_.empty()) return {};
-  ClosestPoint best;
-  double least = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](int t) {
-    if (normal && mesh_.area_vector(t).dot(*normal) <= 0) return;
+std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest(
+    const Vec3& p, const std::optional<Vec3>& normal) const {
+  Vec3 at, weights;
+  const auto distance2_of = [&](int t) {
     const auto& [a, b, c] = mesh_.triangles()[t];
-    const Vec3 w = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
-    const Vec3 q = w[0] * mesh_.point(a) + w[1] * mesh_.point(b) + w[2] * mesh_.point(c);
-    const double distance2 = (q - p).squaredNorm();
-    // The comparison is false for NaN: a degenerate triangle may have no closest point.
-    if (!(distance2 < least || (distance2 == least && t < best.triangle))) return;
-    least = distance2;
-    best = {t, q, w, 0};
+    weights = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
+    at = weights[0] * mesh_.point(a) + weights[1] * mesh_.point(b) + weights[2] * mesh_.point(c);
+    return (at - p).squaredNorm();
   };
-  // Depth first, nearer child first; boxes farther than the best point are skipped when popped.
-  std::array<std::pair<double, int>, kDeepest> later;
-  size_t count = 0;
-  later[count++] = {nodes_[0].distance2(p), 0};
-  while (count > 0) {
-    const auto [distance2, n] = later[--count];
-    if (distance2 > least) continue;
-    const Node& node = nodes_[n];
-    if (node.right < 0) {
-      for (int i = node.first; i < node.last; ++i) look_at(order_[i]);
-      continue;
-    }
-    const std::pair<double, int> left{nodes_[n + 1].distance2(p), n + 1},
-        right{nodes_[node.right].distance2(p), node.right};
-    const bool left_first = left.first <= right.first;
-    later[count++] = left_first ? right : left;
-    later[count++] = left_first ? left : right;
-  }
-  if (best.triangle < 0) return {};
-  best.distance = std::sqrt(least);
-  return best;
+  const auto [triangle, distance2] = tree_.nearest(p, [&](int t) {
+    return normal && mesh_.area_vector(t).dot(*normal) <= 0 ? kInfinity : distance2_of(t);
+  });
+  if (triangle < 0) return {};
+  distance2_of(triangle);
+  return ClosestPoint{triangle, at, weights, std::sqrt(distance2)};
 }
 
 }  // namespace batten

@@ -1,5 +1,5 @@
-// Triangle meshes with their connectivity (non-manifold meshes as joined manifold patches), and an
-// AABB tree for closest-point queries.
+// Triangle meshes and their connectivity (non-manifold meshes as joined manifold patches), and
+// closest points on a mesh.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "batten/core/box_tree.h"
 #include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
@@ -21,41 +22,45 @@ namespace batten {
 /// opposite directions, and the triangles around a vertex form one fan. Vertices without triangles
 /// are allowed and have no neighbours.
 ///
-/// Non-manifold meshes (built-up structures) are represented as several manifold patches. Where a
-/// patch ends at another one (a T-joint) or touches it at a point, each patch has its own vertex
-/// there. These coincident vertices belong to one node: they share one position and move together.
-/// Vertices 0 … node_count() - 1 are the nodes themselves; each further vertex is a duplicate of
-/// one of them.
+/// Non-manifold meshes (built-up structures) are represented as several manifold patches. If a
+/// patch ends at another one (a T-joint) or touches it at a point, each patch has its own vertices
+/// there. Coincident vertices of several patches belong to one node: they have the same position
+/// and move together. Vertices 0 … node_count() - 1 are the nodes themselves; each further vertex
+/// is a duplicate of one of them.
 class MeshTopology {
  public:
   struct Edge {
-    int low, high;    ///< vertices, low < high
-    int left, right;  ///< triangle that traverses low → high, and the opposite one; -1: none
+    int low, high;  ///< the two vertices of the edge, low < high
+    /// Triangle that traverses the edge from low to high, and the one that traverses it from high
+    /// to low. -1: no triangle on this side.
+    int left, right;
   };
 
   /// Builds the connectivity from triangles, given as vertex triples in counter-clockwise order.
-  /// `duplicate_vertex_nodes`: the node of each vertex from `node_count` on. Throws InputError,
-  /// naming the nodes: a vertex index out of range, a repeated corner in a triangle, an edge with
-  /// more than two triangles or with two of the same direction, a vertex whose triangles form
-  /// several fans. O(triangles · log triangles).
+  /// `duplicate_vertex_nodes`: the node of each duplicate vertex, that is, of the vertices from
+  /// `node_count` on. Throws InputError if a vertex index is out of range, a triangle repeats a
+  /// corner, an edge has more than two triangles or two that traverse it in the same direction, or
+  /// the triangles of a vertex form several fans. The message names the nodes. O(triangles · log
+  /// triangles).
   MeshTopology(int node_count, std::vector<std::array<int, 3>> triangles,
                std::vector<int> duplicate_vertex_nodes = {});
 
   int vertex_count() const { return vertex_count_; }
-  /// Number of nodes, that is, of distinct positions: vertex_count() without the duplicates.
+  /// Number of nodes: vertex_count() without the duplicate vertices.
   int node_count() const { return vertex_count_ - isize(duplicate_vertex_nodes_); }
-  /// The node that a vertex belongs to: itself, or the node that it duplicates.
+  /// The node to which a vertex belongs: the vertex itself, or the node that it duplicates.
   int node_of(int vertex) const {
     return vertex < node_count() ? vertex : duplicate_vertex_nodes_[vertex - node_count()];
   }
-  /// All vertices of the node that `vertex` belongs to, ascending. On manifold meshes only
-  /// `vertex`.
+  /// All vertices of the node to which `vertex` belongs, ascending. On manifold meshes the result
+  /// contains only `vertex`.
   std::span<const int> coincident_vertices(int vertex) const {
     return part(coincident_vertices_, coincident_start_, node_of(vertex));
   }
-  /// The vertices together with all vertices coincident with them. Ascending, without repetition.
+  /// The given vertices together with all vertices of the same nodes, ascending, without
+  /// repetition.
   std::vector<int> expand_to_nodes(std::vector<int> vertices) const;
-  /// The nodes that the vertices belong to. Ascending, without repetition.
+  /// The nodes to which the given vertices belong, ascending, without repetition.
   std::vector<int> nodes_of(std::vector<int> vertices) const;
   int triangle_count() const { return isize(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
@@ -63,7 +68,7 @@ class MeshTopology {
   const std::vector<Edge>& edges() const { return edges_; }
   /// Indices of the edges opposite to the three corners of a triangle.
   const std::array<int, 3>& edges_of(int triangle) const { return edges_of_[triangle]; }
-  /// The one-ring N(i): vertices connected to `vertex` by an edge, ascending.
+  /// The one-ring of a vertex: the vertices connected to it by an edge, ascending.
   std::span<const int> neighbours(int vertex) const {
     return part(neighbours_, neighbour_start_, vertex);
   }
@@ -74,15 +79,17 @@ class MeshTopology {
   /// The triangle across the edge opposite to `corner` (0, 1 or 2), or -1 at the boundary.
   int across(int triangle, int corner) const;
 
-  /// Boundary loops as closed chains of vertices, with the surface on their left. Each loop starts
-  /// at its lowest vertex, and the loops are sorted by it. Loops with an edge shared with another
-  /// patch (a non-manifold edge) are not free boundaries; they are in non_manifold_loops().
+  /// Free boundary loops as closed chains of vertices, with the surface on their left. Each loop
+  /// starts at its lowest-numbered vertex, and the loops are sorted by their first vertices. Loops
+  /// that share an edge with another patch (a non-manifold edge) are not free boundaries; they are
+  /// in non_manifold_loops().
   const std::vector<std::vector<int>>& boundary_loops() const { return loops_; }
   const std::vector<std::vector<int>>& non_manifold_loops() const { return non_manifold_loops_; }
-  /// True if the vertex lies on an edge with only one triangle, non-manifold edges included.
+  /// True if the vertex lies on the boundary of its manifold patch, that is, on an edge with only
+  /// one triangle of the patch.
   bool on_boundary(int vertex) const { return on_boundary_[vertex] != 0; }
   /// Index of the manifold patch (edge-connected component) of each vertex; -1 for vertices without
-  /// triangles. Patches are numbered in the order of their lowest vertices.
+  /// triangles. Patches are numbered in the order of their lowest-numbered vertices.
   const std::vector<int>& component() const { return component_; }
   int component_count() const { return component_count_; }
 
@@ -110,16 +117,17 @@ class MeshTopology {
   std::vector<char> on_boundary_;
 };
 
-/// A triangle mesh: connectivity and one position per vertex. It has value semantics; copies share
-/// the connectivity and copy only the points.
+/// A triangle mesh: connectivity and one position per vertex. It has value semantics: a copy has
+/// its own points, but shares the connectivity.
 class TriangleMesh {
  public:
-  /// Builds a mesh from one point per node (n×3). Throws InputError if MeshTopology does, or if a
-  /// coordinate is not finite.
+  /// Builds a mesh. `points`: one per node (n×3). `duplicate_vertex_nodes`: see MeshTopology.
+  /// Throws InputError like the constructor of MeshTopology, or if a coordinate is not finite.
   TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
                std::vector<int> duplicate_vertex_nodes = {});
-  /// The same connectivity with other positions, one point per vertex (n×3). Throws InputError if
-  /// the number of points differs or a coordinate is not finite.
+  /// A mesh with the same connectivity and other positions. `points`: one per vertex (n×3). Throws
+  /// InputError if the number of points differs from the number of vertices or a coordinate is not
+  /// finite.
   TriangleMesh with_points(Points points) const;
 
   const Points& points() const { return points_; }
@@ -128,13 +136,15 @@ class TriangleMesh {
   int vertex_count() const { return topology_->vertex_count(); }
   int triangle_count() const { return topology_->triangle_count(); }
   const std::vector<std::array<int, 3>>& triangles() const { return topology_->triangles(); }
-  /// Area vector of a triangle: its unit normal times twice its area.
+  /// Twice the area of a triangle times its unit normal.
   Vec3 area_vector(int triangle) const;
   /// Bounding box of all vertices that have triangles.
   Box3 box() const;
-  /// Diagonal of box(), the reference length of relative tolerances; 0 without triangles.
+  /// Diagonal of box(): the reference length for relative tolerances. It is 0 for a mesh without
+  /// triangles.
   double size() const;
-  /// Length of a closed polygon through these vertices; the first is not repeated.
+  /// Length of a closed polygon through the given vertices. The first vertex is not repeated at the
+  /// end.
   double length(const std::vector<int>& closed_loop) const;
 
  private:
@@ -145,38 +155,26 @@ class TriangleMesh {
 
 // Closest points on a triangle mesh.
 
-/// Bounding-volume hierarchy (AABB tree) for closest-point queries on a triangle mesh. Nodes are
-/// split at the median of the triangle centroids. Construction costs O(triangles · log triangles).
-/// A query visits some dozens of boxes, about 1 µs for points near the surface. Queries are
-/// thread-safe.
-class AabbTree {
+/// Search tree for closest points on a triangle mesh: a BoxTree over the triangles, split by their
+/// centroids. Construction costs O(triangles · log triangles). A query visits some dozens of boxes
+/// and takes about 1 µs for points near the surface. Queries are thread-safe.
+class TriangleTree {
  public:
-  explicit AabbTree(const TriangleMesh& mesh);
+  explicit TriangleTree(const TriangleMesh& mesh);
 
   struct ClosestPoint {
     int triangle = -1;
-    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< closest point; barycentric coordinates
+    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< position, barycentric coordinates
     double distance = 0;
   };
-  /// The point of the mesh that is closest to p. If `normal` is given, only triangles whose normal
-  /// has a positive dot product with it are considered. Empty if there is no such triangle. Ties go
-  /// to the triangle with the lowest index.
+  /// The point of the mesh that is closest to p (ties: triangle with the lowest index). If `normal`
+  /// is given, only triangles whose normal has a positive dot product with `normal` are considered.
+  /// Empty if no triangle is considered.
   std::optional<ClosestPoint> nearest(const Vec3& p, const std::optional<Vec3>& normal = {}) const;
 
  private:
-  struct Node {
-    Vec3 low, high;
-    int first = 0, last = 0;  // range in order_
-    int right = -1;           // index of the right child; -1: leaf. The left child is the next node
-    double distance2(const Vec3& p) const {
-      return (low - p).cwiseMax(p - high).cwiseMax(0).squaredNorm();
-    }
-  };
-  int build(int first, int last, const std::vector<Vec3>& centroids);
-
   TriangleMesh mesh_;
-  std::vector<int> order_;  // triangle indices; those of a node are contiguous
-  std::vector<Node> nodes_;
+  BoxTree<3> tree_;
 };
 
 }  // namespace batten

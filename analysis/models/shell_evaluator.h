@@ -19,14 +19,14 @@ class ShellEvaluator {
  public:
   explicit ShellEvaluator(ShellProblem problem) : problem_(std::move(problem)) {}
 
-  /// Maxima over all load cases.
+  /// Largest displacement and largest von Mises stress over all load cases.
   struct MaxValues {
     double displacement = 0, von_mises = 0;
   };
-  /// Evaluates a shape. Sections and supports are taken from ShellProblem::definition for the first
-  /// shape on a mesh, and kept for all others on it.
+  /// Evaluates a shape. Sections and supports are computed by ShellProblem::definition for the
+  /// first shape on a mesh, and reused for all other shapes on the same mesh.
   ///
-  /// Throws the exceptions of ShellModel and of the functions of the problem, and InputError if
+  /// Throws the exceptions of ShellModel and of the functions in ShellProblem, and InputError if
   /// there is no load case. Cost: one stiffness matrix and one factorization; one solve and one
   /// recovery of stresses per load case.
   MaxValues at(const ModelLayout& layout, const Points& shape);
@@ -34,20 +34,22 @@ class ShellEvaluator {
   /// Results at given locations for the load case with the largest stress.
   struct Field {
     std::string load_case;
-    std::vector<float> von_mises;     ///< the larger one of the top and bottom surface
-    std::vector<float> displacement;  ///< x, y, z consecutively
+    std::vector<float> von_mises;  ///< per location: larger von Mises stress of top and bottom side
+    std::vector<float> displacement;  ///< x, y, z of each location, one location after the other
   };
-  /// The results for the shape of the last at(). Throws InputError without one.
+  /// Results for the shape of the last call of at(). Throws InputError if at() has not been called.
   Field field(const std::vector<Location>& locations) const;
 
   /// Natural modes at given locations.
   struct ModeShapes {
-    std::vector<double> frequencies;  ///< ascending, 1/time
-    /// Of each mode, x, y, z consecutively; the largest one has the length 1.
+    std::vector<double> frequencies;  ///< natural frequencies, ascending, 1/time
+    /// Per mode: x, y, z of each location, one location after the other. The largest displacement
+    /// of a mode has length 1.
     std::vector<std::vector<float>> displacements;
   };
-  /// Up to `count` natural modes for the shape of the last at(); fewer if the shell has too few
-  /// unknowns. Throws the exceptions of natural_modes(), and InputError without a shape.
+  /// Up to `count` natural modes for the shape of the last call of at(); fewer if the shell has too
+  /// few unknowns. Throws the exceptions of natural_modes(), and InputError if at() has not been
+  /// called.
   ModeShapes mode_shapes(const std::vector<Location>& locations, int count) const;
 
  private:

@@ -18,39 +18,39 @@ namespace batten {
 /// Force per area at a point x of the surface with unit normal n = x_u × x_v / |x_u × x_v|.
 using SurfaceTraction = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 
-/// Surface traction F = ∬ N f(x, n) dA over the inside of a part. A pressure p is f = p n
-/// (it acts along the normal). Quadrature has degree 6 or higher; f is called on one thread. Throws
-/// InputError if a region is out of range, EmptyPartError if the box contains nothing of the
-/// surface.
+/// Load vector F = ∬ N f(x, n) dA of a surface traction f over a part of the surface, with the
+/// shape functions N. A pressure p along the normal is f = p n. Quadrature has degree 6 or higher;
+/// f is called on one thread. Throws InputError if a region is out of range, EmptyPartError if the
+/// box contains no point of the surface.
 Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
                         const ShellPart& part = {});
 
-/// Gravity load F = ∬ N ρ t a dA for an acceleration a. `sections`: one for all, or one per
-/// triangle of the model's mesh.
+/// Gravity load F = ∬ N ρ t a dA for an acceleration a, with the shape functions N, density ρ and
+/// thickness t. `sections`: one for all triangles, or one per triangle of the model's mesh.
 Points gravity_load(const ModelLayout& model, const Points& shape,
                     const std::vector<ShellSection>& sections, const Vec3& acceleration);
 
-/// Load of a force per length along a curve, or along the part of it in a box. Throws InputError if
-/// the curve does not exist (names the closest match), EmptyPartError if the box contains nothing
-/// of it.
+/// Load vector of a force per length along a curve, or along the part of the curve in a box. Throws
+/// InputError if the curve does not exist (the message suggests the closest name), EmptyPartError
+/// if the box contains no part of the curve.
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box = {});
 
-/// Load of a moment per length about the tangent of a curve, right-handed, applied to its first
-/// side. Throws as line_force() does.
+/// Load vector of a moment per length about the tangent of a curve, right-handed. On a curve shared
+/// by several regions, it is applied to the first one. Throws the same exceptions as line_force().
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
                    double per_length, const std::optional<Box3>& box = {});
 
-/// Point of the shell surface, for forces and supports.
+/// Point of the shell surface at which a force or a support acts.
 struct ShellLocation {
   ModelPoint at;
-  Location where;       ///< in the mesh of the model
-  double distance = 0;  ///< from the point that was searched for
+  Location where;       ///< location in the mesh of the model
+  double distance = 0;  ///< distance from the point passed to nearest_location()
 };
-/// Nearest point to p on the surface, inside of the model's trims.
+/// Point of the surface nearest to p, inside of the trims of the model.
 ShellLocation nearest_location(const ModelLayout& model, const Points& shape, const Vec3& p);
 
-/// Load of a point force.
+/// Load vector of a point force at a location of the shell.
 Points point_force(const ModelLayout& model, const ShellLocation& position, const Vec3& force);
 
 /// Resultant of a load: total force, and moment about the origin.

@@ -17,28 +17,29 @@ namespace batten {
 /// rigid. They are described as text: "the whole model can translate along [0, 0, 1]", "face 'lid'
 /// can rotate about the axis along … through …".
 struct RigidBodyModes {
-  /// Motions that nothing resists: the resistance of constraints and springs is less than 1e-5 of
-  /// that to other motions.
+  /// Motions that nothing resists: constraints and springs resist them less than 1e-5 times as much
+  /// as other motions.
   std::vector<std::string> unconstrained;
-  /// Motions that are barely resisted: the supports lie within 1 % of the shell's size of a
-  /// configuration that would not resist them, for example three almost collinear points.
+  /// Motions that are barely resisted: the supports are within 1 % of the shell's size of a
+  /// configuration that would not resist these motions, for example three almost collinear points.
   std::vector<std::string> weakly_constrained;
   double smallest_lever =
-      0;  ///< smallest lever arm (RMS) of these motions, relative to the size of the shell
+      0;  ///< smallest RMS lever arm of weakly constrained motions / size of the shell; 0: none
 };
 
-/// Finds the motions that ties and supports do not resist. Cost: O(constraints + (6 regions)³);
-/// models with more than 500 regions are treated as one body.
+/// Finds the motions that ties and supports do not resist, or hardly resist. Cost: O(constraints +
+/// (6 regions)³); models with more than 500 regions are treated as one body.
 RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& shape,
                                      const ShellTies& ties);
 
 /// Reaction of a support.
 struct SupportReaction {
   std::string support;
-  Resultant resultant;  ///< acts on the shell; moment about the origin
+  Resultant resultant;  ///< force on the shell, and moment about the origin
 };
 
-/// Assembled system of one shape: ties and supports, and the stiffness K with springs, 3n×3n.
+/// Assembled system for one shape: ties and supports, and the 3n×3n stiffness matrix K including
+/// springs.
 struct ShellSystem {
   ShellTies ties;
   SparseMatrix K;
@@ -49,66 +50,68 @@ struct ShellSystem {
 ///
 ///     const ShellModel shell(layout, shape, {{{ShellMaterial::isotropic(210e3, 0.3), 1.5}},
 ///                                            {LineSupport::clamped("hinges")}});
-///     const Points q = shell.solve(point_force(layout, nearest_location(layout, shape, knob), push));
+///     const ShellLocation location = nearest_location(layout, shape, knob);
+///     const Points q = shell.solve(point_force(layout, location, push));
 ///
 /// Construction assembles one stiffness matrix and factors up to 3n unknowns; solve() costs one
 /// pair of triangular solves.
 class ShellModel {
  public:
-  /// Handling of rigid-body modes. Refused: the constructor throws. Shifted: allows an unsupported
-  /// shell, for its vibrations; the factored stiffness is K + shift() M, and no other function
-  /// takes this into account.
+  /// Handling of rigid-body modes. Refused: the constructor throws NoSolutionError. Shifted: an
+  /// unsupported shell is allowed, for vibration analysis. The factored matrix is then K + shift()
+  /// M; only natural_modes() takes the shift into account.
   enum class RigidBodyHandling { Refused, Shifted };
   /// Assembles and factors the system. `shape`: absolute dofs of the middle surface.
-  /// `backend_factory`: creates the linear solver; empty: SparseCholesky. Throws InputError as
-  /// triangle_sections() and shell_ties() do, ConflictError if supports contradict each other,
-  /// NoSolutionError if there are unconstrained motions (the message names each).
+  /// `backend_factory`: creates the linear solver; empty: SparseCholesky. Throws InputError under
+  /// the conditions of triangle_sections() and shell_ties(), ConflictError if supports contradict
+  /// each other, NoSolutionError if there are unconstrained motions (the message describes each).
   ShellModel(ModelLayout layout, Points shape, const ShellDefinition& definition,
              RigidBodyHandling free = RigidBodyHandling::Refused,
              const BackendFactory& backend_factory = {});
 
   /// Updates the shell to another shape, for example while a slider moves. Sections and supports
   /// are unchanged; point supports stay at the same material points. Only the numeric assembly and
-  /// factorization are repeated. Throws as the constructor does; after an exception, only
-  /// update_shape() may be called.
+  /// factorization are repeated. Throws the same exceptions as the constructor; after an exception,
+  /// only update_shape() may be called.
   void update_shape(Points shape);
 
-  /// Displacement q (n×3) for the load F. Throws InputError for a load of the wrong size.
+  /// Displacement q (n×3) under the load F (n×3). Throws InputError if F has the wrong size.
   Points solve(const Points& F) const;
-  /// Reaction of every support, each name once. They balance the load to rounding. A reaction
-  /// consists of the Lagrange multipliers λ of the constraints, from K q - F = Cᵀ λ, and the forces
-  /// of the springs.
+  /// Reactions of the supports, one entry per support name. They balance the load F to rounding. A
+  /// reaction consists of the Lagrange multipliers λ of the constraints, from K q - F = Cᵀ λ, and
+  /// the forces of the springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// Assembles the system for another shape on the same layout: one stiffness matrix, no
   /// factorization.
   ShellSystem assemble_system(const Points& shape) const;
-  /// First-order change of the goal functional Gᵀu if the system becomes `other` and the load
+  /// First-order change of the goal functional Gᵀu if the system changes to `other` and the load to
   /// `other_F`:
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with the Lagrange multipliers λ of the constraints C. G: the goal as a load vector
-  /// (point_force() of 1 for a displacement; F for the compliance, without its change δF). Cost: a
-  /// few sparse products.
+  /// with the Lagrange multipliers λ of the constraints C. G: the goal as a load vector. For a
+  /// displacement, it is a unit point_force(); for the compliance, it is F, and the result does not
+  /// include the change of G itself. Cost: a few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                      const ShellSystem& other, const Points& other_F) const;
-  /// Adjoint solution: K a = G with homogeneous supports.
+  /// Adjoint solution a of K a = G, with all prescribed displacements zero.
   Points adjoint(const Points& G) const;
-  /// Strain energy ½ qᵀ K q, without the energy in springs along embedded curves.
+  /// Strain energy ½ qᵀ K q of the shell for the displacement q, excluding the energy of all
+  /// springs.
   double energy(const Points& q) const;
 
   const ModelLayout& layout() const { return layout_; }
   const Points& shape() const { return shape_; }
   const ShellDefinition& definition() const { return definition_; }
   const ShellAssembler& assembler() const { return assembler_; }
-  /// Section of a region.
+  /// Shell section (material and thickness) of a region.
   const ShellSection& section(int region) const {
     const auto& sections = definition_.sections;
     return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
   const ConstrainedSolver& solver() const { return solver_; }
-  /// Unsupported and nearly unsupported motions, and the factor of the mass matrix that was added
-  /// because of the former (0: none).
+  /// Unconstrained and weakly constrained motions of the shell. shift(): factor of the mass matrix
+  /// that was added to K because of unconstrained motions; 0: none.
   const RigidBodyModes& rigid_body_modes() const { return rigid_body_modes_; }
   double shift() const { return shift_; }
   /// Number of free unknowns of the factored system.

@@ -9,32 +9,35 @@ namespace batten {
 
 /// Natural vibration modes of a shell, lowest frequency first.
 struct ShellModes {
-  VecX frequencies;            ///< in 1/time: Hz if the unit of time is the second
+  VecX frequencies;  ///< natural frequencies, 1/time: Hz if the unit of time is the second
   std::vector<Points> shapes;  ///< mass-normalised mode shapes (n×3): Σ over x, y, z of qᵀ M q = 1
-  int rigid_body_count = 0;  ///< number of leading rigid-body modes (unsupported shell)
+  int rigid_body_count = 0;  ///< number of rigid-body modes, which come first
 };
 
-/// Computes the lowest `count` natural frequencies and modes, K q = (2π f)² M q, in addition to
-/// rigid-body modes. For an unsupported shell (ShellModel::RigidBodyHandling::Shifted), the latter
-/// come first.
+/// Computes the lowest `count` natural frequencies and modes, K q = (2π f)² M q. For an unsupported
+/// shell (ShellModel::RigidBodyHandling::Shifted), the rigid-body modes come first, in addition to
+/// the `count` modes.
 ///
-/// Uses the implicitly restarted Lanczos iteration of Spectra in shift-and-invert mode: about
-/// 3 · count solves with the factor of the shell. Throws InputError if a section has no density, or
-/// if count is not positive or at least half of the unknowns; NoSolutionError if the iteration does
-/// not converge.
+/// Uses the implicitly restarted Lanczos iteration [Sorensen1992] of Spectra in shift-and-invert
+/// mode: about 3 · count solves with the factor of the shell. Throws InputError if a section has no
+/// density, or if count is not positive or at least half of the unknowns; NoSolutionError if the
+/// iteration does not converge.
 ShellModes natural_modes(const ShellModel& shell, int count);
 
 /// Load factors at which a shell buckles, smallest first.
 struct ShellBuckling {
-  /// Multiples of the load; fewer than requested if the others are negative.
+  /// Positive multiples of the load; fewer than requested if the remaining factors are negative.
   VecX factors;
   std::vector<Points> shapes;  ///< buckling modes (n×3); the largest displacement is 1 model unit
 };
 
-/// Linear buckling under the load whose displacement is q = shell.solve(F): solves (K + λ G(q))
-/// u = 0 for the smallest λ > 0, with G from ShellAssembler::geometric_stiffness(). Bending
-/// prestress and displacements before buckling are neglected. `count`: number of load factors.
-/// Throws InputError for an invalid count, as natural_modes() does.
+/// Linear buckling under the load F whose displacement is q = shell.solve(F): solves (K + λ G(q)) u
+/// = 0 for the smallest λ > 0, with G from ShellAssembler::geometric_stiffness(). Bending prestress
+/// and displacements before buckling are neglected.
+///
+/// `q`: displacement dofs, n×3, model units. `count`: number of load factors. Throws InputError for
+/// an invalid count, and NoSolutionError, as natural_modes() does. Cost: as natural_modes(); twice
+/// as much if no positive load factor exists.
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count);
 
 }  // namespace batten

@@ -82,7 +82,7 @@ RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Point
       result.shape = std::move(dofs);
       result.converged = mesh.error <= options.accuracy;
       if (result.converged) break;
-    } catch (const InputError&) {
+    } catch (const MemoryError&) {
       if (round == 0) throw;  // otherwise keep the largest mesh that fits into memory
       break;
     }

@@ -6,7 +6,7 @@
 
 #include "batten/analysis/models/shell_results.h"
 #include "batten/core/progress.h"
-#include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/core/solvers/linear_solver_backend.h"
 
 namespace batten {
 
@@ -21,31 +21,38 @@ struct ShellRefinementOptions {
 
 /// The last mesh of a refinement, and the results on all meshes.
 struct RefinedShell {
-  std::shared_ptr<const ModelLayout> layout;
-  Points shape;  ///< absolute dofs of the middle surface on this layout
+  std::shared_ptr<const ModelLayout> layout;  ///< model with the last mesh
+  Points shape;  ///< absolute dofs of the middle surface on this layout, n×3
   /// One mesh, with the maxima over all load cases.
   struct Mesh {
-    double edge_length = 0;  ///< √(twice the mean area of the triangles)
-    int unknowns = 0;
-    double displacement = 0, von_mises = 0;
-    /// Estimated relative error of the displacements: the larger one of the error of the largest
-    /// displacement and that of the work of the loads (energy_norm_error²).
+    double edge_length = 0;   ///< √(twice the mean area of the triangles), model units
+    int unknowns = 0;         ///< number of unknowns of the constrained system
+    double displacement = 0;  ///< largest displacement, model units
+    double von_mises = 0;     ///< largest von Mises stress, force per area
+    /// Estimated relative error of the displacements: the larger of the error of the largest
+    /// displacement and the error of the work of the loads (energy_norm_error²).
     double error = 0;
   };
-  std::vector<Mesh> meshes;
-  bool converged = false;  ///< true: the error on this mesh is at most the accuracy
+  std::vector<Mesh> meshes;  ///< all meshes in their order; the last one is that of `layout`
+  bool converged = false;    ///< true: the error on the last mesh is at most `accuracy`
 };
 
 /// Refines the mesh of a shell until the displacements of all load cases have the requested
 /// accuracy.
 ///
+/// `layout`, `shape`: the model and the absolute dofs (n×3) of its middle surface on the first
+/// mesh. `problem`: the definition and the load cases, computed anew on every mesh. `progress` has
+/// the stages "mesh 1", "mesh 2", …, and those of evaluate_load_cases().
+///
 /// Each round solves the load cases, estimates the errors (evaluate_load_cases()), and bisects the
 /// triangles that contribute most to them (Dörfler marking [Dorfler1996], ModelLayout::refine()).
-/// The surface stays the same: interpolate_onto(). It stops at `max_meshes`, and before a mesh that
-/// does not fit into memory; the last mesh is then returned with `converged` = false.
+/// The surface is transferred to the new mesh by interpolate_onto(). The refinement stops at
+/// `max_meshes`, and before a mesh that does not fit into memory; the last mesh is then returned
+/// with `converged` = false.
 ///
-/// Throws InputError for invalid options, and the exceptions of ShellModel and of the functions of
-/// the problem on the first mesh; ConflictError, NoSolutionError and CancelledError on every mesh.
+/// Throws InputError for invalid options, and the exceptions of ShellModel and of the functions in
+/// `problem`. A MemoryError after the first mesh is not thrown: the refinement stops. Cost per
+/// mesh: one factorization, and evaluate_load_cases().
 RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Points& shape,
                           const ShellProblem& problem, const ShellRefinementOptions& options = {},
                           const Progress& progress = {});

@@ -23,20 +23,21 @@ struct ShellLoadCase {
 /// A shell whose shape or mesh changes: its definition and its loads as functions of the shape.
 /// `layout`: the model; `shape`: absolute dofs of the middle surface on it.
 struct ShellProblem {
-  /// Sections and supports. They depend on the mesh: the location of a point support, for example.
+  /// Sections and supports. Sections and supports may depend on the mesh, for example through the
+  /// location of a point support.
   std::function<ShellDefinition(const ModelLayout& layout, const Points& shape)> definition;
-  /// The load cases, always with the same names and in the same order.
+  /// The load cases of a shape, always with the same names and in the same order.
   std::function<std::vector<ShellLoadCase>(const ModelLayout& layout, const Points& shape,
                                            const ShellDefinition& definition)>
       load_cases;
 };
 
-/// Largest displacement of a middle surface. It is searched at the vertices and, in triangles that
+/// Largest displacement of a middle surface. It is sought at the vertices and, in triangles that
 /// the trim cuts, at quadrature points of the inside.
 struct MaxDisplacement {
   double value = 0;
   Vec3 vector = Vec3::Zero();
-  Location where;  ///< in the mesh of the model
+  Location where;  ///< location in the mesh of the model
   Vec3 at = Vec3::Zero();
   /// Estimated error of `value` (ShellStresses::goal_error()); set by evaluate_load_cases().
   double error = 0;
@@ -45,30 +46,31 @@ struct MaxDisplacement {
 /// Results of one load case.
 struct ShellCaseResult {
   std::string name;
-  Points displacement;  ///< n×3
+  Points displacement;  ///< displacement dofs of the model, n×3
   Resultant load;
   std::vector<SupportReaction> reactions;
-  double equilibrium_residual = 0;  ///< |load + reactions| / the larger of |load|, Σ |reaction|
+  double equilibrium_residual = 0;  ///< |load + Σ reactions| / max(|load|, Σ |reaction|)
   double energy = 0;                ///< strain energy (ShellModel::energy())
-  double energy_norm_error = 0;     ///< estimated (ShellStresses::energy_norm_error())
+  double energy_norm_error = 0;     ///< estimated relative error, see ShellStresses
   MaxDisplacement max_displacement;
   ShellStresses::Peak max_stress;        ///< largest von Mises stress
-  Vec3 max_stress_point = Vec3::Zero();  ///< its point on the top or bottom surface
-  bool near_singularity = false;         ///< within three elements of a point load or point support
+  Vec3 max_stress_point = Vec3::Zero();  ///< point of `max_stress` on the top or bottom side
+  /// `max_stress` is within three elements of a point load or support.
+  bool near_singularity = false;
 };
 
-/// Finds the largest displacement of q (n×3). O(triangles).
+/// Finds the largest displacement of a middle surface with displacement dofs q (n×3). O(triangles).
 MaxDisplacement max_displacement(const ShellModel& shell, const Points& q);
 
-/// Called after each load case with its recovered stresses. Both arguments are valid during the
-/// call only.
+/// Function called after each load case, with the results and the recovered stresses. Both
+/// arguments are valid during the call only.
 using ShellCaseVisitor = std::function<void(const ShellCaseResult&, const ShellStresses&)>;
 
-/// Solves and evaluates load cases in order, with the factor of the shell.
+/// Solves and evaluates load cases in order, using the factorization of the shell.
 ///
-/// `error_indicators`: if not null, it becomes the contribution of each triangle to the errors of
-/// the energy and of the largest displacement. Each of these errors is scaled to the sum 1, and
-/// they are added over the cases: input of dorfler_marking(). Throws the exceptions of
+/// `error_indicators`: if not null, receives the contribution of each triangle to the errors of the
+/// energy and of the largest displacement, as input of dorfler_marking(). The contributions to each
+/// of the two errors are scaled to the sum 1 and added over all cases. Throws the exceptions of
 /// ShellModel::solve(), and CancelledError. Cost per case: two solves, two recoveries of stresses,
 /// and two or three error estimates.
 std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
@@ -81,7 +83,8 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
 struct ThinShellRatios {
   /// Largest thickness / radius of curvature. The theory is valid up to about 0.1.
   double thickness_over_radius = 0;
-  /// Largest edge length / √(radius · thickness). Above 1.5, elements may be too stiff.
+  /// Largest edge length / √(radius of curvature · thickness). Above 1.5, elements may be too
+  /// stiff.
   double edge_over_boundary_layer = 0;
 };
 /// Measures the ratios at the centroids of the triangles. O(triangles).

@@ -14,9 +14,7 @@ const Points& load_named(const std::vector<ShellLoadCase>& cases, const std::str
   if (found != cases.end()) return found->load;
   std::vector<std::string> names;
   for (const ShellLoadCase& one : cases) names.push_back(one.name);
-  const std::string near = closest_match(name, names);
-  throw InputError("found no load case '" + name + "'" +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  throw InputError("found no load case '" + name + "'" + did_you_mean(name, names));
 }
 
 }  // namespace

@@ -21,20 +21,20 @@ namespace batten {
 /// Reference: docs/theory/shells.md.
 class ShellSensitivities {
  public:
-  /// A load case, and a displacement whose derivative is wanted: that of the nearest point of the
-  /// surface to `at`, in a direction of any length except zero.
+  /// A load case, and a displacement whose derivative is sought: the displacement of the surface
+  /// point nearest to `at`, along `direction` (any length except zero).
   struct Goal {
     std::string load_case;
     Vec3 at, direction;
   };
-  /// Derivatives for one goal.
+  /// Derivatives for one goal, of the displacement along its direction and of the compliance.
   struct Derivatives {
     double displacement = 0;
-    double compliance = 0;  ///< of the work of the loads, Fᵀu
+    double compliance = 0;  ///< derivative of the work of the loads, Fᵀu
   };
 
   /// Solves the load cases and their adjoint problems. Throws the exceptions of ShellModel and of
-  /// the functions of the problem, and InputError if a load case does not exist or a direction is
+  /// the functions in `problem`, and InputError if a load case does not exist or a direction is
   /// zero. Cost: one factorization, three solves per goal.
   ShellSensitivities(const ModelLayout& layout, const Points& shape, ShellProblem problem,
                      const std::vector<Goal>& goals);
@@ -57,12 +57,13 @@ class ShellSensitivities {
   std::vector<SolvedGoal> goals_;
 };
 
-/// The dofs of a shape if its parameter changes by an amount; empty if that value is not permitted.
+/// Dofs of the shape whose parameter is changed by `change`; nullopt if the changed value is not
+/// permitted.
 using ShapeOfChange = std::function<std::optional<Points>(double change)>;
 
 /// Derivative of a shape with respect to a parameter: the central difference of `shape_of(±step)`,
-/// or a one-sided one with `shape_of(0)` if only one direction is permitted. Empty if neither is.
-/// Throws the exceptions of `shape_of`.
+/// or a one-sided one with `shape_of(0)` if only one direction is permitted. Returns nullopt if
+/// neither is permitted. Throws the exceptions of `shape_of`.
 std::optional<Points> shape_derivative(const ShapeOfChange& shape_of, double step);
 
 }  // namespace batten

@@ -31,9 +31,9 @@ std::array<double, 2> principal(const Mat3& stress);
 ///
 /// Raw stresses jump between elements. They are evaluated at the centroids of the three cubics of
 /// each triangle (Z12: of the same sub-triangles), and a quadratic in (u, v) is fitted to those
-/// around each vertex. Patches never extend across curves between regions, so that jumps at creases
-/// and thickness steps are preserved. Inside a triangle, the three quadratics of its vertices are
-/// blended.
+/// around each vertex. Patches never extend across the curves between regions, so that stress jumps
+/// at creases and thickness steps are preserved. Inside a triangle, the three quadratics of its
+/// vertices are blended.
 ///
 /// Cost: O(triangles), on all threads; energy_norm_error() and goal_error() cost as much again.
 /// Keeps references to the shell and to q.
@@ -44,7 +44,7 @@ class ShellStresses {
 
   /// Recovered stress at a location of the model's mesh.
   ShellStress at(const Location& where) const;
-  /// Raw stress of the element at a location, without recovery.
+  /// Raw stress of the finite element solution at a location, without recovery.
   ShellStress raw(const Location& where) const;
 
   /// Estimated relative error in the energy norm ([ZienkiewiczZhu1987]): √(energy of the stress
@@ -63,8 +63,8 @@ class ShellStresses {
   /// Largest von Mises stress at a vertex inside of the trim, at the top or bottom.
   struct Peak {
     double value = 0;
-    double height = 1;  ///< 1: top, -1: bottom
-    double spread = 0;  ///< largest deviation of the surrounding raw stresses from it
+    double height = 1;  ///< side of the shell at which the peak occurs: 1: top, -1: bottom
+    double spread = 0;  ///< largest deviation of the surrounding raw stresses from `value`
     Location where;
     Vec3 at = Vec3::Zero();
   };

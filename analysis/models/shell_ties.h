@@ -15,16 +15,16 @@ namespace batten {
 
 /// Collection of springs with the energy ½ Σ k (Σ a_m · q_m - value)².
 ///
-/// Each term is a quadrature point of a curve or an area; k is its stiffness per length or area,
-/// times the length or area that the point represents. On curves that cross elements anywhere,
-/// exact constraints would be too many or too few. Springs that are a thousand times as stiff as
-/// the adjacent elements avoid both (see shell_ties()).
+/// Each spring acts at a quadrature point of a curve or an area; k is the stiffness per length or
+/// area, times the length or area that the point represents. On curves that cross elements
+/// anywhere, exact constraints would be too many or too few. Springs that are a thousand times as
+/// stiff as the adjacent elements avoid both (see shell_ties()).
 class ShellSprings {
  public:
   using Entries = std::vector<ConstraintSet::CoupledEntry>;
   struct Spring {
-    int name;         ///< index into names()
-    Entries entries;  ///< each dof once
+    int name;         ///< index of the spring's name in names()
+    Entries entries;  ///< coefficients a_m; each dof occurs once
     double stiffness, value;
   };
 
@@ -37,9 +37,10 @@ class ShellSprings {
   const std::vector<std::string>& names() const { return names_; }
   /// Stiffness matrix (lower triangle), 3n×3n over [x; y; z].
   SparseMatrix stiffness() const;
-  /// Load vector Σ k value a_m (n×3), which pulls towards the values.
+  /// Load vector (n×3) of the prescribed values: Σ k · value · a_m over all springs.
   Points load() const;
-  /// Force of a spring under q; its force on the shell is pull · a_m at each dof.
+  /// Scalar force of a spring for the displacement q (n×3). The force on the shell at each dof of
+  /// the spring is this value times the coefficient a_m.
   static double pull(const Spring& spring, const Points& q);
 
  private:
@@ -48,7 +49,7 @@ class ShellSprings {
   std::vector<Spring> springs_;
 };
 
-/// Exact constraints, and springs along embedded curves.
+/// Ties and supports of a shell: exact constraints, and springs, for example along embedded curves.
 struct ShellTies {
   ConstraintSet constraints;
   ShellSprings springs;
@@ -61,8 +62,8 @@ struct ShellTies {
 ///     ω = -(n · U_y - b/|x_t| n · U_t)/a,     y = a (τ × n) + b τ,  τ = x_t/|x_t|,
 ///
 /// where y is a direction into the region and U its displacement. Moments are thus transferred
-/// across creases as across smooth joins, whatever their angle, also if three or more regions meet.
-/// Along `hinges`, regions share positions and derivatives only.
+/// across smooth joins and across creases of any angle, also if three or more regions meet. Along
+/// `hinges`, regions share positions and derivatives only.
 ///
 /// If the curve follows element edges on both sides, the ties are exact constraints, with ω equal
 /// at vertices and edge midpoints. If the curve is embedded in a region, springs along it tie
@@ -70,12 +71,12 @@ struct ShellTies {
 ///
 ///     α Q11 t/h  and  α Q11 t³/(12 h),     α = 1000, h the length of an element edge,
 ///
-/// so that they deform by a thousandth of what an element does (penalty coupling of Kirchhoff-Love
+/// so that springs deform a thousandth as much as an element (penalty coupling of Kirchhoff-Love
 /// shells on non-matching meshes, [Herrema2019]).
 ///
-/// Everything refers to the dofs of the model. `shape`: absolute dofs of the middle surface;
-/// `sections`: one for all, or one per region. Throws InputError if a hinge is not a curve of the
-/// model or has one region only. Reference: docs/theory/shells.md.
+/// Constraints and springs refer to the dofs of the model. `shape`: absolute dofs of the middle
+/// surface; `sections`: one for all regions, or one per region. Throws InputError if a hinge is not
+/// a curve of the model, or belongs to one region only. Reference: docs/theory/shells.md.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const std::vector<ShellSection>& sections,
                      const std::vector<std::string>& hinges = {});

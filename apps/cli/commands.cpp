@@ -13,22 +13,15 @@
 #include <string>
 #include <thread>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/apps/commands/info.h"
-#include "batten/apps/commands/lines/run_fair.h"
-#include "batten/apps/commands/meshes/run_deform.h"
-#include "batten/apps/commands/run_any_scene.h"
-#include "batten/apps/commands/runs/mpi_processes.h"
+#include "batten/apps/commands/runs/plugins.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
-#include "batten/apps/commands/shapes/run_scene.h"
-#include "batten/apps/commands/shapes/run_sculpt.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/curve_files.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten {
 
@@ -181,13 +174,13 @@ int run(const SceneArguments& a, const CommonOptions& common) {
 }
 
 int stress(const SceneArguments& a, const CommonOptions& common) {
-  const auto processes = MpiProcesses::detect();
+  const auto processes = connect_mpi_processes();
   if (processes && processes->is_worker()) {
     processes->serve();
     return kDone;
   }
   StressTask task = a.stress;
-  if (processes) task.factors = processes->factors();
+  if (processes) task.factors = processes->solvers();
   Scene scene = read_scene(a.file);
   apply_settings(scene, a.settings);
   const auto report = run_stress(scene, a.out, task, terminal_progress(common.quiet));

@@ -5,7 +5,7 @@
 #include "batten/apps/cli/commands.h"
 #include "batten/core/memory.h"
 #include "batten/core/parallel.h"
-#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/input_file.h"
 
 namespace {
 

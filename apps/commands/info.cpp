@@ -1,17 +1,18 @@
-#include "batten/apps/commands/info.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
+#include <set>
 #include <string>
 
-#include "batten/apps/commands/exchange/cad_summary.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/meshes/mesh_source.h"
-#include "batten/apps/commands/shapes/built_model.h"
+#include "batten/apps/commands/shapes/solved_shape.h"
+#include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -21,7 +22,6 @@
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -30,9 +30,12 @@
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/io/scene/sequence_scene.h"
+#include "batten/mesh/element_quality.h"
+#include "batten/mesh/features/feature_detection.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/mesh/selection.h"
 
 namespace batten {
 
@@ -48,7 +51,13 @@ std::string cad_info(const std::filesystem::path& file, const std::string& unit,
 bool draw_face_edges(const std::filesystem::path& picture, const std::filesystem::path& file,
                      const std::string& unit);
 
-// Descriptions of mesh sequences.
+// Descriptions of meshes and mesh sequences.
+
+/// Describes a mesh file: counts, defects, bounding box, sets and properties, components with
+/// attached elements, boundary loops and proposed features. `unit`: unit of its lengths. Throws
+/// InputError.
+std::string mesh_info(const std::filesystem::path& file, const std::string& unit,
+                      const FeatureDetectionOptions& proposals = {});
 
 /// True for extensions of mesh sequences: .glb .gltf .pc2 .mdd .pvd .frd.
 bool is_sequence_file(const std::filesystem::path& file);
@@ -372,6 +381,130 @@ FileKind file_kind(const std::filesystem::path& file) {
   }
 }
 
+namespace {
+
+std::string format_position(const Vec3& p) {
+  return "(" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
+         ")";
+}
+
+std::string describe_box(const Box3& box) {
+  return "from " + format_position(box.min()) + " to " + format_position(box.max());
+}
+
+std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>& sets) {
+  std::string text;
+  for (const auto& s : sets)
+    text += "  " + what + " '" + s.name + "'" + (s.title.empty() ? "" : " (" + s.title + ")") +
+            ": " +
+            (s.faces.empty() ? std::to_string(s.nodes.size()) + " nodes"
+                             : std::to_string(s.faces.size()) + " faces") +
+            "\n";
+  return text;
+}
+
+/// Describes mesh components with their boxes, and the non-shell elements that connect them.
+std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
+  const std::vector<int> part = node_components(mesh.topology());
+  const int count = part.empty() ? 0 : *std::max_element(part.begin(), part.end()) + 1;
+  if (count < 2 && file.other_elements().empty()) return "";
+  std::vector<Box3> boxes(count);
+  std::vector<int> nodes(count, 0), lowest(count, -1);
+  for (int v = 0; v < isize(part); ++v) {
+    if (part[v] < 0) continue;
+    boxes[part[v]].extend(mesh.point(v));
+    ++nodes[part[v]];
+    if (lowest[part[v]] < 0) lowest[part[v]] = v;
+  }
+  std::string text;
+  for (int p = 0; p < count && count > 1; ++p)
+    text += "  part " + std::to_string(p + 1) + ": " + std::to_string(nodes[p]) + " nodes, node " +
+            std::to_string(file.node_label(lowest[p])) + " …, " + describe_box(boxes[p]) + "\n";
+  // Non-shell nodes are grouped by their elements; each group reaches the components it is attached
+  // to.
+  DisjointSets hanging(part.size());
+  for (const NonShellElement& e : file.other_elements()) {
+    int first = -1;
+    for (const int v : e.nodes)
+      if (part[v] < 0) {
+        if (first >= 0) hanging.unite(first, v);
+        first = v;
+      }
+  }
+  std::map<int, std::set<int>> reached;  // components, by the lowest node of a group
+  for (const NonShellElement& e : file.other_elements())
+    for (const int v : e.nodes)
+      for (const int u : e.nodes)
+        if (part[v] < 0 && part[u] >= 0) reached[hanging.find(v)].insert(part[u]);
+  std::map<std::set<int>, std::map<std::string, int>> between;  // components, elements
+  for (const NonShellElement& e : file.other_elements()) {
+    std::set<int> parts;
+    for (const int v : e.nodes)
+      if (part[v] >= 0)
+        parts.insert(part[v]);
+      else
+        parts.insert(reached[hanging.find(v)].begin(), reached[hanging.find(v)].end());
+    ++between[parts][e.name];
+  }
+  for (const auto& [parts, elements] : between) {
+    std::string where = parts.size() > 1 ? "between parts"
+                        : parts.empty()  ? "not attached to a part"
+                                         : "on part";
+    for (const int p : parts) where += " " + std::to_string(p + 1);
+    text += "  " + where + ":";
+    for (const auto& [name, n] : elements)
+      text += (name == elements.begin()->first ? " " : ", ") + std::to_string(n) + " " + name;
+    text += "\n";
+  }
+  return text;
+}
+
+std::string describe_hole(const HoleMeasure& m) {
+  return "centre " + format_position(m.centre) +
+         (m.circular ? ", radius " + format_number(m.radius)
+                     : ", not circular, perimeter " + format_number(m.perimeter) +
+                           ", equivalent radius " + format_number(m.equivalent_radius));
+}
+
+}  // namespace
+
+std::string mesh_info(const std::filesystem::path& path, const std::string& unit,
+                      const FeatureDetectionOptions& proposals) {
+  const MeshFile file = MeshFile::read(path);
+  const ShellMesh& shells = file.shells();
+  const MeshDiagnosis d = diagnose(shells);
+  std::string text = file.format() + ": " + std::to_string(shells.node_count()) + " nodes, " +
+                     std::to_string(shells.face_count()) + " faces in " +
+                     std::to_string(d.components) + (d.components == 1 ? " part" : " parts") +
+                     ", lengths in " + unit + "\n";
+  for (const auto& w : file.warnings()) text += "  " + w + "\n";
+  text += sets_text("set", file.sets()) + sets_text("property", file.properties());
+  const auto name = [&](int v) { return std::to_string(file.node_label(v)); };
+  const PreparedMesh prepared = [&] {
+    try {
+      return prepare(shells, name);
+    } catch (const InputError& e) {
+      throw InputError(path.string() + ": " + e.what() + "\n" + text);
+    }
+  }();
+  const TriangleMesh& mesh = prepared.mesh;
+  for (const auto& note : prepared.notes) text += "  " + note + "\n";
+  text += "  " + describe_box(mesh.box()) + "\n" + parts_text(file, mesh);
+  const QualitySummary q = summarize(shells, shells.points);
+  text += "  worst aspect " + format_number(q.aspect.worst) + ", warpage " +
+          format_number(q.warpage_degrees.worst) + " degrees, Jacobian " +
+          format_number(q.jacobian.worst) + "\n";
+  const auto& loops = mesh.topology().boundary_loops();
+  for (size_t l = 0; l < loops.size(); ++l)
+    text += "  loop " + std::to_string(l + 1) + ": " + std::to_string(loops[l].size()) +
+            " nodes, " + describe_hole(measure_hole(mesh.points(), loops[l])) + "\n";
+  for (const auto& p : detect_features(mesh, proposals))
+    text += "  feature '" + p.name +
+            "': " + std::to_string(mesh.topology().nodes_of(p.vertices).size()) + " nodes, " +
+            describe_hole(p.measure) + "\n";
+  return text;
+}
+
 bool is_sequence_file(const std::filesystem::path& file) {
   static const std::vector<std::string> endings{".glb", ".gltf", ".pc2", ".mdd", ".pvd", ".frd"};
   return std::find(endings.begin(), endings.end(), lower_extension(file)) != endings.end();
@@ -421,6 +554,69 @@ std::string sequence_info(const SequenceScene& scene) {
 
 namespace {
 
+constexpr size_t kMaxListed = 20;  // products, names, colours and layers
+
+std::string describe_closedness(const CadContents& c) {
+  if (c.shells == 0) return "";
+  return c.closed_shells == c.shells ? ", closed"
+                                     : ", " + std::to_string(c.closed_shells) + " of " +
+                                           format_count(c.shells, "shell") + " closed";
+}
+
+std::string product_row(const CadProduct& product) {
+  std::string text(2 + 2 * static_cast<size_t>(product.level), ' ');
+  text += product.assembly ? "assembly" : "part";
+  text += product.name.empty() ? " without a name" : " '" + product.name + "'";
+  if (!product.instance_name.empty()) text += " as '" + product.instance_name + "'";
+  if (!product.assembly) {
+    if (product.solids) text += ", " + format_count(product.solids, "solid");
+    if (product.faces || !product.curves) text += ", " + format_count(product.faces, "face");
+    if (product.curves) text += ", " + format_count(product.curves, "curve");
+  }
+  if (!product.translation.isZero()) text += ", at " + format_point(product.translation);
+  if (product.rotation_deg > 1e-9)
+    text += ", rotated by " + format_number(product.rotation_deg) + " degrees";
+  if (!product.colour.empty()) text += ", " + product.colour;
+  return text + "\n";
+}
+
+/// "3 faces, 1 curve".
+std::string describe_use(const CadAttribute& use) {
+  std::string text;
+  for (const auto& [count, noun] :
+       {std::pair(use.products, "product"), std::pair(use.solids, "solid"),
+        std::pair(use.faces, "face"), std::pair(use.edges, "edge"), std::pair(use.curves, "curve")})
+    if (count > 0) text += (text.empty() ? "" : ", ") + format_count(count, noun);
+  return text;
+}
+
+std::string uses_text(const std::string& what, const std::vector<CadAttribute>& uses) {
+  std::string text;
+  for (size_t i = 0; i < std::min(uses.size(), kMaxListed); ++i)
+    text += "  " + what + " '" + uses[i].name + "': " + describe_use(uses[i]) + "\n";
+  if (uses.size() > kMaxListed)
+    text += "  and " + std::to_string(uses.size() - kMaxListed) + " more\n";
+  return text;
+}
+
+/// The contents of a CAD file: products with their positions, names, colours and layers, the first
+/// twenty of each. Lengths are in the file's unit.
+std::string contents_text(const CadContents& c) {
+  std::string text = contents_line(c) + "\n";
+  for (const std::string& note : c.notes) text += "  " + note + "\n";
+  const std::string unit = format_unit(c.unit_in_metres);
+  text += "  size " + format_number(c.size) + " " + unit;
+  if (c.faces) text += ", area " + format_number(c.area) + " " + unit + "²";
+  if (c.solids) text += ", volume " + format_number(c.volume) + " " + unit + "³";
+  text += "\n";
+  for (size_t i = 0; i < std::min(c.products.size(), kMaxListed); ++i)
+    text += product_row(c.products[i]);
+  if (c.products.size() > kMaxListed)
+    text += "  and " + std::to_string(c.products.size() - kMaxListed) + " more\n";
+  return text + uses_text("name", c.names) + uses_text("colour", c.colours) +
+         uses_text("layer", c.layers);
+}
+
 // Describes a STEP file; empty if it has no faces.
 std::string step_text(const std::filesystem::path& file, const std::string& unit) {
   const StepReport step = cad_plugin().check_step(file, unit_in_metres(unit), {});
@@ -445,6 +641,19 @@ EdgeComb comb_of(const EdgeContinuity& edge) {
 }
 
 }  // namespace
+
+std::string contents_line(const CadContents& c) {
+  std::string text = c.format + ", " + (c.unit_stated ? "in " : "no unit, assumed ") +
+                     format_unit(c.unit_in_metres) + ": " +
+                     format_count(isize(c.products), "product");
+  if (c.solids) text += ", " + format_count(c.solids, "solid");
+  if (c.faces) text += ", " + format_count(c.faces, "face") + describe_closedness(c);
+  if (c.curves) text += ", " + format_count(c.curves, "curve");
+  if (!c.names.empty()) text += "; " + format_count(isize(c.names), "name");
+  if (!c.colours.empty()) text += "; " + format_count(isize(c.colours), "colour");
+  if (!c.layers.empty()) text += "; " + format_count(isize(c.layers), "layer");
+  return text;
+}
 
 std::string cad_info(const std::filesystem::path& file, const std::string& unit,
                      const std::function<std::string()>& lines) {

@@ -1,10 +1,8 @@
 // Binds curves: fairing, fitting and fairness measures.
-#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/scenes.h"
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"
-#include "batten/fairing/curves/fairness.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/curve_files.h"
 

@@ -6,11 +6,10 @@
 #include <sstream>
 
 #include "batten/apps/commands/documents/edited_mesh.h"
-#include "batten/apps/commands/meshes/mesh_source.h"
-#include "batten/apps/python/arrays.h"
+#include "batten/apps/commands/meshes/edit_session.h"
 #include "batten/apps/python/bindings.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/io/files/input_file.h"

@@ -1,19 +1,132 @@
 // Binds models: curves as arrays, or scenes, and the surfaces that they produce.
+#include <cmath>
+#include <set>
+
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/shapes/shape_files.h"
-#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/model.h"
-#include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/primitive_curves.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten::python {
 namespace {
 
 using ModelPtr = std::shared_ptr<const Model>;
 using namespace py::literals;
+
+// Scenes whose curves are given as arrays.
+
+/// Arguments of a scene whose curves are given as arrays.
+struct SkinArguments {
+  std::string name, unit, settings;
+  py::object fit_tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
+  py::iterable inner, holes, smooth, crease;            ///< curve names
+};
+
+const std::string kSkin = "skin()";
+
+double number_above_0(const py::object& given, const std::string& what) {
+  const double value = PyFloat_AsDouble(given.ptr());
+  if (PyErr_Occurred())
+    PyErr_Clear();
+  else if (std::isfinite(value) && value > 0)
+    return value;
+  throw InputError(what + ": found " + std::string(py::repr(given)) +
+                   ", expected a number above 0");
+}
+
+/// TOML text of a scene without curves: the unit, then the user's text. Line numbers in messages
+/// are those of the user's text if it begins with an empty line, as triple-quoted strings usually
+/// do.
+std::string text_of(const SkinArguments& arguments) {
+  if (arguments.unit.find_first_of("\"\\\n") != std::string::npos)
+    throw InputError("unit: found '" + arguments.unit + "', expected mm, cm, m, in or ft");
+  const std::string text = "unit = \"" + arguments.unit + "\"";
+  return arguments.settings.starts_with('\n') ? text + arguments.settings
+                                              : text + "\n" + arguments.settings;
+}
+
+std::vector<std::string> names_from(const py::iterable& given, const std::string& what,
+                                    const std::set<std::string>& lines) {
+  if (py::isinstance<py::str>(given))
+    throw InputError(what + ": found a single text, expected a list of curve names");
+  std::vector<std::string> names;
+  for (const py::handle name : given) {
+    names.push_back(py::str(name));
+    if (!lines.count(names.back())) {
+      const std::string near = closest_match(names.back(), {lines.begin(), lines.end()});
+      throw InputError(what + ": found the curve name '" + names.back() +
+                       "', expected one of curves" +
+                       (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+  }
+  return names;
+}
+
+SceneLine line_of(const std::string& name, const py::handle& given) {
+  SceneLine line;
+  line.name = name;
+  if (py::isinstance<HermiteCurve>(given)) {
+    line.curve = curve_from_hermite(given.cast<HermiteCurve>());
+    return line;
+  }
+  line.points = rows_of(points_from(given, "curve '" + name + "'"));
+  constexpr size_t fewest = 2;
+  if (line.points.size() < fewest)
+    throw InputError("curve '" + name + "': found " + std::to_string(line.points.size()) +
+                     " points, expected 2 or more");
+  return line;
+}
+
+void give_roles(Scene& scene, const std::vector<std::string>& names, CharacterLine::Role role) {
+  for (SceneLine& line : scene.lines)
+    for (const std::string& name : names)
+      if (line.name == name) line.role = role;
+}
+
+void join_names(SceneNetwork& network, const std::vector<std::string>& lines, JoinSpec::Kind kind) {
+  for (const std::string& line : lines) network.joins.push_back({line, kind, kSkin + ": "});
+}
+
+/// Creates a scene from a dict of curves by name, each an n×3 array of points or a Curve.
+/// `arguments`: further settings; its text is TOML with everything but curves and the unit. Throws
+/// InputError.
+Scene scene_of_arrays(const py::dict& curves, const SkinArguments& arguments) {
+  if (curves.empty()) throw InputError("curves: found none, expected one or more");
+  Scene scene = parse_scene(text_of(arguments), kSkin, false);
+  if (!scene.lines.empty())
+    throw InputError("settings: found a [[curve]], expected none: curves are given as arrays");
+  if (!arguments.name.empty()) scene.name = arguments.name;
+  std::set<std::string> names;
+  for (const auto& [name, given] : curves) {
+    const std::string text = py::str(name);
+    if (text.empty()) throw InputError("curves: found an empty name, expected one with letters");
+    if (!names.insert(text).second)
+      throw InputError("curves: found the name '" + text + "' twice, expected different names");
+    scene.lines.push_back(line_of(text, given));
+  }
+  const auto inner = names_from(arguments.inner, "inner", names),
+             holes = names_from(arguments.holes, "holes", names),
+             smooth = names_from(arguments.smooth, "smooth", names),
+             crease = names_from(arguments.crease, "crease", names);
+  give_roles(scene, inner, CharacterLine::Role::Inner);
+  give_roles(scene, holes, CharacterLine::Role::Hole);
+  join_names(scene.network, smooth, JoinSpec::Kind::Smooth);
+  join_names(scene.network, crease, JoinSpec::Kind::Crease);
+  SkinOptions& options = scene.skin.options;
+  if (!arguments.fit_tolerance.is_none())
+    options.tolerance = number_above_0(arguments.fit_tolerance, "fit_tolerance");
+  if (!arguments.edge_length.is_none())
+    options.edge_length = number_above_0(arguments.edge_length, "edge_length");
+  if (!arguments.corner_angle.is_none())
+    options.corner_angle = number_above_0(arguments.corner_angle, "corner_angle");
+  return scene;
+}
+
+// Models.
 
 ModelPtr made(const Scene& scene, const py::object& progress) {
   return KernelCall(progress)([&](const Progress& hook) { return Model::of_scene(scene, hook); });

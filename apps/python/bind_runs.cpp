@@ -1,11 +1,10 @@
 // Binds complete runs of scenes, like the commands of the program, with the report as a dict.
-#include "batten/apps/commands/exchange/run_convert.h"
-#include "batten/apps/commands/info.h"
-#include "batten/apps/commands/run_any_scene.h"
+#include "batten/apps/commands/commands.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/scenes.h"
+#include "batten/apps/python/model.h"
 #include "batten/core/errors.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten::python {
 namespace {

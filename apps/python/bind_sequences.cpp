@@ -1,7 +1,6 @@
 // Binds sequences of deforming meshes, with their frames as arrays.
-#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
 #include "batten/io/sequences/sequence_files.h"
 

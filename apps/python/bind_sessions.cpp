@@ -10,12 +10,11 @@
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
-#include "batten/apps/python/arrays.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/apps/python/model.h"
-#include "batten/apps/python/scenes.h"
 #include "batten/core/errors.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten::python {
 

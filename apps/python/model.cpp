@@ -1,5 +1,6 @@
 #include "batten/apps/python/model.h"
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/make_session.h"
 #include "batten/apps/commands/shapes/shape_files.h"
@@ -96,6 +97,16 @@ const Report& Model::report(const Progress& progress) const {
 void require_surface(const Model& model) {
   if (model.shape().regions.empty())
     throw InputError(model.scene().name + ": found no surface, expected curves that bound a face");
+}
+
+Scene scene_of_file(const std::string& file) {
+  switch (file_kind(file)) {
+    case FileKind::Cad:
+    case FileKind::Lines:
+      return scene_of_lines({file}, {}, "mm");
+    default:
+      return read_scene(file);
+  }
 }
 
 }  // namespace batten::python

@@ -55,4 +55,7 @@ class Model {
 /// Throws InputError if no region has a surface.
 void require_surface(const Model& model);
 
+/// Reads a scene file, or makes a scene of the curves in a curve file.
+Scene scene_of_file(const std::string& file);
+
 }  // namespace batten::python

@@ -7,7 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/input_file.h"
 
 namespace batten::python {
 namespace {

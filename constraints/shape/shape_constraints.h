@@ -37,8 +37,8 @@ class CurveConstraints {
   void point(const std::string& name, double u, const Vec3& position);
   /// The derivative dX/du at u has the given direction and length.
   void derivative(const std::string& name, double u, const Vec3& derivative);
-  /// The tangent at u is parallel to tau, up to sign; at a corner, that of the side that begins
-  /// there. Throws InputError if tau is zero.
+  /// The tangent at u is parallel to tau, up to sign. At a corner, this is the tangent of the
+  /// segment that begins there. Throws InputError if tau is zero.
   void direction(const std::string& name, double u, const Vec3& tau);
   /// The second derivative at u vanishes.
   void zero_curvature(const std::string& name, double u);
@@ -85,15 +85,16 @@ class SurfaceConstraints {
   void point(const std::string& name, const Location& where, const Vec3& position);
   void point(const std::string& name, int vertex, const Vec3& position);
 
-  /// The derivative in parametric direction s at a vertex is parallel to tau; its length and sign
-  /// are free. Two coupled equations. Throws InputError if s or tau is zero.
+  /// The derivative of the surface in the direction s of (u, v) at a vertex is parallel to tau; the
+  /// length and sign of the derivative are free. Two coupled equations. Throws InputError if s or
+  /// tau is zero.
   void tangent(const std::string& name, int vertex, const Vec2& s, const Vec3& tau);
 
-  /// The normal at a vertex is parallel to n: two coupled equations. Throws InputError if n is
-  /// zero.
+  /// The surface normal at a vertex is parallel to n. Two coupled equations. Throws InputError if n
+  /// is zero.
   void normal(const std::string& name, int vertex, const Vec3& n);
 
-  /// Tangent or normal constraint at any point of the surface, by the values of N_u and N_v there.
+  /// Like the tangent and normal constraints at a vertex, but at any location of the surface.
   void tangent(const std::string& name, const Location& where, const Vec2& s, const Vec3& tau);
   void normal(const std::string& name, const Location& where, const Vec3& n);
 
@@ -102,25 +103,26 @@ class SurfaceConstraints {
   ///
   /// `vertices`: the chain; if it runs once around a periodic mesh, the first vertex is repeated at
   /// the end. `parameters[i]`: parameter of the curve at vertices[i]. It must be proportional to
-  /// the length in the domain, so that the parametric speed |X'|/|e| is continuous; between two
-  /// vertices the curve must be a single cubic. The surface is then exact on the whole chain.
-  /// `direction`: unit vector of the chain in (u, v). Throws InputError if the numbers of vertices
-  /// and parameters differ.
+  /// the length in the domain, so that the derivative along the chain is continuous at the
+  /// vertices. Between two vertices, the curve must be a single cubic. The surface then contains
+  /// the curve exactly. `direction`: unit vector of the chain in (u, v). Throws InputError if the
+  /// numbers of vertices and parameters differ.
   void curve(const std::string& name, const std::vector<int>& vertices,
              const std::vector<double>& parameters, const HermiteCurve& curve,
              const Vec2& direction);
 
   /// The surface has the normal n along whole edges: (q_b - q_a)·n = 0, q_u·n = q_v·n = 0 at both
-  /// ends, q_n·n = 0 at the midpoint. Exact.
+  /// ends, q_n·n = 0 at the midpoint. Exact on the whole edges.
   void constant_normal(const std::string& name, const std::vector<int>& edges, const Vec3& n);
 
   /// The surface has the normal n(s) along edges; s in [0, 1] runs from the lower-numbered end of
   /// each edge to the higher one.
   ///
-  /// The derivatives across the edge are constrained at both ends and the midpoint, and so is the
-  /// tangent of the edge itself, so its shape must be compatible with n. Set `edge_curve_is_fixed`
-  /// if the curve of the edge is already constrained; its tangent is then left out. Exact at three
-  /// points of each edge, O(h³) in between.
+  /// The derivatives across the edge and the tangent of the edge are constrained at both ends and
+  /// at the midpoint, so the shape of the edge must be compatible with n. Set `edge_curve_is_fixed`
+  /// if the shape of the edges is already constrained; their tangents are then not constrained
+  /// again. The normal is exact at three points of each edge; in between, its error is O(h³) for
+  /// edges of length h.
   void varying_normal(const std::string& name, const std::vector<int>& edges,
                       const std::function<Vec3(int edge, double s)>& n, bool edge_curve_is_fixed);
 
@@ -138,9 +140,9 @@ class SurfaceConstraints {
 // Constraints along curves that run across elements (embedded, non-conforming).
 //
 // The mesh does not follow the curve. The surface interpolates the curve at parameters t_k; in
-// between, the gap decreases like about h³. Each equation has twelve coefficients, the same for x,
-// y and z. The surface stays C1 across the curve, and its Jacobian stays regular where c(t) bends.
-// Constraining bent chains of element edges to a smooth curve would make it singular
+// between, the gap decreases approximately as h³. Each equation has twelve coefficients, the same
+// for x, y and z. The surface stays C1 across the curve, and its Jacobian stays regular where c(t)
+// bends. Constraining bent chains of element edges to a smooth curve would make it singular
 // (docs/theory/domains.md).
 //
 //   points              Σ_m N_m(c(t_k)) q_m = X(t_k)                       uncoupled
@@ -154,17 +156,17 @@ class SurfaceConstraints {
 /// Density of the constraint points along an embedded curve.
 struct PointSpacing {
   /// Largest step along c, relative to the local element size h. h is √(2 area of the triangle), or
-  /// the length of the element edge that the curve runs along if that is longer. With less than
-  /// 0.35, the constraints are so dense that the surface oscillates; with more than 1, it dimples
-  /// between them.
+  /// the length of the element edge that the curve runs along if that is longer. Below 0.35, the
+  /// constraints are so dense that the surface oscillates; above 1, the surface dimples between
+  /// them.
   double step = 0.7;
   /// Number of additional points at half steps at each open end, where the gap is largest.
   int extra_end_points = 0;
 };
 
-/// Parameters of the constraint points of one curve, ascending. They are spaced evenly in ∫
-/// ds/h(c(t)) and include both ends (for a closed curve, the start) and all `required` parameters.
-/// `pcurve`: the parameter curve c.
+/// Parameters of the constraint points of one curve, ascending. They are spaced evenly in ∫ ds/h
+/// along the curve (h: local element size, see PointSpacing), and include both ends (for a closed
+/// curve, the start) and all `required` parameters. `pcurve`: the curve c(t) in (u, v).
 std::vector<double> embedded_point_parameters(const ParametricMesh& mesh,
                                               const TriangleLocator& locator,
                                               const HermiteCurve& pcurve,
@@ -179,16 +181,16 @@ class EmbeddedLineConstraints {
   EmbeddedLineConstraints(const ParametricMesh& mesh, TriangleElement kind,
                           const TriangleLocator& locator, ConstraintSet& set);
 
-  /// Interpolation of the curve: x(c(t)) = X(t) at the given parameters. Throws InputError if c(t)
-  /// is not on the mesh.
+  /// The surface interpolates the curve at the given parameters t: x(c(t)) = X(t). `pcurve`: c(t)
+  /// in (u, v); `curve`: X(t) in space. Throws InputError if c(t) is not on the mesh.
   void points(const std::string& name, const HermiteCurve& pcurve, const HermiteCurve& curve,
               const std::vector<double>& parameters);
-  /// The derivative across the curve equals g(t) on average over each hat function on `parameters`.
-  /// On a closed curve, the last hat extends across the start.
+  /// The derivative of the surface across the curve equals g(t), averaged with each hat function
+  /// over `parameters`. On a closed curve, the last hat function extends across the start.
   void slope(const std::string& name, const HermiteCurve& pcurve,
              const std::vector<double>& parameters, const std::function<Vec3(double t)>& g);
-  /// The surface normal is n(t) on the same averages, as far as the curve itself permits: n should
-  /// be perpendicular to the tangent of the curve.
+  /// The surface normal along the curve is n(t), averaged as in slope(). Only the derivative across
+  /// the curve is constrained, so n(t) should be perpendicular to the tangent of the curve.
   void normal(const std::string& name, const HermiteCurve& pcurve,
               const std::vector<double>& parameters, const std::function<Vec3(double t)>& n);
 

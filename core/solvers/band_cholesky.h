@@ -15,28 +15,29 @@ namespace batten {
 /// object may be reused for matrices of other sizes.
 class BandCholesky {
  public:
-  /// Resets to a zero matrix with n unknowns and half-bandwidth `band`.
+  /// Resets A to the zero matrix with n unknowns and half-bandwidth `band`.
   void reset(int n, int band);
   int size() const { return n_; }
 
-  /// A(i, j) += value, for |i - j| ≤ band. Only before factorize(). Each off-diagonal pair is
-  /// stored once, so call it for either (i, j) or (j, i).
+  /// Adds `value` to the entry A(i, j), |i - j| ≤ band. Call it before factorize(), and only for
+  /// one of (i, j) and (j, i): each off-diagonal pair is stored once.
   void add(int i, int j, double value) { (i >= j ? entry(i, j) : entry(j, i)) += value; }
-  /// A += factor B. B must have the same size and bandwidth; neither matrix may be factorized.
+  /// Adds factor · B to A. B must have the same size and bandwidth; neither matrix may be
+  /// factorized.
   void add(const BandCholesky& B, double factor);
-  /// Diagonal entry A(i, i). Only before factorize().
+  /// Diagonal entry A(i, i). Valid only before factorize().
   double diagonal(int i) const { return entry(i, i); }
-  /// Prescribes x_i = value: moves column i to the right-hand side b (n×3). Only before factorize()
-  /// and after all entries were added.
+  /// Prescribes x_i = value: moves column i to the right-hand side b (n×3). Call it after adding
+  /// all entries and before factorize().
   void fix(int i, const Vec3& value, Points& b);
 
   /// Computes the factorization in place. Returns false if A is not positive definite.
   bool factorize();
   /// Solves A x = b in place: b (n×3) is overwritten by x. Requires factorize().
   void solve(Points& b) const;
-  /// trace(A⁻¹ B). Requires factorize(); B has the same size and bandwidth and must not be
-  /// factorized. It uses the recursion of [Takahashi1973] for the entries of the inverse inside the
-  /// band. Cost: O(n band²).
+  /// Trace of A⁻¹ B. Requires factorize(). B must have the same size and bandwidth and must not be
+  /// factorized. The entries of A⁻¹ inside the band are computed by the recursion of
+  /// [Takahashi1973]. Cost: O(n band²).
   double trace_of_inverse_times(const BandCholesky& B) const;
 
  private:

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/solvers/petsc_module.h"
+#include "batten/core/solvers/distributed_solver.h"
 
 namespace {
 

@@ -5,7 +5,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/op_counter.h"
-#include "batten/core/solvers/supernodal_factor.h"
 #include "batten/core/solvers/supernodal_solve.h"
 
 namespace batten {
@@ -25,7 +24,9 @@ std::uint64_t pattern_hash(const SparseMatrix& A) {
 }  // namespace
 
 struct SparseCholesky::Data {
-  SupernodalFactor factor;
+  explicit Data(CholeskyLibrary library) : factor(make_supernodal_factor(library)) {}
+
+  std::unique_ptr<SupernodalFactor> factor;
   SupernodalSolve solve;
   long n = -1;  // rows of the analysed matrix; -1: none
   std::uint64_t pattern = 0;
@@ -40,7 +41,7 @@ struct SparseCholesky::Data {
     factored = false;
     solve = {};  // invalid until there is a new factor
     count(OpCounter::Analysis);
-    if (A.rows() > 0) factor.analyze(A, order, factor_reuse);
+    if (A.rows() > 0) factor->analyze(A, order, factor_reuse);
     n = A.rows();
     pattern = pattern_hash(A);
   }
@@ -52,7 +53,8 @@ struct SparseCholesky::Data {
   }
 };
 
-SparseCholesky::SparseCholesky() : data_(std::make_unique<Data>()) {}
+SparseCholesky::SparseCholesky() : SparseCholesky(cholesky_libraries().front()) {}
+SparseCholesky::SparseCholesky(CholeskyLibrary library) : data_(std::make_unique<Data>(library)) {}
 SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
@@ -91,10 +93,10 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   d.factored = d.n == 0;
   if (d.factored) return true;
   count(OpCounter::Factorization);
-  d.message = d.factor.factorize(A);
+  d.message = d.factor->factorize(A);
   if (!d.message.empty()) return false;
-  if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor.pattern(), d.factor.order());
-  d.solve.pack(d.factor.values());
+  if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor->pattern(), d.factor->order());
+  d.solve.pack(d.factor->values());
   d.factored = true;
   return true;
 }
@@ -128,14 +130,12 @@ std::vector<int> SparseCholesky::order() const {
   if (!data_->factored)
     throw NoSolutionError("elimination order without a factor: call factorize() first");
   if (data_->n == 0) return {};
-  return {data_->factor.order(), data_->factor.order() + data_->n};
+  return {data_->factor->order(), data_->factor->order() + data_->n};
 }
 
 const std::string& SparseCholesky::message() const { return data_->message; }
 
 long SparseCholesky::factor_entries() const { return data_->solve.entries(); }
-
-const char* SparseCholesky::backend() { return SupernodalFactor::backend(); }
 
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {

@@ -1,14 +1,13 @@
 // Sparse Cholesky solver whose factor is computed once and used for many solves.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/solvers/symbolic_analysis.h"
+#include "batten/core/solvers/linear_solver_backend.h"
 
 namespace batten {
 
@@ -22,20 +21,24 @@ namespace batten {
 ///     x = b;
 ///     cholesky.solve_in_place(x);   // one pair of triangular solves for all columns of b
 ///
-/// If CHOLMOD is available, it provides the ordering and the supernodes, and Batten computes the
-/// numeric values. Otherwise Eigen computes the factor, which takes several times as long from
-/// 10,000 unknowns on. Batten's own triangular solves are used in both cases. They are limited by
-/// memory bandwidth and run on several cores if the factor has more than 500,000 entries and its
-/// elimination tree has branches. Factors and solutions are bit-identical for any number of threads
+/// With CholeskyLibrary::Cholmod, CHOLMOD provides the ordering and the supernodes, and Batten
+/// computes the numeric values. With CholeskyLibrary::Eigen, Eigen computes the factor, which takes
+/// several times as long for 10,000 unknowns or more. The default is CHOLMOD if the build contains
+/// it. Batten's own triangular solves are used in both cases. They are limited by memory bandwidth
+/// and run on several cores if the factor has more than 500,000 entries and its elimination tree
+/// has branches. Factors and solutions are bit-identical for any number of threads
 /// (docs/theory/solver.md).
 ///
 /// Memory: 8 bytes per entry of the factor and 8 per entry of A; with Eigen, 20 bytes per entry of
 /// the factor. Movable, not copyable; a moved-from object can only be assigned to or destroyed. Not
 /// thread-safe, not even for solves; different objects may be used in different threads.
-class SparseCholesky {
+class SparseCholesky final : public LinearSolverBackend {
  public:
+  /// Uses the default library of the build.
   SparseCholesky();
-  ~SparseCholesky();
+  /// Uses the given library. Throws InputError if this build does not contain it.
+  explicit SparseCholesky(CholeskyLibrary library);
+  ~SparseCholesky() override;
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
@@ -46,53 +49,54 @@ class SparseCholesky {
   /// Symbolic analysis with a given elimination order, for example a nested dissection of the mesh:
   /// `order` lists the unknowns, first eliminated first. An empty order selects AMD. Throws
   /// InputError if `order` is not a permutation of all unknowns.
-  void analyze(const SparseMatrix& A, const std::vector<int>& order);
+  void analyze(const SparseMatrix& A, const std::vector<int>& order) override;
   /// Whether A has the analysed sparsity pattern, so that factorize() accepts it. Cost: O(entries).
-  bool has_pattern_of(const SparseMatrix& A) const;
-  /// Elimination order that was found or given, which can be reused for another matrix with the
-  /// same pattern. Throws NoSolutionError before a successful factorize().
+  bool has_pattern_of(const SparseMatrix& A) const override;
+  /// Elimination order of the last analysis, computed or given. It can be reused for another matrix
+  /// with the same pattern. Throws NoSolutionError before a successful factorize().
   std::vector<int> order() const;
 
   /// Numeric factorization of A. If nothing was analysed yet, analyze(A) is called first. Throws
   /// InputError if the pattern differs from the analysed one. With CHOLMOD's pattern it uses
   /// several cores, and later calls allocate next to nothing. Returns false if A is not positive
   /// definite; message() then names the unknown and the probable cause.
-  bool factorize(const SparseMatrix& A);
+  bool factorize(const SparseMatrix& A) override;
 
   /// Solves A x = b in place: b (n×k) is overwritten by x. Throws NoSolutionError without a
   /// successful factorize(), InputError if b does not have n rows. It allocates memory only for the
   /// first solve in the program, which starts the threads, and for the first solve with more than
   /// four columns. One column takes as long as four; eight take 1.1 to 1.3 times as long.
-  void solve_in_place(Eigen::Ref<MatX> b) const;
+  void solve_in_place(Eigen::Ref<MatX> b) const override;
   /// Solution of A x = b for all columns of b; like solve_in_place(), but allocates the result.
   MatX solve(const Eigen::Ref<const MatX>& b) const;
 
   /// Computes the part of the factor that a partial solve must visit, if b is zero outside of the
-  /// rows `nonzero` and only the rows `wanted` of x are needed. A missing list means all rows.
-  /// Compute it once and use it in every such solve: it costs a fraction of a solve.
+  /// rows `nonzero` and only the rows `wanted` of x are needed. std::nullopt means all rows.
+  /// Compute the subset once and reuse it: computing it costs a fraction of a solve.
   ///
-  /// By linearity, a right-hand side that changes in few rows is such a case: x changes by the
-  /// solution for the change of b. The forward solve visits the elimination tree from the rows
-  /// `nonzero` to the root, the backward solve from the root to the rows `wanted`. This is half the
-  /// work if one of the two is a small region, and almost nothing if both are. SolveSubset::entries
-  /// gives the remaining work, compared with 2 factor_entries() for a full solve. Throws
-  /// NoSolutionError without a successful factorize(). Reference: [GilbertPeierls1988].
+  /// By linearity, it also serves if b changes in few rows only: the change of x is the solution
+  /// for the change of b. The forward solve visits the elimination tree from the rows `nonzero` to
+  /// the root, the backward solve from the root to the rows `wanted`. This is half the work if one
+  /// of the two is a small region, and almost nothing if both are. SolveSubset::entries gives the
+  /// remaining work, compared with 2 factor_entries() for a full solve. Throws NoSolutionError
+  /// without a successful factorize(). Reference: [GilbertPeierls1988].
   SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
                      const std::optional<std::vector<int>>& wanted) const;
-  /// Partial solve in place, restricted to `subset`. b must be zero outside of `nonzero`. The rows
-  /// `wanted` of x are bit-identical to those of a full solve; the other rows are meaningless.
-  /// Throws InputError if the subset belongs to another analysis.
+  /// Partial solve in place, restricted to `subset`. b must be zero outside of the rows `nonzero`
+  /// that were passed to subset(). The rows `wanted` of x are bit-identical to those of a full
+  /// solve; the values of the other rows are undefined. Throws InputError if the subset belongs to
+  /// another analysis.
   void solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> b) const;
 
-  /// Why the last factorize() failed; empty after success.
-  const std::string& message() const;
+  /// Reason why the last factorize() failed; empty if it succeeded.
+  const std::string& message() const override;
 
   /// Number of entries of the factor, including explicit zeros in supernodes. A solve reads each
   /// entry twice.
   long factor_entries() const;
 
-  /// Library that provides the ordering: "CHOLMOD" or "Eigen".
-  static const char* backend();
+  /// Name of the default library of the build: "CHOLMOD" or "Eigen".
+  static const char* backend() { return library_name(cholesky_libraries().front()); }
 
  private:
   struct Data;
@@ -107,29 +111,12 @@ class SparseCholesky {
 /// The normal equations square the condition number: the error of x is about 1e-16 cond(A)². The
 /// residual b - A x, unlike Aᵀb - AᵀA x, is not affected by the rounding errors of AᵀA. One step
 /// with it gives the accuracy of an orthogonal factorization (corrected seminormal equations,
-/// [Bjorck1987]). In interactive use, call it when the mouse is released. Cost: one solve and two
-/// products with A.
+/// [Bjorck1987]). In interactive programs, call it when the mouse button is released. Cost: one
+/// solve and two products with A.
 ///
 /// `normal`: factor of AᵀA. A: m×n, b: m×k, x: n×k; throws InputError for other shapes. Returns the
 /// largest change of an entry of x, divided by the largest entry of x.
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x);
-
-// Interface for other linear solvers.
-
-/// Interface for solvers of symmetric positive definite systems that replace SparseCholesky, for
-/// example on several machines (docs/distributed.md).
-class LinearSolverBackend {
- public:
-  virtual ~LinearSolverBackend() = default;
-  /// Factors A, of which only the lower triangle is stored. Throws NoSolutionError if A is not
-  /// positive definite.
-  virtual void factorize(const SparseMatrix& A) = 0;
-  /// Solves A x = b in place: b (n×k) is overwritten by x.
-  virtual void solve_in_place(Eigen::Ref<MatX> b) const = 0;
-};
-
-/// Creates one backend for each linear system. If empty, SparseCholesky is used.
-using BackendFactory = std::function<std::unique_ptr<LinearSolverBackend>()>;
 
 }  // namespace batten

@@ -1,5 +1,4 @@
-// Supernodal factorization behind SparseCholesky: numeric factorization by Batten on CHOLMOD's
-// pattern, or by Eigen if CHOLMOD is not available.
+// Supernodal Cholesky factors: their layout, and the interface of the libraries that compute them.
 #pragma once
 
 #include <memory>
@@ -7,40 +6,78 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/core/solvers/supernodal_solve.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 
-/// Factorization P A Pᵀ = L Lᵀ in dense supernodal blocks. Implementation detail of SparseCholesky:
-/// either supernodal_factor_cholmod.cpp or supernodal_factor_eigen.cpp is compiled.
+/// Expected reuse of a factorization, which selects the effort spent on a fill-reducing order.
+///
+/// - `once`: AMD.
+/// - `many`: many factorizations of one pattern, or thousands of solves. For 10,000 unknowns or
+///   more, METIS is tried in addition to AMD, and the factor with fewer entries is kept.
+///
+/// Measured on surface meshes, METIS takes ten times as long as an analysis with AMD. At 100,000
+/// unknowns it saves a quarter of every factorization and a sixth of every solve, and pays off
+/// after 10 factorizations or 400 solves. At 14,000 unknowns it pays off after 40 factorizations or
+/// 800 solves, and for smaller systems hardly ever. An order that the caller knows from the
+/// geometry (nested_dissection_order()) costs next to nothing and is as good. Without CHOLMOD only
+/// AMD is available.
+enum class FactorReuse { once, many };
+
+/// Layout of a supernodal factor L. A supernode is a set of consecutive columns with the same rows
+/// below them. It is stored by columns as one dense block: first its own columns (a lower triangle;
+/// entries above the diagonal are not read), then the rows below.
+struct SupernodalPattern {
+  int count = 0;                    // number of supernodes
+  const int* columns = nullptr;     // count+1: first column of each, then n
+  const int* row_starts = nullptr;  // count+1: first index in `rows` of each
+  // Rows of each supernode, ascending; its own columns come first.
+  const int* rows = nullptr;
+  const int* value_starts = nullptr;  // count+1: offset of each block in the values
+};
+
+/// Supernodes that a partial solve visits; created by SparseCholesky::subset() for one analysis.
+struct SolveSubset {
+  /// Number of entries of the factor that the forward and the backward sweep read in total. A full
+  /// solve reads 2 factor_entries().
+  long entries = 0;
+
+  long analysis = 0;  // identifies the analysis it belongs to
+  // Flags: whether each supernode, and each chunk of supernodes, is visited by a sweep.
+  std::vector<char> forward, backward, chunk_forward, chunk_backward;
+};
+
+/// Factorization P A Pᵀ = L Lᵀ in dense supernodal blocks. Implementation detail of SparseCholesky;
+/// make_supernodal_factor() (linear_solver_backend.h) creates it for one library.
 class SupernodalFactor {
  public:
-  SupernodalFactor();
-  ~SupernodalFactor();
+  virtual ~SupernodalFactor() = default;
 
   /// Symbolic analysis of A, which must have at least one row. `order`: elimination order, or empty
   /// for an automatic one.
-  void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse factor_reuse);
+  virtual void analyze(const SparseMatrix& A, const std::vector<int>& order,
+                       FactorReuse factor_reuse) = 0;
 
   /// Numeric factorization. Returns the error message, or "" on success.
-  std::string factorize(const SparseMatrix& A);
+  virtual std::string factorize(const SparseMatrix& A) = 0;
 
   /// Pattern of the factor and elimination order. Valid after a successful factorize(), unchanged
   /// until the next analyze().
-  SupernodalPattern pattern() const;
-  const int* order() const;
+  virtual SupernodalPattern pattern() const = 0;
+  virtual const int* order() const = 0;
 
-  /// Values of the last factorize(). The caller may overwrite them: the next factorize() recomputes
-  /// all of them.
-  double* values();
-
-  static const char* backend();
-
- private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  /// Values of the factor from the last factorize(). The caller may overwrite them: the next
+  /// factorize() recomputes all of them.
+  virtual double* values() = 0;
 };
+
+// Libraries: supernodal_factor_cholmod.cpp, which not every build contains, and
+// supernodal_factor_eigen.cpp. For the orders, see elimination_order().
+
+std::unique_ptr<SupernodalFactor> make_cholmod_factor();
+std::vector<int> cholmod_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
+
+std::unique_ptr<SupernodalFactor> make_eigen_factor();
+std::vector<int> eigen_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
 
 /// Error message for a pivot that is not positive; `unknown`: index of the unknown.
 inline std::string not_positive_definite(long unknown) {
@@ -48,8 +85,9 @@ inline std::string not_positive_definite(long unknown) {
          "): a motion is not constrained; fix more points, or use beta > 0";
 }
 
-/// Relative pivot threshold: a pivot below this fraction of its diagonal entry is rounding error.
-/// Bending problems with 100,000 unknowns stay above 1e-10.
+/// Relative pivot threshold: the matrix is treated as singular if a pivot is at most this fraction
+/// of the corresponding diagonal entry of the matrix. Bending problems with 100,000 unknowns stay
+/// above 1e-10.
 inline constexpr double kSingularPivot = 1e-14;
 
 }  // namespace batten

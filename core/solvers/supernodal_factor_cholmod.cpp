@@ -6,7 +6,6 @@
 #include "batten/core/memory.h"
 #include "batten/core/solvers/supernodal_factor.h"
 #include "batten/core/solvers/supernodal_factorization.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 namespace {
@@ -47,40 +46,47 @@ cholmod_sparse view(const SparseMatrix& A) {
   return v;
 }
 
-}  // namespace
-
-struct SupernodalFactor::Data {
-  cholmod_common common;
-  cholmod_factor* factor = nullptr;  // symbolic only
-  SupernodalFactorization numbers;
-
-  Data() {
-    cholmod_start(&common);
-    common.print = 0;
-    common.postorder = 1;
-    common.supernodal = CHOLMOD_SUPERNODAL;
+// CHOLMOD computes the pattern, SupernodalFactorization the values.
+class CholmodFactor final : public SupernodalFactor {
+ public:
+  CholmodFactor() {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.postorder = 1;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
   }
-  ~Data() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
+  ~CholmodFactor() override {
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
   }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  void analyze(const SparseMatrix& A, const std::vector<int>& order,
+               FactorReuse factor_reuse) override;
+  std::string factorize(const SparseMatrix& A) override;
+  SupernodalPattern pattern() const override;
+  const int* order() const override { return static_cast<const int*>(factor_->Perm); }
+  double* values() override { return numbers_.values(); }
+
+ private:
   std::string failure() const {
-    const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
-                      : common.status == CHOLMOD_TOO_LARGE
+    const char* why = common_.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
+                      : common_.status == CHOLMOD_TOO_LARGE
                           ? "the matrix is too large"
                           : "the ordering or the matrix is invalid";
     return std::string("the symbolic factorization failed: ") + why;
   }
+
+  cholmod_common common_;
+  cholmod_factor* factor_ = nullptr;  // symbolic only
+  SupernodalFactorization numbers_;
 };
 
-SupernodalFactor::SupernodalFactor() : data_(std::make_unique<Data>()) {}
-SupernodalFactor::~SupernodalFactor() = default;
-
-void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order,
-                               FactorReuse factor_reuse) {
-  cholmod_common& common = data_->common;
-  data_->numbers = {};
-  cholmod_free_factor(&data_->factor, &common);
+void CholmodFactor::analyze(const SparseMatrix& A, const std::vector<int>& order,
+                            FactorReuse factor_reuse) {
+  numbers_ = {};
+  cholmod_free_factor(&factor_, &common_);
   cholmod_sparse a = view(A);
   // Small factors are faster with fewer, fuller supernodes: by a third at 3,000 unknowns, by a
   // tenth at 100,000. At 100,000, however, the zeros that they store cost more in every solve than
@@ -89,49 +95,48 @@ void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& or
   constexpr size_t columns[2][3] = {{4, 16, 48}, {16, 32, 64}};  // first row: CHOLMOD's defaults
   constexpr double zeros[2][3] = {{0.8, 0.1, 0.05}, {0.9, 0.2, 0.1}};
   const int merge = A.rows() < small ? 1 : 0;
-  std::copy_n(columns[merge], 3, common.nrelax);
-  std::copy_n(zeros[merge], 3, common.zrelax);
+  std::copy_n(columns[merge], 3, common_.nrelax);
+  std::copy_n(zeros[merge], 3, common_.zrelax);
   auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
-  common.nmethods = 1;
-  common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  common_.nmethods = 1;
+  common_.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
   constexpr long kMinUnknownsForMetis = 10000;
   if (!given && factor_reuse == FactorReuse::many && A.rows() >= kMinUnknownsForMetis) {
     // CHOLMOD tries both and keeps the factor with fewer entries.
-    common.nmethods = 2;
-    common.method[1].ordering = CHOLMOD_METIS;
+    common_.nmethods = 2;
+    common_.method[1].ordering = CHOLMOD_METIS;
   }
-  data_->factor = cholmod_analyze_p(&a, given, nullptr, 0, &common);
-  if (!data_->factor) throw NoSolutionError(data_->failure());
+  factor_ = cholmod_analyze_p(&a, given, nullptr, 0, &common_);
+  if (!factor_) throw NoSolutionError(failure());
   // Check memory before the numeric factorization: otherwise the system might kill the program.
   constexpr size_t large = size_t{1} << 24;
-  if (data_->factor->xsize > large)
-    require_memory(8.0 * static_cast<double>(data_->factor->xsize),
+  if (factor_->xsize > large)
+    require_memory(8.0 * static_cast<double>(factor_->xsize),
                    "the Cholesky factor of " + std::to_string(A.rows()) + " unknowns");
-  data_->numbers = SupernodalFactorization(pattern(), this->order(), A);
+  numbers_ = SupernodalFactorization(pattern(), this->order(), A);
 }
 
-std::string SupernodalFactor::factorize(const SparseMatrix& A) {
-  const int column = data_->numbers.factorize(A);
+std::string CholmodFactor::factorize(const SparseMatrix& A) {
+  const int column = numbers_.factorize(A);
   const long unknown =
       column < 0 ? singular_unknown(pattern(), order(), values(), A) : order()[column];
   return unknown < 0 ? "" : not_positive_definite(unknown);
 }
 
-SupernodalPattern SupernodalFactor::pattern() const {
-  const cholmod_factor& L = *data_->factor;
+SupernodalPattern CholmodFactor::pattern() const {
+  const cholmod_factor& L = *factor_;
   return {static_cast<int>(L.nsuper), static_cast<const int*>(L.super),
           static_cast<const int*>(L.pi), static_cast<const int*>(L.s),
           static_cast<const int*>(L.px)};
 }
 
-const int* SupernodalFactor::order() const { return static_cast<const int*>(data_->factor->Perm); }
+}  // namespace
 
-double* SupernodalFactor::values() { return data_->numbers.values(); }
+std::unique_ptr<SupernodalFactor> make_cholmod_factor() {
+  return std::make_unique<CholmodFactor>();
+}
 
-const char* SupernodalFactor::backend() { return "CHOLMOD"; }
-
-std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse) {
-  if (graph.rows() == 0) return {};
+std::vector<int> cholmod_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse) {
   cholmod_common common;
   cholmod_start(&common);
   common.print = 0;

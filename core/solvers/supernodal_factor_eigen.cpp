@@ -7,7 +7,6 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/solvers/supernodal_factor.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 
 namespace batten {
 namespace {
@@ -52,53 +51,52 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return order;
 }
 
-}  // namespace
+class EigenFactor final : public SupernodalFactor {
+ public:
+  void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) override;
+  std::string factorize(const SparseMatrix& A) override;
+  SupernodalPattern pattern() const override {
+    return {isize(columns_) - 1, columns_.data(), row_starts_.data(), rows_.data(),
+            value_starts_.data()};
+  }
+  const int* order() const override { return order_.data(); }
+  double* values() override { return values_.data(); }
 
-struct SupernodalFactor::Data {
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt;
-  std::vector<int> order;  // unknown of each row of L
-  std::vector<int> columns, row_starts, rows, value_starts;
-  std::vector<double> values;
-
+ private:
   SparseMatrix permuted(const SparseMatrix& A) const {
     Permutation place(A.rows());
-    for (int i = 0; i < A.rows(); ++i) place.indices()[order[i]] = i;
+    for (int i = 0; i < A.rows(); ++i) place.indices()[order_[i]] = i;
     SparseMatrix result(A.rows(), A.cols());
     result.selfadjointView<Eigen::Lower>() = A.selfadjointView<Eigen::Lower>().twistedBy(place);
     return result;
   }
   void find_supernodes();
   void fill_blocks();
+
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+  std::vector<int> order_;  // unknown of each row of L
+  std::vector<int> columns_, row_starts_, rows_, value_starts_;
+  std::vector<double> values_;
 };
 
-SupernodalFactor::SupernodalFactor() : data_(std::make_unique<Data>()) {}
-SupernodalFactor::~SupernodalFactor() = default;
-
-void SupernodalFactor::analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) {
-  Data& d = *data_;
-  d.columns.clear();
-  d.order = order;
-  if (order.empty()) {
-    SparseMatrix full = A.selfadjointView<Eigen::Lower>();
-    Permutation amd;
-    Eigen::AMDOrdering<int>()(full, amd);
-    d.order.assign(amd.indices().data(), amd.indices().data() + amd.size());
-  }
-  const std::vector<int> post = postorder(elimination_tree(d.permuted(A)));
-  std::vector<int> given = std::exchange(d.order, {});
-  for (const int node : post) d.order.push_back(given[node]);
-  d.ldlt.analyzePattern(d.permuted(A));
+void EigenFactor::analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) {
+  columns_.clear();
+  order_ = order.empty() ? eigen_elimination_order(A, FactorReuse::once) : order;
+  const std::vector<int> post = postorder(elimination_tree(permuted(A)));
+  std::vector<int> given = std::exchange(order_, {});
+  for (const int node : post) order_.push_back(given[node]);
+  ldlt_.analyzePattern(permuted(A));
 }
 
 // Merges neighbouring columns of L into supernodes: the rows of the first must be the next column
 // and its rows.
-void SupernodalFactor::Data::find_supernodes() {
-  const SparseMatrix& L = ldlt.matrixL().nestedExpression();
+void EigenFactor::find_supernodes() {
+  const SparseMatrix& L = ldlt_.matrixL().nestedExpression();
   const int* start = L.outerIndexPtr();
   const int* row = L.innerIndexPtr();
   std::vector<int> first_columns = {0};
-  row_starts = value_starts = {0};
-  rows.clear();
+  row_starts_ = value_starts_ = {0};
+  rows_.clear();
   long size = 0;
   const auto n = static_cast<int>(L.rows());
   for (int j = 1; j <= n; ++j) {
@@ -106,27 +104,27 @@ void SupernodalFactor::Data::find_supernodes() {
     if (j < n && before > 0 && row[start[j - 1]] == j && before == start[j + 1] - start[j] + 1)
       continue;
     const int first = first_columns.back();
-    rows.push_back(first);
-    rows.insert(rows.end(), row + start[first], row + start[first + 1]);
+    rows_.push_back(first);
+    rows_.insert(rows_.end(), row + start[first], row + start[first + 1]);
     size += static_cast<long>(j - first) * (1 + start[first + 1] - start[first]);
     if (size > std::numeric_limits<int>::max())
       throw NoSolutionError("the symbolic factorization failed: the matrix is too large");
     first_columns.push_back(j);
-    row_starts.push_back(isize(rows));
-    value_starts.push_back(static_cast<int>(size));
+    row_starts_.push_back(isize(rows_));
+    value_starts_.push_back(static_cast<int>(size));
   }
-  columns = std::move(first_columns);  // assigned at the end: either complete or still empty
+  columns_ = std::move(first_columns);  // assigned at the end: either complete or still empty
 }
 
-void SupernodalFactor::Data::fill_blocks() {
-  const SparseMatrix& L = ldlt.matrixL().nestedExpression();
-  const VecX D = ldlt.vectorD();
-  values.resize(value_starts.back());
-  for (size_t s = 0; s + 1 < columns.size(); ++s) {
-    const int height = row_starts[s + 1] - row_starts[s];
-    for (int j = columns[s]; j < columns[s + 1]; ++j) {
-      const int k = j - columns[s];
-      double* to = values.data() + value_starts[s] + static_cast<long>(k) * height + k;
+void EigenFactor::fill_blocks() {
+  const SparseMatrix& L = ldlt_.matrixL().nestedExpression();
+  const VecX D = ldlt_.vectorD();
+  values_.resize(value_starts_.back());
+  for (size_t s = 0; s + 1 < columns_.size(); ++s) {
+    const int height = row_starts_[s + 1] - row_starts_[s];
+    for (int j = columns_[s]; j < columns_[s + 1]; ++j) {
+      const int k = j - columns_[s];
+      double* to = values_.data() + value_starts_[s] + static_cast<long>(k) * height + k;
       const double scale = std::sqrt(D[j]);
       *to++ = scale;
       for (SparseMatrix::InnerIterator e(L, j); e; ++e) *to++ = e.value() * scale;
@@ -134,32 +132,22 @@ void SupernodalFactor::Data::fill_blocks() {
   }
 }
 
-std::string SupernodalFactor::factorize(const SparseMatrix& A) {
-  Data& d = *data_;
-  d.ldlt.factorize(d.permuted(A));
-  const VecX D = d.ldlt.vectorD(), diagonal = A.diagonal();
+std::string EigenFactor::factorize(const SparseMatrix& A) {
+  ldlt_.factorize(permuted(A));
+  const VecX D = ldlt_.vectorD(), diagonal = A.diagonal();
   for (int i = 0; i < D.size(); ++i)
-    if (!(D[i] > kSingularPivot * diagonal[d.order[i]])) return not_positive_definite(d.order[i]);
-  if (d.ldlt.info() != Eigen::Success) return "the numeric factorization failed";
-  if (d.columns.empty()) d.find_supernodes();
-  d.fill_blocks();
+    if (!(D[i] > kSingularPivot * diagonal[order_[i]])) return not_positive_definite(order_[i]);
+  if (ldlt_.info() != Eigen::Success) return "the numeric factorization failed";
+  if (columns_.empty()) find_supernodes();
+  fill_blocks();
   return "";
 }
 
-SupernodalPattern SupernodalFactor::pattern() const {
-  const Data& d = *data_;
-  return {isize(d.columns) - 1, d.columns.data(), d.row_starts.data(), d.rows.data(),
-          d.value_starts.data()};
-}
+}  // namespace
 
-const int* SupernodalFactor::order() const { return data_->order.data(); }
+std::unique_ptr<SupernodalFactor> make_eigen_factor() { return std::make_unique<EigenFactor>(); }
 
-double* SupernodalFactor::values() { return data_->values.data(); }
-
-const char* SupernodalFactor::backend() { return "Eigen"; }
-
-std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse) {
-  if (graph.rows() == 0) return {};
+std::vector<int> eigen_elimination_order(const SparseMatrix& graph, FactorReuse) {
   SparseMatrix full = graph.selfadjointView<Eigen::Lower>();
   Permutation amd;
   Eigen::AMDOrdering<int>()(full, amd);

@@ -8,7 +8,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/parallel.h"
-#include "batten/core/solvers/dense_kernels.h"
+#include "batten/core/solvers/supernodal_kernels.h"
 #include "batten/core/solvers/supernodal_solve.h"
 
 namespace batten {

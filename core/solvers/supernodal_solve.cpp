@@ -10,7 +10,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/core/simd.h"
-#include "batten/core/solvers/supernodal_sweeps.h"
+#include "batten/core/solvers/supernodal_kernels.h"
 
 namespace batten {
 namespace {

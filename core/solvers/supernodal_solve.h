@@ -8,21 +8,9 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/eigen.h"
-#include "batten/core/solvers/symbolic_analysis.h"
+#include "batten/core/solvers/supernodal_factor.h"
 
 namespace batten {
-
-/// Layout of a supernodal factor L. A supernode is a set of consecutive columns with the same rows
-/// below them. It is stored by columns as one dense block: first its own columns (a lower triangle;
-/// entries above the diagonal are not read), then the rows below.
-struct SupernodalPattern {
-  int count = 0;                    // number of supernodes
-  const int* columns = nullptr;     // count+1: first column of each, then n
-  const int* row_starts = nullptr;  // count+1: first index in `rows` of each
-  // Rows of each supernode, ascending; its own columns come first.
-  const int* rows = nullptr;
-  const int* value_starts = nullptr;  // count+1: offset of each block in the values
-};
 
 /// In-place solution of A x = b with the factor A = Pᵀ L Lᵀ P, for any number of right-hand sides.
 /// P is the permutation of the unknowns.

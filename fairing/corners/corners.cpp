@@ -298,7 +298,8 @@ class CornerSearch {
       moment.push_back(moment.back() + k * (sequence_.at(k) - sequence_.at(0)));
     }
     const auto direction = [&](int from, int to) -> Vec3 {
-      const auto a = static_cast<size_t>(from + margin), b = static_cast<size_t>(to + margin + 1);
+      const int first = from + margin, last = to + margin + 1;
+      const auto a = static_cast<size_t>(first), b = static_cast<size_t>(last);
       return moment[b] - moment[a] - 0.5 * (from + to) * (sum[b] - sum[a]);
     };
     for (int m = 2; m <= std::min(kMaxArm, n / 2); m = longer(m)) {

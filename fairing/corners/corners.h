@@ -9,32 +9,33 @@ namespace batten {
 
 /// Finds the corners of a polyline.
 ///
-/// Call it before fitting or fairing, because fits are C1 between corners only.
+/// Call find_corners() before fitting or fairing a curve, because fitted curves are C1 only between
+/// corners.
 ///
-/// `points`: samples in order. `closed`: the list continues from its last point to its first, which
-/// it must not repeat. `angle`: smallest turning angle of a corner, degrees; 180 or more: no
-/// corners. `block_size`: if it is above 1, corners are searched among means of that many
-/// consecutive points; use it where neighbouring points are known to share their noise (correlated
-/// noise).
+/// `points`: samples in order, in any unit; points equal to the previous one are skipped. `closed`:
+/// the polyline continues from its last point to its first; the first point must not be repeated at
+/// the end. `angle`: smallest turning angle of a corner, degrees; 180 or more: no corners.
+/// `block_size`: if it is above 1, corners are searched among means of that many consecutive
+/// points; use it if the noise of neighbouring points is correlated.
 ///
 /// Returns indices of `points`, ascending, without the end points of an open list.
 ///
 /// The turning angle at a point is the angle between the chords before and behind it. A point with
 /// a turning angle above `angle` is a corner if it **stands out** from its neighbours. Its turning
 /// angle must be at least 2.2 times as large as those at the adjacent points. It must also exceed
-/// their extrapolation: what they would be there if they kept growing at their rate, by a factor of
-/// at most 3 per point. An arc of five points, for example, has no corner although it turns by 45
-/// degrees at each point. Further rules:
+/// the value extrapolated from them, which assumes that turning angles continue to grow at the same
+/// rate, by a factor of at most 3 per point. An arc of five points, for example, has no corner
+/// although it turns by 45 degrees at each point. Further rules:
 ///
 /// - A turning angle above 75 degrees is always a corner, unless the angles grow towards it from
 ///   both sides, as at the nose of an airfoil.
 /// - A turning angle above 40 degrees is a corner if one adjacent chord is 2.5 times as long as the
-///   other. Squares and chamfers are given by their corners.
+///   other. Squares and chamfers are typically given by such points.
 /// - In lists of eleven points or fewer, a corner turns by at least 20 degrees and by three times
-///   as much as its neighbours. It turns by at least 60 degrees where one side of it is a single
+///   as much as its neighbours. It turns by at least 60 degrees if one side of it is a single
 ///   chord.
 /// - Turning angles that grow steadily over four points up to the last chord, to at most 75
-///   degrees, are half of a nose and no corner.
+///   degrees, are half of a nose and not a corner.
 ///
 /// A closed list that turns by 50 degrees or more at every point is a polygon: all of its points
 /// are corners. (A circle therefore needs eight points, which turn by 45 degrees, or more.)

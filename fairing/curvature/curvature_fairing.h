@@ -17,49 +17,52 @@ struct CurvatureFairingOptions {
   /// Number of quintic segments; at least one between adjacent fixed points. The error of the
   /// minimising curve falls with the sixth power of this number (Energy: about the same).
   int segments = 16;
-  /// Adds length_weight · length to the functional, both of the curve scaled to size 1; ≥ 0.
+  /// Weight of the length, ≥ 0: length_weight · length is added to the functional; both refer to
+  /// the curve scaled to size 1.
   double length_weight = 0;
   /// Weight of ∫ (d ln|X'| / du)² du on the curve scaled to size 1, above 0. The functionals do not
   /// depend on the parametrisation; this term keeps the speed uniform. Every shape has a
   /// parametrisation of uniform speed, so the term hardly affects the shape:
   /// docs/theory/curvature-fairing.md.
   double parametrization_weight = 1e-3;
-  /// Maximum number of outer rounds, each with reparametrisation and new foot points.
+  /// Maximum number of outer rounds, each with a reparametrisation and new foot points (points of
+  /// the curve closest to the springs).
   int max_rounds = 12;
   int max_iterations = 500;  ///< maximum number of Ceres iterations per round
 };
 
-/// A point of the starting curve, given by its parameter, at which position or direction is fixed.
+/// A point of the starting curve at which the position or the tangent direction is fixed.
 struct FixedCurvePoint {
-  /// Parameter of the starting curve.
+  /// Parameter of the point on the starting curve.
   double u = 0;
-  bool position = true;  ///< the position is fixed
-  bool tangent = false;  ///< the direction is fixed; the speed is free and positive
+  bool position = true;  ///< true: the position is fixed
+  bool tangent = false;  ///< true: the tangent direction is fixed; the speed is free and positive
 };
 
 /// A spring that pulls the closest point of the curve towards `point`. It adds stiffness ·
-/// distance² to the functional, both of the curve scaled to size 1. If the closest point is an end
-/// of an open curve, the spring pulls that end.
+/// distance² to the functional; both refer to the curve scaled to size 1. If the closest point is
+/// an end of an open curve, the spring pulls that end.
 struct CurveSpring {
   Vec3 point;
-  double stiffness = 1;  ///< dimensionless, above 0
+  double stiffness = 1;  ///< spring stiffness, dimensionless, above 0
 };
 
-/// Result of fair_curvature(): the curve and how it was reached.
+/// Result of fair_curvature(): the faired curve and the course of the iteration.
 struct CurvatureFairingResult {
-  HermiteCurve curve;              ///< C1 cubics; u is arc length to a few digits
+  HermiteCurve curve;              ///< faired curve, C1 cubics; u is arc length to a few digits
   QuinticCurve quintic;            ///< the minimising C2 curve, over the same u
   std::vector<double> parameters;  ///< parameter of each fixed point, in input order
-  /// Maximum distance between cubics and quintic curve, measured on samples.
+  /// Maximum distance between `curve` and `quintic`, measured at samples; model units.
   double deviation = 0;
-  /// Functional of `quintic`: 1/length (Energy) or 1/length³ (Variation).
+  /// Value of the functional for `quintic`; unit 1/length (Energy) or 1/length³ (Variation).
   double functional = 0;
-  double start_functional = 0;  ///< functional of the initial quintic curve
-  /// Largest violation of a fixed point: distance / size, or sine of the angle.
+  double start_functional = 0;  ///< value of the functional for the initial quintic curve
+  /// Largest violation at a fixed point: distance divided by the size of the curve, or sine of the
+  /// angle between the tangents.
   double max_residual = 0;
-  int iterations = 0;  ///< Ceres iterations, all rounds
+  int iterations = 0;  ///< number of Ceres iterations in all rounds
   int rounds = 0;
-  /// The last round converged and parameters and foot points no longer moved.
+  /// True if the last round converged, and parameters and foot points no longer moved.
   bool converged = false;
 };
 
@@ -76,13 +79,13 @@ double curvature_functional(const QuinticCurve& curve, CurveFunctional functiona
 ///
 /// The curve gets a node at each fixed point and evenly spaced nodes between them. The minimisation
 /// starts from `start` and uses Levenberg-Marquardt and then BFGS (Ceres). The result is a local
-/// minimum, reached downhill from the start.
+/// minimum.
 ///
-/// Cubics would not suffice: they are only C1, so curvature jumps at their nodes cost nothing, and
-/// refinement makes this worse. Between rounds, the curve is reparametrised by arc length and the
-/// springs move to the closest points of the curve. The rounds end when neither changes any more.
-/// Internally the curve is translated to the origin and scaled to size 1 (diagonal of its bounding
-/// box).
+/// C1 cubics would not suffice: the functional does not measure their curvature jumps at the nodes,
+/// and refinement makes this worse. Between rounds, the curve is reparametrised by arc length and
+/// the springs move to the closest points of the curve. The rounds end when neither changes any
+/// more. Internally the curve is translated to the origin and scaled to size 1 (diagonal of its
+/// bounding box).
 ///
 /// Throws InputError if Ceres is missing, the tolerance is not above 0, the curve has a corner, a
 /// fixed point is outside the curve or given twice, or there are fewer segments than the fixed
@@ -97,16 +100,16 @@ CurvatureFairingResult fair_curvature(const HermiteCurve& start,
 /// A point that the curve interpolates exactly, and optionally its tangent direction there.
 struct CurveThroughPoint {
   Vec3 position;
-  std::optional<Vec3> tangent = {};  ///< along the curve; its length does not matter
+  std::optional<Vec3> tangent = {};  ///< tangent vector along the curve, of any length except zero
 };
 
 /// Computes the curve of smallest functional through points in the given order.
 ///
 /// `closed`: the curve returns to the first point. The initial curve consists of cubics with the
 /// given tangents; missing tangents are those of the circle through neighbouring points. Throws
-/// InputError as fair_curvature() does. It also throws InputError for fewer than two points
-/// (closed: three), for a point that equals the one before it, for a tangent of length zero, and
-/// for a number that is not finite.
+/// InputError under the conditions of fair_curvature(). It also throws InputError for fewer than
+/// two points (closed: three), for a point that equals the previous one, for a tangent of length
+/// zero, and for a number that is not finite.
 CurvatureFairingResult minimum_curvature_curve(const std::vector<CurveThroughPoint>& points,
                                                bool closed, const CurvatureFairingOptions& options);
 

@@ -11,8 +11,9 @@ namespace batten {
 
 /// Evaluates the six basis functions of a quintic Hermite segment, or their derivatives.
 ///
-/// h: parametric length of the segment. The derivative of `order` 0 to 3 is taken with respect to u
-/// = s h, s in [0, 1]. The functions multiply X, X', X'' at the start, then at the end.
+/// `h`: parametric length of the segment. `s`: local coordinate in [0, 1], u = s h. `order`: order
+/// of the derivative with respect to u, 0 to 3. The functions are the coefficients of X, X', X'' at
+/// the start of the segment, followed by those at its end.
 Eigen::Matrix<double, 6, 1> quintic_functions(double h, double s, int order = 0);
 
 /// A C2 curve of quintic Hermite segments between nodes u_0 < … < u_m, with X, dX/du and d²X/du² as
@@ -31,7 +32,7 @@ class QuinticCurve {
   const std::vector<double>& parameters() const { return mesh_.parameters(); }
   const Points& dofs() const { return dofs_; }
   double length(int segment) const { return mesh_.length(segment); }
-  /// Node at the end of a segment; 0 for the last segment of a closed curve.
+  /// Index of the node at the end of a segment; 0 for the last segment of a closed curve.
   int node_after(int segment) const { return segment + 1 == node_count() ? 0 : segment + 1; }
   /// Segment that contains a parameter. The parameter is clamped to the range of an open curve and
   /// wrapped on a closed one.
@@ -47,8 +48,9 @@ class QuinticCurve {
   /// Approximates the curve by C1 cubics over the same parameter.
   ///
   /// Each segment is divided into equal pieces, as many as needed for the cubic Hermite interpolant
-  /// of each piece to be within `tolerance`, measured at the same u. The error of a piece of length
-  /// h is h⁴ |X''''| / 384. Throws InputError if a segment would need more than 10,000 pieces.
+  /// of each piece to be within `tolerance` (model units) of the curve, measured at the same u. The
+  /// error of a piece of length h is h⁴ |X''''| / 384. Throws InputError if a segment would need
+  /// more than 10,000 pieces.
   HermiteCurve cubics(double tolerance) const;
 
  private:
@@ -61,16 +63,16 @@ class QuinticCurve {
 /// Functional that a faired curve minimises. Both depend on the shape only, not on the
 /// parametrisation.
 enum class CurveFunctional {
-  /// ∫ κ² ds, unit 1/length: the minimum-energy curve, a thin elastic rod that can slide through
-  /// its points. Its length is free. If the ends have to turn back (a U-turn, a loop), larger and
-  /// larger curves cost less and less. Then there is no minimum, and fair_curvature() throws
-  /// NoSolutionError; a `length_weight` restores a minimum.
+  /// ∫ κ² ds, unit 1/length: the minimum-energy curve, a thin elastic rod of free length that can
+  /// slide through its points. If the curve has to turn back between its ends (a U-turn, a loop),
+  /// the functional decreases as the curve grows, without bound. Then there is no minimum, and
+  /// fair_curvature() throws NoSolutionError; a `length_weight` restores a minimum.
   Energy,
   /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum-variation curve [MoretonSequin1992]. κ' is the
-  /// derivative of curvature by arc length, τ the torsion. The integrand is the square of the part
-  /// of d(κN)/ds normal to the curve. It is (dκ/ds)² for a plane curve, vanishes only for circles
-  /// and straight lines, and is smooth through inflections, where κ and N alone are not. (The full
-  /// d(κN)/ds would cost κ⁴ more, also on circles.)
+  /// derivative of curvature by arc length, τ the torsion. The integrand is the squared component
+  /// of d(κN)/ds normal to the curve (N: principal normal). It is (dκ/ds)² for a plane curve,
+  /// vanishes only for circles and straight lines, and is smooth through inflections, where κ and N
+  /// alone are not. (The full d(κN)/ds would cost κ⁴ more, also on circles.)
   Variation
 };
 

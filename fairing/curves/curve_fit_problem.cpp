@@ -123,8 +123,7 @@ void CurveFitProblem::make_cubics() {
   for (int s = 0; s < mesh.segment_count(); ++s) {
     const auto d = mesh.segment_dofs(s);
     const double h = mesh.length(s);
-    const Vec3 a = dof(d[0]), b = dof(d[2]), p = h * dof(d[1]), q = h * dof(d[3]);
-    cubics_[s] = {a, p, 3 * (b - a) - 2 * p - q, 2 * (a - b) + p + q};
+    cubics_[s] = PowerCubic<Vec3>::of_hermite(dof(d[0]), h * dof(d[1]), dof(d[2]), h * dof(d[3]));
   }
 }
 
@@ -139,7 +138,7 @@ void CurveFitProblem::move_parameters() {
     if (p.fixed_parameter || p.t < mesh.start() || p.t > mesh.end()) continue;
     while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
     const double at = local_parameter(p.t, s);
-    const Vec3 d = cubics_[s].position(at) - p.x, d1 = cubics_[s].first(at);
+    const Vec3 d = cubics_[s].at(at) - p.x, d1 = cubics_[s].slope(at);
     const double slope = d1.squaredNorm() + std::max(0.0, d.dot(cubics_[s].second(at)));
     if (slope > 0) moves_[i] = move(i, -mesh.length(s) * d.dot(d1) / slope);
   }
@@ -179,7 +178,7 @@ void CurveFitProblem::measure() {
     while (s + 1 < segments && p.t >= mesh.parameters()[s + 1]) ++s;
     double distance = 0;
     if (p.t >= mesh.start() && p.t <= mesh.end()) {
-      distance = (cubics_[s].position(local_parameter(p.t, s)) - p.x).norm();
+      distance = (cubics_[s].at(local_parameter(p.t, s)) - p.x).norm();
       segment_errors[s] = std::max(segment_errors[s], distance);
       if (s > 0 && p.t == mesh.parameters()[s])
         segment_errors[s - 1] = std::max(segment_errors[s - 1], distance);
@@ -201,7 +200,7 @@ void CurveFitProblem::measure() {
 // the last sample.
 int CurveFitProblem::measure_gap(int i, std::initializer_list<int> places, int s) {
   const FitPoint &b = points[i], &a = i > 0 ? points[i - 1] : points.back();
-  const double room = tolerance + b.sagitta, from = i > 0 ? a.t : a.t - period();
+  const double limit = tolerance + b.sagitta, from = i > 0 ? a.t : a.t - period();
   for (const int place : places) {
     const double part = static_cast<double>(place) / kSamplesPerGap;
     double u = from + part * (b.t - from);
@@ -209,8 +208,8 @@ int CurveFitProblem::measure_gap(int i, std::initializer_list<int> places, int s
     if (u < mesh.start() || u > mesh.end()) continue;
     while (s > 0 && u < mesh.parameters()[s]) --s;
     while (s + 1 < mesh.segment_count() && u >= mesh.parameters()[s + 1]) ++s;
-    const Vec3 x = cubics_[s].position(local_parameter(u, s));
-    if ((x - a.x - part * (b.x - a.x)).squaredNorm() > room * room)
+    const Vec3 x = cubics_[s].at(local_parameter(u, s));
+    if ((x - a.x - part * (b.x - a.x)).squaredNorm() > limit * limit)
       segment_errors[s] = std::max(segment_errors[s], chord_excess(x, a.x, b.x, b.sagitta));
   }
   return s;

@@ -9,6 +9,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/solvers/band_cholesky.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/fem/curves/curve_mesh.h"
 
 namespace batten {
@@ -66,14 +67,6 @@ class CurveFitProblem {
   std::vector<int> first_points() const;
 
  private:
-  // A segment over s in [0, 1]: x = c0 + s (c1 + s (c2 + s c3)).
-  struct Cubic {
-    Vec3 c0, c1, c2, c3;
-    Vec3 position(double s) const { return c0 + s * (c1 + s * (c2 + s * c3)); }
-    Vec3 first(double s) const { return c1 + s * (2 * c2 + 3 * s * c3); }
-    Vec3 second(double s) const { return 2 * c2 + 6 * s * c3; }
-  };
-
   void solve();
   void make_cubics();
   void move_parameters();
@@ -85,8 +78,8 @@ class CurveFitProblem {
     return (u - mesh.parameters()[segment]) / mesh.length(segment);
   }
 
-  std::vector<Cubic> cubics_;
-  std::vector<double> moves_;  // change of each parameter in the last round
+  std::vector<PowerCubic<Vec3>> cubics_;  // of the segments, over s in [0, 1]
+  std::vector<double> moves_;             // change of each parameter in the last round
   BandCholesky A_;
   Points rhs_;
 };

@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// Exact position and direction of one end of an open curve.
+/// Prescribed position and tangent of one end of an open curve.
 struct CurveEnd {
   Vec3 position;
   Vec3 tangent;  ///< unit vector, in the direction of increasing u
@@ -17,28 +17,28 @@ struct CurveEnd {
 
 /// Options of fit_points() and fit_curve().
 struct FitOptions {
-  double tolerance = 0;  ///< maximum distance from the points, both ways; model units, above 0
-  /// A corner is a point where the direction turns by more than this; degrees in (0, 180]. 180: no
-  /// corners. See find_corners().
+  double tolerance = 0;  ///< maximum distance between curve and points; model units, above 0
+  /// Smallest turning angle of a corner, degrees in (0, 180]; 180: no corners. See find_corners().
   double corner_angle = 50;
   std::optional<std::vector<int>> corners;  ///< point indices of the corners; unset: detected
-  std::optional<bool> closed;               ///< unset: closed if the last point equals the first
-  /// For open curves; unset: the end points, with free tangents.
+  std::optional<bool> closed;               ///< unset: true if the last point equals the first
+  /// Prescribed ends of an open curve; unset: the first and the last point, with free tangents.
   std::optional<CurveEnd> start, end;
-  /// Points keep their initial parameters (chord or arc length): more segments, but u is uniform.
+  /// True: points keep their initial parameters (chord or arc length). The curve then has more
+  /// segments, but a more uniform parameter.
   bool fixed_parameters = false;
-  /// Adds nodes only by repeated halving of parameter intervals and removes none. For meshes whose
-  /// sides are halved as well.
+  /// True: adds nodes only by repeated halving of parameter intervals, and removes none. Use it for
+  /// meshes whose boundary edges are also refined by halving.
   bool bisection_only = false;
   int max_segments = 1 << 14;
 };
 
 /// Distance between a curve and ordered points; model units.
 struct Deviation {
-  double max = 0, rms = 0;  ///< distances of the points from the curve
+  double max = 0, rms = 0;  ///< largest and RMS distance of the points from the curve
   /// Largest distance of the curve from the polyline through the points, in excess of
-  /// sagitta_bound(), the bulge of a circle through neighbouring points. It bounds oscillations of
-  /// the curve between the points.
+  /// sagitta_bound(), the bulge of a circle through neighbouring points. This value bounds
+  /// oscillations of the curve between the points.
   double between = 0;
 };
 
@@ -57,12 +57,12 @@ struct CurveCondition {
     Tangent,  ///< at the curve point closest to `at`, the tangent is parallel to ±`direction`
     ZeroEndCurvature,  ///< the second derivative vanishes at both ends of an open curve
     Plane,             ///< the whole curve lies in the plane through `at` with normal `direction`
-    Symmetry           ///< the curve is its own mirror image in that plane
+    Symmetry           ///< the curve is mirror-symmetric about that plane
   };
   std::string name;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
-  /// Direction of the tangent, or normal of the plane; its length does not matter.
+  /// Direction of the tangent, or normal of the plane, of any length except zero.
   Vec3 direction = Vec3::UnitZ();
 };
 
@@ -74,72 +74,74 @@ struct CurveCondition {
 ///
 /// (FairingEnergy) over C1 cubics whose second derivatives are almost continuous at the nodes. ρ is
 /// the number of points per length and w = 2πa the wavelength below which waves are smoothed away.
-/// b = 1 / (1 + (L/4πa)²) with the length L, and r is the local wavelength factor
-/// (CurvatureAdaptiveWavelength).
+/// b = 1 / (1 + (L/4πa)²) with the length L, and r ≤ 1 is a local wavelength factor, which is
+/// reduced in tight bends.
 ///
-/// Nodes are at every k-th point, several times as many as the smoothing can make use of. The u_i
-/// start as chord lengths. After each solve they move to the foot points (closest points on the
-/// curve) and u becomes arc length. This repeats until they no longer move, so the distances are
-/// orthogonal distances to the curve.
+/// Nodes are placed at every k-th point, several times as densely as the smoothing can resolve. The
+/// u_i start as chord lengths. After each solve they move to the foot points (closest points on the
+/// curve) and u becomes arc length. This is repeated until the u_i no longer move, so the distances
+/// are orthogonal distances to the curve.
 struct FairOptions {
   /// How the smoothing wavelength is chosen.
   enum class Smoothing {
-    /// Generalised cross-validation [CravenWahba1979] of x, y, z together: the curve that would
-    /// best predict points that are left out.
+    /// Generalised cross-validation [CravenWahba1979] of x, y, z together: the curve that best
+    /// predicts points that are left out of the fit.
     ///
-    /// From 20 points on, each degree of freedom counts 1.3 times, close to [KimGu2004]; with six
-    /// points it counts once. Points move by at most twice their estimated noise (RMS), because
-    /// larger deviations cannot be noise. With fewer than eleven points the noise cannot be
+    /// With 20 points or more, each degree of freedom counts 1.3 times, close to [KimGu2004]; with
+    /// six points, it counts once. Points move by at most twice their estimated noise (RMS),
+    /// because larger deviations cannot be noise. With fewer than eleven points the noise cannot be
     /// estimated; the limit is then 2.5 % of the size. Only variation that neighbouring points do
     /// not share is recognised as noise. For slow hand tremor, state its wavelength (Wavelength) or
     /// its size (Noise). With fewer than six points nothing is known about noise, and the curve
-    /// interpolates them. In tight bends shorter waves are kept (CurvatureAdaptiveWavelength),
-    /// which would be flattened otherwise.
+    /// interpolates them. In tight bends, the wavelength is reduced locally, because the bends
+    /// would be flattened otherwise.
     CrossValidation,
-    /// The fairest curve whose points are off by `noise` (RMS), corrected for its effective dofs.
-    /// Use it if the noise is known, also for correlated noise such as tremor.
+    /// The fairest curve whose RMS distance from the points is `noise`, corrected for the effective
+    /// dofs of the curve. Use it if the noise is known, also for correlated noise such as tremor.
     Noise,
     /// The fairest curve within `deviation` of all points. If conditions or an undetected corner
     /// make that impossible, FairCurve::deviation is larger.
     Deviation,
-    Wavelength  ///< waves of length `wavelength` keep half of their height, waves of length v keep
-                ///< 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴)
+    /// Waves of length `wavelength` keep half of their height. Waves of length v keep the fraction
+    /// 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴) of their height.
+    Wavelength
   };
   Smoothing smoothing = Smoothing::CrossValidation;
-  /// Known RMS distance of the points across the curve; model units, above 0.
+  /// Known RMS distance of the points from the curve, for Smoothing::Noise; model units, above 0.
   double noise = 0;
-  double deviation = 0;      ///< maximum distance of a point from the curve; model units, above 0
-  double wavelength = 0;     ///< smoothing wavelength; model units, above 0
-  double alpha = 0;          ///< stretching resistance / bending resistance · size², ≥ 0
+  /// Maximum distance of a point from the curve, for Smoothing::Deviation; model units, above 0.
+  double deviation = 0;
+  double wavelength = 0;  ///< smoothing wavelength, for Smoothing::Wavelength; model units, above 0
+  double alpha = 0;  ///< (stretching resistance / bending resistance) · size², dimensionless, ≥ 0
   double corner_angle = 50;  ///< smallest turning angle of a corner, degrees, as in FitOptions
   std::optional<std::vector<int>> corners;  ///< point indices of the corners; unset: detected
-  /// Unset: closed if the last point equals the first.
+  /// True: the curve is closed. Unset: it is closed if the last point equals the first.
   std::optional<bool> closed;
-  /// Ignores outliers: one or two adjacent points that are off a noisy curve by more than its noise
-  /// explains (a wrong digit, a twitch of the hand). Given corners are always kept. See
-  /// find_outliers().
+  /// True: ignores outliers, that is one or two adjacent points whose distance from a noisy curve
+  /// is larger than the noise explains (a wrong digit, a twitch of the hand). Given corners are
+  /// always kept.
   bool reject_outliers = true;
-  bool fix_ends = false;  ///< fixes the first and the last point of an open curve
-  /// Conditions that hold exactly.
+  bool fix_ends = false;  ///< true: fixes the first and the last point of an open curve
+  /// Conditions that the curve satisfies exactly.
   std::vector<CurveCondition> conditions;
   /// Maximum number of rounds of solving and moving the parameters.
   int max_rounds = 10;
 };
 
-/// Result of fair_points(): the faired curve and how it was found.
+/// Result of fair_points(): the faired curve and the course of the iteration.
 struct FairCurve {
-  HermiteCurve curve;              ///< u is arc length to a few digits
+  HermiteCurve curve;              ///< faired curve; its parameter u is arc length to a few digits
   std::vector<double> parameters;  ///< parameter of the closest curve point for each point
-  std::vector<int> outliers;       ///< indices of ignored points, ascending
+  std::vector<int> outliers;       ///< indices of the points ignored as outliers, ascending
   Deviation deviation;             ///< deviation of the points that are not outliers
-  double wavelength = 0;           ///< smoothing wavelength that was used; 0: no smoothing
-  /// Estimated standard deviation of the points across their curve, model units; 0 for fewer than
-  /// eleven points. See estimate_noise().
+  double wavelength = 0;           ///< smoothing wavelength used, model units; 0: no smoothing
+  /// Estimated standard deviation of the points from the underlying curve, model units; 0 for fewer
+  /// than eleven points.
   double noise = 0;
-  double effective_dofs = 0;  ///< effective degrees of freedom per coordinate
+  double effective_dofs = 0;  ///< effective degrees of freedom of the fit, per coordinate
   int rounds = 0;
-  bool converged = false;   ///< parameters no longer moved within the allowed rounds
-  double max_residual = 0;  ///< largest measured violation of a condition, relative to the size
+  bool converged = false;   ///< true: parameters stopped moving within max_rounds
+  double max_residual = 0;  ///< largest violation of a condition / size of the curve
 };
 
 }  // namespace batten

@@ -11,54 +11,10 @@
 #include "batten/core/geometry.h"
 #include "batten/fairing/corners/corners.h"
 #include "batten/fairing/curves/fair_curve.h"
+#include "batten/fem/curves/cubic.h"
 
 namespace batten {
 namespace {
-
-// Computes the slopes of the C2 cubic spline through rows first … last of the points x over u.
-// Given end slopes are kept. At other ends the last piece is a parabola, so that the end has the
-// curvature of the adjacent points. Two points without slopes: straight.
-void spline_slopes(const std::vector<double>& u, const Points& x, long first, long last,
-                   bool given_first, bool given_last, Points& slope) {
-  const long n = last - first + 1;
-  if (n == 2 && !given_first && !given_last) {
-    slope.middleRows(first, 2) =
-        ((x.row(last) - x.row(first)) / (u[last] - u[first])).replicate(2, 1);
-    return;
-  }
-  // Tridiagonal system for the slopes m: continuity of the second derivative; at open ends m0 + m1
-  // = 2 (x1 - x0)/h.
-  std::vector<double> diagonal(n), upper(n), lower(n);
-  Points right(n, 3);
-  for (long i = 0; i < n; ++i) {
-    const long g = first + i;
-    if ((i == 0 && given_first) || (i + 1 == n && given_last)) {
-      diagonal[i] = 1;
-      right.row(i) = slope.row(g);
-      continue;
-    }
-    const double left = i > 0 ? u[g] - u[g - 1] : 0, next = i + 1 < n ? u[g + 1] - u[g] : 0;
-    diagonal[i] = (left > 0 ? 2 / left : 0) + (next > 0 ? 2 / next : 0);
-    lower[i] = left > 0 ? 1 / left : 0;
-    upper[i] = next > 0 ? 1 / next : 0;
-    right.row(i).setZero();
-    if (left > 0) right.row(i) += 3 / (left * left) * (x.row(g) - x.row(g - 1));
-    if (next > 0) right.row(i) += 3 / (next * next) * (x.row(g + 1) - x.row(g));
-    if (left > 0 && next > 0) continue;
-    diagonal[i] /= 2;
-    right.row(i) *= 2.0 / 3;
-  }
-  for (long i = 1; i < n; ++i) {
-    const double f = lower[i] / diagonal[i - 1];
-    diagonal[i] -= f * upper[i - 1];
-    right.row(i) -= f * right.row(i - 1);
-  }
-  for (long i = n - 1; i >= 0; --i) {
-    if (i + 1 < n) right.row(i) -= upper[i] * right.row(i + 1);
-    right.row(i) /= diagonal[i];
-  }
-  slope.middleRows(first, n) = right;
-}
 
 // A part of a curve between corners: parameter lengths of its pieces, slopes at its points.
 struct SmoothSegment {
@@ -103,7 +59,12 @@ SmoothSegment interpolate_segment(const std::vector<Vec3>& p, const std::vector<
     long end = i + 1;
     if (!given[i] || !given[end]) {
       while (end + 1 < n && !given[end]) ++end;
-      spline_slopes(u, x, i, end, given[i] != 0, given[end] != 0, part.slopes);
+      // At open ends the curvature is that of the adjacent points.
+      const auto end_at = [&](long node) {
+        return given[node] ? SplineEnd::Given : SplineEnd::Parabolic;
+      };
+      spline_slopes({u.begin() + i, u.begin() + end + 1}, x.middleRows(i, end + 1 - i), end_at(i),
+                    end_at(end), part.slopes.middleRows(i, end + 1 - i));
     }
     i = end;
   }

@@ -13,22 +13,22 @@ namespace batten {
 
 /// Interpolates points in the given order by a curve that is C1 between corners.
 ///
-/// Between corners it consists of
+/// Between corners, the curve consists of
 ///
 /// - straight lines and circular arcs, wherever points lie on one (find_lines_and_arcs()). Lines
-///   are exact. Arcs are off the circle by 4e-6 of the radius if the points are 45 degrees apart;
-///   this error grows with the sixth power of that angle.
+///   are exact. Arcs deviate from the circle by 4e-6 of the radius if the points are 45 degrees
+///   apart; this error grows with the sixth power of the angle.
 /// - C2 cubic splines over chord length elsewhere. A spline continues adjacent lines and arcs
 ///   tangentially. At corners and ends its last piece is a parabola, so three points give a
 ///   parabola unless they are recognised as an arc.
 ///
-/// `corners`: point indices (from 0). If it is unset, corners are detected by find_corners() with
-/// the smallest turning angle `corner_angle`, degrees. `name` is used in messages.
+/// `corners`: point indices (from 0). If unset, corners are detected by find_corners() with the
+/// smallest turning angle `corner_angle`, degrees. `name` is used in messages.
 ///
-/// If the last point equals the first, the curve is closed. It is smooth across the seam, unless
-/// that is a corner. The speed |dX/du| is 1 on lines and arcs. Throws InputError for fewer than two
-/// points, a number that is not finite, two successive points that coincide (closer than 1e-9 of
-/// the size), points that all coincide, and a given corner that is not among the points. Cost:
+/// If the last point equals the first, the curve is closed. It is smooth at that point, unless the
+/// point is a corner. The speed |dX/du| is 1 on lines and arcs. Throws InputError for fewer than
+/// two points, a number that is not finite, two successive points that coincide (closer than 1e-9
+/// of the size), points that all coincide, and an index in `corners` that is out of range. Cost:
 /// O(points), plus that of find_corners().
 std::shared_ptr<const InputCurve> curve_through_points(
     const std::string& name, const std::vector<Vec3>& points, double corner_angle = 20,
@@ -45,11 +45,12 @@ struct LineOrArc {
 
 /// Finds the straight lines and circular arcs in an open sequence of points without corners.
 ///
-/// Returns them in ascending order. Neighbours may share a point and then have the same tangent
-/// there. Points lie on a line or circle if they are within 5e-5 of its chord.
+/// The lines and arcs are returned in ascending order. Neighbours may share a point and then have
+/// the same tangent there. Points lie on a line or circle if their distance from it is within 5e-5
+/// of the chord.
 ///
-/// Dense points of any smooth curve are nearly on lines and circles, and a spline through them is
-/// better. Therefore further conditions apply:
+/// Dense points of any smooth curve lie nearly on lines and circles, but a spline interpolates them
+/// better. Therefore the following conditions also apply:
 ///
 /// - At one of its ends, a straight line turns by at least half a degree and by twenty times as
 ///   much as inside (three points: a thousand times).
@@ -69,9 +70,9 @@ std::vector<LineOrArc> find_lines_and_arcs(const std::vector<Vec3>& points);
 /// ascending u.
 ///
 /// The spline is C2, and its third derivative is continuous at the first and the last inner knot.
-/// Cubics are reproduced; three points give a parabola, two a straight line. Natural splines have
-/// zero curvature at their ends, whereas these have that of the points. Takes two points or more.
-/// O(points³), some microseconds for ten points.
+/// Cubics are reproduced; three points give a parabola, two a straight line. Unlike natural
+/// splines, whose curvature vanishes at the ends, not-a-knot splines approximate the curvature of
+/// the points there. Requires two points or more. O(points³), some microseconds for ten points.
 Points not_a_knot_slopes(const std::vector<double>& u, const Points& x);
 
 }  // namespace batten

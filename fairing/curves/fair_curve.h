@@ -1,4 +1,5 @@
-// Fairing of noisy curves: smoothing splines through points, and local fairing of existing curves.
+// Fairing of curves: smoothing splines through noisy points, local fairing of existing curves, and
+// measures of fairness.
 #pragma once
 
 #include <string>
@@ -9,36 +10,73 @@
 
 namespace batten {
 
-/// Fairs ordered points: balances their distances from a curve against its bending, see
-/// FairOptions.
+/// Fairs ordered points: computes the curve that minimises a weighted sum of its squared distances
+/// from the points and its bending; FairOptions describes the functional.
 ///
-/// Takes two points or more; `name` is used in messages. Cost: O(points) per round, about 0.2 ms
-/// for a hundred points. Throws InputError under the conditions of fit_points(), for a condition of
-/// an open curve on a closed one, and for a noise, deviation or wavelength that is not above 0.
-/// Throws ConflictError if conditions contradict each other. Throws NoSolutionError if nothing is
-/// left of the curve (a loop shorter than the wavelength).
+/// `points`: two or more. `name` is used in messages. Cost: O(points) per round, about 0.2 ms for a
+/// hundred points. Throws InputError under the conditions of fit_points(), for a condition on the
+/// ends of a closed curve, and for a noise, deviation or wavelength that is not above 0. Throws
+/// ConflictError if conditions contradict each other. Throws NoSolutionError if the curve shrinks
+/// to a point (a closed curve shorter than the wavelength).
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
-/// Interpolates the points without fairing; C2 between corners. For comparison with fair_points().
+/// Interpolates the points without fairing; the curve is C2 between corners. Intended for
+/// comparison with fair_points().
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
                                   const FairOptions& options = {});
 
-/// Fairs a part of a curve; the rest stays bit-identical.
+/// Fairs one interval of a curve; the rest of the curve stays bit-identical.
 ///
-/// Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du (u in arc length) over the segments
-/// that the interval touches. φ falls smoothly from 1 in the middle of the interval to 0 at its
-/// ends. The wave that keeps half of its height thus grows from nothing to `wavelength`. The nodes
-/// at the ends of these segments keep position and slope; only at the end of an open curve is the
-/// slope free. Before the solve, nodes are inserted without a change of shape, as many as the
-/// wavelength needs.
+/// Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du over the segments that the interval
+/// touches, with the given curve X⁰ and arc length u. φ falls smoothly from 1 in the middle of the
+/// interval to 0 at its ends. The length of waves that keep half of their height thus grows from
+/// zero to `wavelength`. The nodes at both ends of the range of segments keep position and slope;
+/// at an end of an open curve, the slope is free. Before the solve, as many nodes as the wavelength
+/// needs are inserted, which does not change the shape.
 ///
-/// The interval goes from parameter `from` to `to`; on closed curves it crosses the seam if to <
-/// from. Throws InputError if it is not a part of the curve, or if `wavelength` is not above 0.
+/// The interval extends from parameter `from` to `to`; on a closed curve with to < from, it crosses
+/// the seam. Throws InputError if the interval is not a part of the curve, or if `wavelength` is
+/// not above 0.
 HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength);
 /// Fairs a curve inside a sphere (a brush), as fair_interval() does, with φ falling from 1 at the
 /// centre to 0 at `radius`. Throws InputError if the curve does not meet the sphere.
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
                         double wavelength);
+
+// Measures of fairness: curvature integrals, extrema and inflections, and curvature combs.
+
+/// Fairness measures of a curve.
+///
+/// The integrals use Gauss rules per segment. The counts use samples of the signed curvature: |κ|,
+/// with a sign that changes if the curvature vector turns by more than 90 degrees from one sample
+/// to the next (for a plane curve: if it bends to the other side). Curvature waves below a
+/// hundredth of the largest curvature are not counted. Corners are not counted, and counting
+/// restarts after each corner.
+struct Fairness {
+  double length = 0;             ///< length of the curve, model units
+  double bending = 0;            ///< ∫ κ² ds, 1/length
+  double variation = 0;          ///< ∫ (dκ/ds)² ds inside the segments, 1/length³
+  double largest_curvature = 0;  ///< largest curvature, 1/length
+  /// Largest jump of the curvature vector at a node, 1/length; 0 if the curve is C2.
+  double largest_jump = 0;
+  int extrema = 0;      ///< local extrema of the signed curvature
+  int inflections = 0;  ///< sign changes of the signed curvature
+};
+/// Computes the fairness measures of a curve. At points with zero derivative, the curvature counts
+/// as 0. O(segments).
+Fairness fairness(const HermiteCurve& curve);
+
+/// One sample of a curvature comb. A node with a curvature jump has one sample per side.
+struct CurvatureCombSample {
+  double u = 0;  ///< parameter of the sample on the curve
+  Vec3 point;    ///< point of the curve, model units
+  /// Unit vector pointing away from the centre of curvature; zero vector where the curvature is 0.
+  Vec3 outward;
+  double curvature = 0;  ///< curvature at the sample, 1/length, ≥ 0
+};
+/// Samples a curvature comb: about `teeth` samples evenly in u along the curve, and one at each end
+/// of each segment. O(teeth + segments).
+std::vector<CurvatureCombSample> curvature_comb(const HermiteCurve& curve, int teeth);
 
 }  // namespace batten

@@ -7,6 +7,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/elements/quadrature.h"
+#include "batten/fem/curves/cubic.h"
 
 namespace batten {
 namespace {
@@ -50,23 +51,16 @@ class FormulaCurve final : public InputCurve {
 class BezierCurve final : public InputCurve {
  public:
   BezierCurve(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3)
-      : c_{p0, 3 * (p1 - p0), 3 * (p2 - 2 * p1 + p0), p3 - 3 * p2 + 3 * p1 - p0} {}
+      : cubic_(PowerCubic<Vec3>::of_bezier({{p0, p1, p2, p3}})) {}
   double start() const override { return 0; }
   double end() const override { return 1; }
   Vec3 evaluate(double t, int order) const override {
-    switch (order) {
-      case 0:
-        return c_[0] + t * (c_[1] + t * (c_[2] + t * c_[3]));
-      case 1:
-        return c_[1] + t * (2 * c_[2] + 3 * t * c_[3]);
-      default:
-        return 2 * c_[2] + 6 * t * c_[3];
-    }
+    return order == 0 ? cubic_.at(t) : order == 1 ? cubic_.slope(t) : cubic_.second(t);
   }
   bool piecewise_cubic() const override { return true; }
 
  private:
-  Vec3 c_[4];
+  PowerCubic<Vec3> cubic_;
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ class InputCurve {
   virtual double start() const = 0;
   virtual double end() const = 0;
   /// Position (order 0), first or second derivative with respect to t. At a break, derivatives are
-  /// those of the piece behind it (at end(): of the last piece).
+  /// those of the piece that begins there; at end(), those of the last piece.
   virtual Vec3 evaluate(double t, int order = 0) const = 0;
   /// Parameters at which derivatives may jump, ascending, including start() and end().
   virtual std::vector<double> breaks() const { return {start(), end()}; }
@@ -49,8 +49,8 @@ class ArcLength {
   double total() const { return panels_.back().before + panels_.back().length; }
   /// Arc length from the start to the parameter t.
   double length_at(double t) const;
-  /// Parameter t at arc length s from the start: inverts the polynomial of a panel, then takes
-  /// Newton steps.
+  /// Parameter t at arc length s from the start. Inverts the polynomial of a panel and refines the
+  /// result by Newton steps.
   double parameter(double s) const;
 
  private:

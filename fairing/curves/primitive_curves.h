@@ -15,7 +15,7 @@ struct CurvePlane {
   Vec3 centre = Vec3::Zero(), x = Vec3::UnitX(), y = Vec3::UnitY();
   Vec3 normal() const { return x.cross(y); }
 };
-/// Makes the plane through `centre` with this normal.
+/// Makes the plane through `centre` with the given normal.
 ///
 /// x is the projection of `along` onto the plane; y is x rotated by +90° about the normal. Throws
 /// InputError for a normal of length zero or one that is parallel to `along`.
@@ -27,16 +27,17 @@ std::shared_ptr<const InputCurve> arc_through(const Vec3& a, const Vec3& b, cons
 /// Elliptical arc centre + a cos t x + b sin t y, for t between the angles `from` and `to`,
 /// radians.
 ///
-/// If `to` < `from`, it runs backwards; if they are 2π apart, it is closed. Circular arcs (a = b)
-/// are cubics that are off the circle by 1e-8 of the radius, and u is arc length to the same
-/// accuracy. For other ellipses u is |t| times the larger radius. Throws InputError for a radius
-/// that is not above 0 and for angles that are equal or more than 2π apart.
+/// If `to` < `from`, the arc runs backwards; if the angles are 2π apart, it is closed. Circular
+/// arcs (a = b) are cubics that deviate from the circle by 1e-8 of the radius, and their parameter
+/// is arc length to the same accuracy. For other ellipses, the parameter is |t| times the larger
+/// radius. Throws InputError for a radius that is not above 0 and for angles that are equal or more
+/// than 2π apart.
 std::shared_ptr<const InputCurve> ellipse_arc(const CurvePlane& plane, double a, double b,
                                               double from, double to);
 /// Helix centre + radius (cos t x + sin t y) + pitch t / 2π normal, from t = 0 over `turns` turns.
 ///
-/// A negative pitch makes it left-handed. u is arc length. Throws InputError for a radius or a
-/// number of turns that is not above 0.
+/// A negative pitch makes the helix left-handed. The parameter of the curve is arc length. Throws
+/// InputError for a radius or a number of turns that is not above 0.
 std::shared_ptr<const InputCurve> helix(const CurvePlane& plane, double radius, double pitch,
                                         double turns);
 /// Closed rectangle around the centre, with `width` along x and `height` along y.
@@ -48,15 +49,16 @@ std::shared_ptr<const InputCurve> rectangle(const CurvePlane& plane, double widt
                                             double radius);
 /// NURBS curve Σ N_i(t) w_i p_i / Σ N_i(t) w_i of degree 1 to 9.
 ///
-/// There are poles + degree + 1 knots. Empty knots: clamped and uniform over [0, 1]; empty weights:
-/// all 1. Throws InputError for a wrong number of knots or weights, for descending knots, for more
-/// than `degree` equal inner knots, and for a weight that is not above 0.
+/// The number of knots is the number of poles + degree + 1. Empty `knots`: clamped and uniform over
+/// [0, 1]. Empty `weights`: all 1. Throws InputError for a wrong number of knots or weights, for
+/// descending knots, for more than `degree` equal inner knots, and for a weight that is not above
+/// 0.
 std::shared_ptr<const InputCurve> nurbs_curve(int degree, const std::vector<Vec3>& poles,
                                               const std::vector<double>& weights,
                                               const std::vector<double>& knots);
 
 /// Concatenates curves, each of which must begin where the previous one ends. Throws InputError if
-/// there are none.
+/// `curves` is empty.
 std::shared_ptr<const InputCurve> concatenated(
     std::vector<std::shared_ptr<const InputCurve>> curves);
 
@@ -65,11 +67,12 @@ struct AffineTransform {
   Mat3 A = Mat3::Identity();
   Vec3 b = Vec3::Zero();
   Vec3 operator()(const Vec3& x) const;
-  /// Composition: this map first, then `next`.
+  /// Composition that applies this map first, then `next`.
   AffineTransform then(const AffineTransform& next) const;
 };
-/// Mirror image, rotation and scaling as affine maps. They throw InputError if the normal or the
-/// axis has length zero. `factor` must be above 0.
+/// Affine map of the reflection in the plane through `point` with this normal. rotation_about() and
+/// scaling_about() create rotations and uniform scalings (`factor` above 0). All throw InputError
+/// if the normal or the axis has length zero.
 AffineTransform reflection_in(const Vec3& point, const Vec3& normal);
 AffineTransform rotation_about(const Vec3& point, const Vec3& axis, double radians);
 AffineTransform scaling_about(const Vec3& point, double factor);

@@ -10,7 +10,7 @@
 #include "batten/core/progress.h"
 #include "batten/fairing/curvature/curvature_fairing.h"
 #include "batten/fairing/curves/curve_options.h"
-#include "batten/fairing/curves/fairness.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
@@ -18,20 +18,20 @@ namespace batten {
 /// A curve to be faired, given by points in order. The optional fields are set for points that were
 /// sampled from a curve (sample_line()).
 struct CurveSamples {
-  std::string name;               ///< used in messages
+  std::string name;               ///< name of the curve, used in messages
   std::string where = {};         ///< prefix of messages, such as "scene.toml:8:1: "
-  std::vector<Vec3> points = {};  ///< model units
-  /// Indices of the points at corners; unset: detected.
+  std::vector<Vec3> points = {};  ///< points of the curve in order, model units
+  /// Indices of the corners among the points; unset: corners are detected.
   std::optional<std::vector<int>> corners = {};
-  std::optional<bool> closed = {};      ///< unset: closed if the last point equals the first
-  std::vector<Vec3> extra_points = {};  ///< further points, for measuring deviations
+  std::optional<bool> closed = {};      ///< unset: true if the last point equals the first
+  std::vector<Vec3> extra_points = {};  ///< further points at which the deviation is measured
 
-  /// True if the points do not all coincide.
+  /// True unless all points coincide.
   bool has_length() const;
 };
 
 /// One stage of fairing. It fairs whole curves or, as a local stage (brush or segment), a part of
-/// the curves that the previous stages made.
+/// the curves that result from the previous stages.
 struct FairStage {
   /// Local stage: a sphere in which curves are faired; see fair_brush().
   struct Brush {
@@ -41,18 +41,19 @@ struct FairStage {
   /// Local stage: the part of a curve between two points; see fair_interval(). On a closed curve it
   /// is the shorter arc.
   struct CurveSegment {
-    Vec3 from, to;  ///< ends: the curve points nearest to these
+    Vec3 from, to;  ///< the ends are the curve points nearest to these points
   };
-  /// Indices of the curves that the stage applies to; empty: all. A segment applies only to the one
-  /// that is nearest to both of its ends.
+  /// Indices of the curves that the stage applies to; empty: all. A segment stage applies only to
+  /// the curve that is nearest to both ends of the segment.
   std::vector<int> curves;
-  /// Options of fair_points(). Their `corners` are not used. Local stages use the wavelength only.
+  /// Options of fair_points(), except `corners`, which is ignored. Local stages use the wavelength
+  /// only.
   FairOptions options;
-  /// Functional that a curve through all points minimises, instead of smoothing; at most 200
-  /// points.
+  /// If set, the stage does not smooth the points but interpolates them (at most 200) by the curve
+  /// that minimises this functional.
   std::optional<CurveFunctional> minimum;
-  /// Positions of the corners; each marks the nearest point of all curves of the stage. Unset:
-  /// CurveSamples::corners.
+  /// Positions of corners; each makes the nearest point among all curves of the stage a corner.
+  /// Unset: CurveSamples::corners.
   std::optional<std::vector<Vec3>> corners;
   std::optional<Brush> brush;
   std::optional<CurveSegment> segment;
@@ -65,59 +66,63 @@ struct FairStage {
 /// Measurements of a faired curve.
 struct FairedLine {
   std::string name;
-  int points = 0, segments = 0;  ///< input points; segments of the result
+  int points = 0, segments = 0;  ///< number of input points and of result segments
   bool closed = false;
-  bool faired = false;  ///< false: no stage applied to it, or it cannot be faired
+  bool faired = false;  ///< false: no stage applied to the curve, or it cannot be faired
   double size = 0;      ///< diagonal of the bounding box of the points
-  Deviation deviation;  ///< distance of the result from the input, without outliers
-  /// From FairCurve, for the last stage of the whole curve.
+  Deviation deviation;  ///< deviation of the result from the input points, without outliers
+  /// Smoothing wavelength (model units) and effective dofs per coordinate (FairCurve) in the last
+  /// stage that smoothed the whole curve.
   double wavelength = 0, effective_dofs = 0;
-  /// From FairCurve, for the first stage of the whole curve.
+  /// Estimated noise of the points (FairCurve::noise, model units) in the first stage that faired
+  /// the whole curve.
   double noise = 0;
-  std::vector<int> outliers;  ///< likewise: ignored input points
+  std::vector<int> outliers;  ///< indices of the input points that this first stage ignored
   int rounds = 0;
   bool converged = true;
-  double max_residual = 0;  ///< largest residual of the conditions, relative to the size
-  /// Set if a stage exceeded its requested deviation: the requested and the reached value.
+  double max_residual = 0;  ///< largest residual of the conditions, divided by `size`
+  /// Requested and reached deviation, model units, if a stage exceeded its requested deviation;
+  /// otherwise unset.
   std::optional<std::pair<double, double>> exceeded_deviation;
-  std::optional<Fairness> before, after;  ///< empty for a curve without length
+  /// Fairness of input and result; unset for a curve of zero length.
+  std::optional<Fairness> before, after;
   double seconds = 0;
 
-  /// True if the input was noisy: fairing removed two thirds of its curvature extrema, and at least
-  /// four. `freehand`: of a hand-drawn curve it removed any.
+  /// True if the input was noisy: fairing removed at least two thirds of its curvature extrema, and
+  /// no fewer than four. If `freehand` is true (hand-drawn curve), one removed extremum is enough.
   bool was_noisy(bool freehand) const;
 };
 
-/// A curve after each stage.
+/// Result of fair_in_stages() for one curve: the curve after each stage, and measurements.
 struct StagedFairingResult {
   FairedLine report;
-  /// The interpolating spline of the points, then the curve after each stage (unchanged if the
-  /// stage did not apply). Empty if the curve cannot be faired.
+  /// The interpolating spline of the points, followed by the curve after each stage (unchanged if
+  /// the stage did not apply). Empty if the curve cannot be faired.
   std::vector<HermiteCurve> states;
-  std::vector<double> parameters;  ///< parameters of the points on the last curve, not descending
-  /// Why it cannot be faired, such as "zero length"; empty: it can.
+  std::vector<double> parameters;  ///< parameter of each point on the last curve, non-descending
+  /// Reason why the curve cannot be faired, such as "zero length"; empty if it can be faired.
   std::string rejection_reason;
 
   bool has_curve() const { return !states.empty(); }
 };
 
-/// Corner angle of the first stage for whole curves that applies to a curve, degrees; the default
-/// of FairOptions if there is none. It is the angle at which to sample the curve.
+/// Corner angle (degrees) of the first whole-curve stage that applies to a curve; the default of
+/// FairOptions if no such stage exists. Use this angle to sample the curve.
 double corner_angle_of(const std::vector<FairStage>& stages, int curve);
 
 /// Fairs curves in stages, in parallel. The first stage of a whole curve starts from its points,
 /// later stages from the curve at these points. FairedLine::deviation is measured from the input
 /// points.
 ///
-/// `reduction_tolerance`: if above 0, model units, the last state is approximated by the fewest C1
-/// segments within this distance (fit_curve()).
+/// `reduction_tolerance`: model units; if above 0, the last state is approximated within this
+/// distance by as few C1 segments as possible (fit_curve()).
 ///
 /// A curve cannot be faired if it has a single point, all points coincide, or it is closed and has
-/// two points. Its result then has a reason, but no states. Throws InputError if a brush meets none
-/// of its curves, a segment has no length, or more than 200 points are to be interpolated by a
-/// curve of minimum bending or variation; the exceptions of fair_points(), fair_interval() and
-/// minimum_curvature_curve(), beginning with CurveSamples::where; CancelledError. Cost: that of
-/// these functions.
+/// two points. Its result then has a `rejection_reason`, but no states. Throws InputError if a
+/// brush meets none of its curves, a segment has zero length, or more than 200 points are to be
+/// interpolated by a curve of minimum bending or variation. Also throws CancelledError and the
+/// exceptions of fair_points(), fair_interval() and minimum_curvature_curve(), with
+/// CurveSamples::where in front of their messages. Cost: that of these functions.
 std::vector<StagedFairingResult> fair_in_stages(const std::vector<CurveSamples>& curves,
                                                 const std::vector<FairStage>& stages,
                                                 double reduction_tolerance = 0,

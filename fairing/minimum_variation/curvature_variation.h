@@ -1,14 +1,19 @@
-// Pointwise curvature variation of a surface: residuals and their derivatives.
+// Pointwise curvature variation of a surface: residuals and their derivatives, and points at which
+// jumps between two separately meshed parts are penalised. Reference: [MoretonSequin1992].
 #pragma once
 
+#include <array>
+
 #include "batten/core/eigen.h"
+#include "batten/fem/parametric_mesh.h"
 
 namespace batten {
 
 /// First to third derivatives of a surface at one point, one per column: X_u, X_v, X_uu, X_uv,
 /// X_vv, X_uuu, X_uuv, X_uvv, X_vvv.
 using Jet3 = Eigen::Matrix<double, 3, 9>;
-/// The same derivatives of the twelve basis functions of a triangle: Jet3 = qᵀ Table3.
+/// The derivatives of Jet3 for the twelve shape functions of a triangle, one function per row: Jet3
+/// = qᵀ Table3 for the dofs q (12×3).
 using Table3 = Eigen::Matrix<double, 12, 9>;
 
 /// Second fundamental form II and its covariant derivative C = ∇II in the orthonormal frame Y_1,
@@ -23,42 +28,62 @@ struct CurvatureTensors {
   double jacobian;    ///< |X_u × X_v|
 };
 
-/// Weights of the residuals; all are constant during a Gauss-Newton step.
+/// Weights of curvature_variation_residuals(); all are constant during a Gauss-Newton step.
 struct CurvatureVariationWeights {
-  /// s in [0, 1]: 1 if the principal directions are well defined, 0 at umbilics.
+  /// Weight s in [0, 1] of the derivatives along the principal directions: 1 if these directions
+  /// are well defined, 0 at umbilics.
   double principal = 1;
-  double second_form = 0;  ///< weight of |II|², 1/length²
-  double gauss = 0;        ///< weight of K²
+  double second_form = 0;  ///< weight of |II|² (II: second fundamental form), 1/length²
+  double gauss = 0;        ///< weight of K² (K: Gaussian curvature)
 };
 
-/// Computes the frame of the principal directions: the matrix M for which the vectors Y_a = Σ_i
-/// M_ai X_i are orthonormal. It is computed at the start of a step and kept constant during it.
+/// Computes the frame of the principal directions: the matrix M for which Y_a = Σ_i M_ai X_i (X_i:
+/// X_u, X_v) are the orthonormal principal directions. It is computed at the start of a
+/// Gauss-Newton step and kept constant during the step.
 Mat2 principal_frame(const Jet3& jet);
 
 /// Computes II and C in the orthonormal frame closest to the given one.
 ///
-/// M is first made orthonormal for this jet: (M g Mᵀ)^(-1/2) M with the metric g. Requires X_u ×
-/// X_v ≠ 0.
+/// The matrix M of `frame` is first made orthonormal for this jet: (M g Mᵀ)^(-1/2) M with the
+/// metric tensor g. Requires X_u × X_v ≠ 0.
 CurvatureTensors curvature_tensors(const Jet3& jet, const Mat2& frame);
 
 inline constexpr int kCurvatureVariationResiduals = 8;
 using CurvatureVariationVector = Eigen::Matrix<double, kCurvatureVariationResiduals, 1>;
 using CurvatureVariationJacobian = Eigen::Matrix<double, kCurvatureVariationResiduals, 27>;
 
-/// Computes the residuals at a point, times √J (the factor du dv is still missing).
+/// Computes the residuals at a point, multiplied by √J with J = |X_u × X_v|: the integral of their
+/// squares over du dv is the functional.
 ///
-/// b1 = ¾ (C111 + C122) and b2 = ¾ (C112 + C222) are the gradient of the mean curvature. a1 = ¼
-/// C111 - ¾ C122 and a2 = ¾ C112 - ¼ C222 are the remaining part of C:
+/// b1 = ¾ (C111 + C122) and b2 = ¾ (C112 + C222) are proportional to the gradient of the mean
+/// curvature. a1 = ¼ C111 - ¾ C122 and a2 = ¾ C112 - ¼ C222 are the remaining part of C. With s =
+/// weights.principal, the residuals are:
 ///
 ///     b1 + s a1, b2 - s a2, √(1-s²) a1, √(1-s²) a2        s = 1: C111 and C222, zero on cyclides
 ///     √second_form (II11, √2 II12, II22), √gauss K
 CurvatureVariationVector curvature_variation_residuals(const CurvatureTensors& forms,
                                                        const CurvatureVariationWeights& weights);
 
-/// Computes the derivatives of the residuals with respect to the jet, in the order [x of all nine
-/// columns; y; z], and the residuals themselves. The frame must be orthonormal for this jet.
+/// Computes the residuals and their derivatives with respect to the jet, in the order [x of all
+/// nine columns; y; z]. The frame must be orthonormal for this jet.
 CurvatureVariationJacobian curvature_variation_jacobian(const Jet3& jet, const Mat2& frame,
                                                         const CurvatureVariationWeights& weights,
                                                         CurvatureVariationVector& residuals);
+
+// Jumps between two separately meshed parts of a surface.
+
+/// Two parametric locations that represent the same point of a curve along which two separately
+/// meshed parts of a surface join smoothly.
+struct JoinPoint {
+  std::array<Location, 2> at;
+  /// Tangent of the curve in the (u, v) of each part: the derivative with respect to a parameter of
+  /// the curve that is common to both parts.
+  std::array<Vec2, 2> direction;
+  double weight = 0;      ///< quadrature weight with respect to the common parameter
+  bool curvature = true;  ///< true: penalise the jump of curvature at this point
+  /// True: penalise the jump of the tangent plane at this point. Set it to false if constraints
+  /// already make the tangent planes agree.
+  bool tangent = true;
+};
 
 }  // namespace batten

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "batten/fairing/minimum_variation/curvature_variation.h"
-#include "batten/fairing/minimum_variation/join_point.h"
 #include "batten/fem/surface.h"
 
 namespace batten {

@@ -7,7 +7,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/solvers/sparse_cholesky.h"
-#include "batten/core/solvers/symbolic_analysis.h"
 #include "batten/fairing/minimum_variation/block_reduction.h"
 #include "batten/fairing/minimum_variation/curvature_variation_terms.h"
 #include "batten/fairing/minimum_variation/gauss_newton_system.h"

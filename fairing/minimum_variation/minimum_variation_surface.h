@@ -6,37 +6,38 @@
 
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
-#include "batten/fairing/minimum_variation/join_point.h"
+#include "batten/fairing/minimum_variation/curvature_variation.h"
 #include "batten/fem/surface.h"
 
 namespace batten {
 
 /// Options of minimize_curvature_variation().
 struct MinimumVariationOptions {
-  /// Weight of K² (Gaussian curvature) over that of the curvature variation. Default 1e-3. For
-  /// annular domains use 100: it selects the cylinder or cone among all barrel-shaped surfaces of
-  /// zero curvature variation.
+  /// Weight of K² (K: Gaussian curvature) relative to the weight of the curvature variation.
+  /// Default 1e-3. For annular domains, use 100: it selects the cylinder or cone among all
+  /// barrel-shaped surfaces of zero curvature variation.
   double gauss = 1e-3;
-  /// Weight of curvature jumps across element edges; 0.2 to 20 give the same shapes.
+  /// Weight of curvature jumps across element edges; values from 0.2 to 20 give the same shapes.
   double jumps = 2;
-  /// Sides of the boundary: for each one its vertices in order, from corner to corner. Twist is the
-  /// rotation of the surface normal about the tangent of a side, per length. It is penalised along
-  /// sides of constant curvature over which this rotation adds up to nearly zero, or to full turns.
-  /// The penalty distinguishes a torus from similar surfaces with the same boundary. Empty: no
-  /// penalty.
+  /// Sides of the boundary, each given by its vertices in order, from corner to corner. The twist,
+  /// that is the rotation of the surface normal about the tangent of a side, per length, is
+  /// penalised along sides of constant curvature if the rotation along the whole side is nearly
+  /// zero or a multiple of 360°. The penalty distinguishes a torus from similar surfaces with the
+  /// same boundary. Empty: no penalty.
   std::vector<std::vector<int>> sides;
-  /// Points of smooth joins with continuous curvature: jumps of curvature are penalised there as
-  /// across element edges. Empty: curvature may jump, as between a cap and a cylinder.
+  /// Points along smooth joins at which jumps of curvature are penalised, as across element edges.
+  /// Empty: the curvature may jump, as between a cap and a cylinder.
   std::vector<JoinPoint> joins;
-  /// Per triangle: 1 if it keeps its shape and contributes nothing to the functional. Empty: none.
+  /// One flag per triangle: 1 if the triangle keeps its shape and contributes nothing to the
+  /// functional. Empty: no triangle.
   std::vector<char> frozen;
-  /// Dofs of alternative starting surfaces; the minimisation begins at the one of smallest
-  /// functional. Empty: at `start`.
+  /// Dofs of alternative starting surfaces; the minimisation begins at the one with the smallest
+  /// functional. Empty: it begins at `start`.
   std::vector<Points> starts;
   int max_iterations = 40;
-  /// `strength`: fraction of the displacement from the start to the minimum that is applied, above
-  /// 0, at most 1. `largest_move`: limit of the move of any vertex along the normal, model units.
-  /// Constraints hold for every fraction.
+  /// `strength`: fraction of the displacement from `start` to the minimum that is applied, above 0,
+  /// at most 1. `largest_move`: upper limit of the displacement of any vertex along the normal,
+  /// model units. Constraints are satisfied for every fraction.
   double strength = 1, largest_move = std::numeric_limits<double>::infinity();
 };
 
@@ -44,22 +45,22 @@ struct MinimumVariationOptions {
 struct MinimumVariationSurface {
   Points dofs;                  ///< dofs of the surface, n×3
   double fraction = 1;          ///< fraction of the displacement from the start that was applied
-  double functional = 0;        ///< functional E of this surface, 1/length²
-  double start_functional = 0;  ///< functional E of the start
-  /// Maximum move of a vertex along the normal of the start, model units.
+  double functional = 0;        ///< functional E of the result, 1/length²
+  double start_functional = 0;  ///< functional E of `start`, 1/length²
+  /// Maximum displacement of a vertex along the normal of the starting surface, model units.
   double max_move = 0;
   double max_residual = 0;  ///< maximum violation of a constraint, model units
   int iterations = 0;       ///< number of accepted Gauss-Newton steps
   int factorizations = 0;
-  /// True if the last step hardly moved the shape, or no step can gain 3 % of the functional, or
-  /// two consecutive steps gained less than that.
+  /// True if the last step hardly moved the shape, or if no step can reduce the functional by 3 %,
+  /// or if two consecutive steps reduced it by less than that.
   bool converged = false;
 };
 
 /// Computes a minimum-variation surface [MoretonSequin1992]: minimises the variation of curvature
 /// over the dofs that satisfy the constraints.
 ///
-/// The minimisation goes downhill from `start`, from which moves and strength are measured:
+/// The functional is minimised from `start`; strength and displacements are measured from there:
 ///
 ///     E = ∫ (change of curvature)² dA + jumps · Σ_edges ∫ (jump of curvature)²/h ds + twist
 ///
@@ -69,13 +70,13 @@ struct MinimumVariationSurface {
 /// across edges and spokes complete them, as in interior penalty methods.
 ///
 /// Uses Gauss-Newton steps in principal frames that are kept constant during a step. Tangential
-/// changes are damped about the current surface, so the damping leaves no trace in the final shape.
-/// Measurements: docs/fairness.md.
+/// changes are damped relative to the current surface, so the damping does not affect the final
+/// shape. Measurements: docs/fairness.md.
 ///
-/// Throws InputError for a Z12 surface, for constraints on another mesh, and for a start without
-/// area or without a normal somewhere. Also throws ConflictError, NoSolutionError and
-/// CancelledError. Cost: 4 to 15 factorizations with three times as many unknowns as one coordinate
-/// has.
+/// Throws InputError for a Z12 surface, for constraints on another mesh, and for a start of zero
+/// area or without a normal at some point. Also throws ConflictError for contradictory constraints,
+/// NoSolutionError for a singular system, and CancelledError. Cost: 4 to 15 factorizations of a
+/// system with the unknowns of all three coordinates.
 MinimumVariationSurface minimize_curvature_variation(const Surface& start,
                                                      const ConstraintSet& constraints,
                                                      const MinimumVariationOptions& options = {},

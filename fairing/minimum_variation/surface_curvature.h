@@ -10,22 +10,21 @@ namespace batten {
 /// Computes ∫ κ1² + κ2² dA, a dimensionless number that depends on the shape only, not on size,
 /// position or parametrisation.
 ///
-/// It is 0 for a plane (or any surface flat everywhere), 2 A/R² on a sphere of radius R and 8π on
-/// the whole sphere. It equals 4∫H² dA - 2∫K dA. If the boundary and the normals along it are
-/// given, ∫K is fixed as well (Gauss-Bonnet). Then its minima are those of the Willmore energy ∫H²
-/// dA.
+/// It is 0 for a plane, 2 A/R² for a part of area A of a sphere of radius R, and 8π for the whole
+/// sphere. It equals 4∫H² dA - 2∫K dA. If the boundary and the normals along it are given, ∫K is
+/// fixed as well (Gauss-Bonnet). Then the minima are those of the Willmore energy ∫H² dA.
 ///
 /// The quadrature is that of C1Triangle::default_quadrature: degree 4 on the thirds of HCT
-/// triangles, six-Duffy on Z12. The result is infinite if x_u × x_v vanishes. `gradient`, if given:
-/// set to the derivative with respect to the dofs, n×3.
+/// triangles, the six-Duffy rule on Z12. The result is infinite if x_u × x_v vanishes. `gradient`,
+/// if given: set to the derivative with respect to the dofs, n×3.
 double curvature_functional(const Surface& surface, Points* gradient = nullptr);
 
 /// Options of fair_curvature() for surfaces.
 struct SurfaceCurvatureOptions {
   /// Weight, above 0, of ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv per round,
-  /// made dimensionless by the areas of domain and start. The functional does not depend on how (u,
-  /// v) runs over the shape; this term keeps it as in the start. Use 0.1 to 0.001: larger values
-  /// take more rounds, smaller ones more iterations.
+  /// made dimensionless by the areas of the domain and the starting surface. The functional does
+  /// not depend on the parametrisation; this term keeps it close to that of the start. Use 0.1 to
+  /// 0.001: larger values take more rounds, smaller ones more iterations.
   double parametrization_weight = 1e-2;
   /// Relative decrease of the functional per round below which the iteration has converged.
   double tolerance = 1e-6;
@@ -37,14 +36,14 @@ struct SurfaceCurvatureOptions {
 struct SurfaceCurvatureResult {
   Points dofs;                  ///< dofs of the surface, n×3
   double functional = 0;        ///< value of the functional for this surface
-  double start_functional = 0;  ///< functional of the start after projection onto the constraints
+  double start_functional = 0;  ///< value for the start projected onto the constraints
   double max_residual = 0;      ///< maximum violation of a constraint, model units
   int iterations = 0, rounds = 0;
   bool converged = false;
 };
 
-/// Minimises curvature_functional() over the dofs that satisfy the constraints, downhill from
-/// `start`.
+/// Minimises curvature_functional() over the dofs that satisfy the constraints, from `start` to a
+/// local minimum.
 ///
 /// Only the free dofs of `start` are used; the others follow from the constraints. Boundary curves
 /// and normals are imposed by SurfaceConstraints. A good start is the surface of least linear
@@ -52,14 +51,14 @@ struct SurfaceCurvatureResult {
 ///
 /// Each round uses Levenberg-Marquardt on the residuals √dA (S11, √2 S12, S22), with the shape
 /// operator S in an orthonormal frame at the quadrature points. The linear bending energy serves as
-/// damping; the solver is sparse Cholesky. Each round penalises tangential change against the
-/// surface at its beginning. When the rounds no longer change anything, this term is zero and does
-/// not affect the shape. Does not need Ceres.
+/// damping; the solver is sparse Cholesky. Each round penalises tangential change relative to the
+/// surface at the beginning of the round. At convergence, this term is zero and does not affect the
+/// shape. Does not need Ceres.
 ///
 /// Throws InputError for options that are not above 0, for constraints on another mesh, and for a
-/// start without area or without a normal somewhere. Throws ConflictError for contradictory
-/// constraints and NoSolutionError if the constraints do not keep the surface from moving away.
-/// Cost: tens of iterations of about 0.1 ms per triangle (HCT; Z12 1 ms).
+/// start of zero area or without a normal at some point. Throws ConflictError for contradictory
+/// constraints and NoSolutionError if the constraints leave the surface free to move. Cost: tens of
+/// iterations of about 0.1 ms per HCT triangle or 1 ms per Z12 triangle.
 SurfaceCurvatureResult fair_curvature(const Surface& start, const ConstraintSet& constraints,
                                       const SurfaceCurvatureOptions& options = {});
 

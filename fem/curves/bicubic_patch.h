@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
-#include "batten/fem/curves/spline_axis.h"
+#include "batten/fem/curves/bspline.h"
 
 namespace batten {
 
@@ -30,39 +30,42 @@ namespace batten {
 /// Bicubic B-spline surface S(u, v).
 struct BicubicPatch {
   SplineAxis u, v;
-  Points poles;  ///< pole of function i of u and j of v: row i · v.functions() + j
+  Points poles;  ///< pole of basis functions i of u and j of v: row i · v.functions() + j
 
   Vec3 position(const Vec2& uv) const;
-  Vec3 normal(const Vec2& uv) const;  ///< along S_u × S_v, not normalised
+  Vec3 normal(const Vec2& uv) const;  ///< vector along S_u × S_v, not normalised
 };
 
 /// Tolerances of a fit.
 struct PatchGoal {
-  /// Largest distance from the target, in model units, > 0.
+  /// Maximum distance of the spline from the target surface, model units, above 0.
   double deviation = 0;
-  double angle_deg = 180;  ///< largest angle between tangent planes, degrees
+  double angle_deg = 180;  ///< maximum angle to the prescribed tangent planes, degrees, above 0
 };
 
-/// A point on the boundary of the region, and derivatives that span the tangent plane prescribed
-/// there.
+/// A boundary point `uv` of the region at which the tangent plane is prescribed, as the span of the
+/// derivatives x_u and x_v.
 struct PatchTangent {
   Vec2 uv;
   Vec3 x_u, x_v;
 };
 
-/// Longest steps in u and in v between samples of the boundary that start at the given point. They
-/// depend on the size of the knot cell that contains the point.
+/// Function that gives the maximum step in u and in v from a boundary sample to the next one, for
+/// the (u, v) of the sample. The step depends on the size of the knot cell that contains the
+/// sample.
 using BoundaryStep = std::function<Vec2(const Vec2&)>;
 
 /// Target of a fit: a surface that is known inside a region of (u, v).
 struct PatchTarget {
-  std::function<bool(const Vec2&)> inside;    ///< thread-safe, as is `position`
-  std::function<Vec3(const Vec2&)> position;  ///< defined inside and on the boundary
-  /// Samples the boundary: points in order, with steps in u and in v of at most `longest`.
+  std::function<bool(const Vec2&)> inside;  ///< whether a point lies in the region; thread-safe
+  /// Target surface, inside and on the boundary; thread-safe.
+  std::function<Vec3(const Vec2&)> position;
+  /// Samples the boundary of the region: returns points in order along it, with steps in u and in v
+  /// of at most `longest`.
   std::function<std::vector<Vec2>(const BoundaryStep& longest)> boundary;
   Vec2 low, high;  ///< bounding box of the region; if periodic, high - low in u is the period
-  bool periodic = false;         ///< in u
-  std::vector<Vec2> fixed = {};  ///< points that the spline interpolates: corners
+  bool periodic = false;         ///< true: the region is periodic in u
+  std::vector<Vec2> fixed = {};  ///< points that the spline interpolates exactly, such as corners
   /// Samples those parts of the boundary along which tangent planes are prescribed, with steps of
   /// at most `longest`. Null: no tangent planes are prescribed.
   std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
@@ -71,28 +74,29 @@ struct PatchTarget {
 /// Result of fit_bicubic_patch().
 struct PatchFit {
   BicubicPatch patch;
-  /// Largest |S - x| at check points, inside and on the boundary, that were not fitted.
+  /// Largest distance of the spline from the target at check points inside and on the boundary,
+  /// which differ from the fitted samples; model units.
   double deviation = 0;
-  double angle_deg = 0;  ///< largest angle to the prescribed tangent planes, at such points
-  bool reached = false;  ///< deviation and angle are at most their goals
+  double angle_deg = 0;  ///< largest angle to the prescribed tangent planes at check points
+  bool reached = false;  ///< true: deviation and angle are at most their goals
 };
 
 /// Limits on the size of a fit.
 struct PatchLimits {
-  int max_poles_per_direction = 400;  ///< poles in u or in v
+  int max_poles_per_direction = 400;  ///< maximum number of poles in u and in v
   int max_poles = 60'000;
-  /// Intervals along the longer side of the first fit, 2 or more. Features much shorter than one
-  /// interval lie between its samples and are missed.
+  /// Number of knot intervals along the longer side in the first iteration, 2 or more. Features
+  /// much shorter than one interval fall between the samples and are missed.
   int initial_intervals = 8;
 };
 
-/// Fits a bicubic B-spline with as few poles as possible whose deviation and angle are at most
-/// `goal`, both > 0.
+/// Fits a bicubic B-spline with as few poles as possible, whose deviation and angle are at most
+/// those of `goal`.
 ///
-/// If the goal is not reached, within the limits or because finer knots no longer help, the best
-/// fit found is returned. Coordinates should be near the origin, to keep accuracy. `start`: a patch
-/// whose knots are used first, or null. Cost: about 3 µs per cell and iteration, plus one sparse
-/// factorization per iteration.
+/// If the goal is not reached because of the limits, or because finer knots no longer reduce the
+/// error, the best fit found is returned. Coordinates should be near the origin, to keep accuracy.
+/// `start`: a patch whose knots are used in the first iteration, or null. Cost: about 3 µs per cell
+/// and iteration, plus one sparse factorization per iteration.
 PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
                            const PatchLimits& limits = {}, const BicubicPatch* start = nullptr);
 

@@ -1,5 +1,6 @@
 #include "batten/fem/curves/curve_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

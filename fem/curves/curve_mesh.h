@@ -9,9 +9,9 @@
 
 namespace batten {
 
-/// Segments between parameters u_0 < u_1 < … < u_m, each with its own parametric length. A closed
-/// curve returns to node 0 at u_m. At a node, adjacent segments share position and dX/du (C1). At a
-/// corner they share only the position, and each side has its own derivative.
+/// Mesh of a curve: segments between the parameters u_0 < u_1 < … < u_m. A closed curve returns to
+/// node 0 at u_m. At a node, adjacent segments share position and dX/du (C1). At a corner they
+/// share only the position, and each side has its own derivative.
 ///
 /// Dofs of one coordinate are numbered along the curve, so that the four dofs of a segment are
 /// consecutive:
@@ -23,8 +23,9 @@ namespace batten {
 class CurveMesh {
  public:
   CurveMesh() = default;
-  /// `corners`: node indices, without the first and last node of an open curve; node 0 of a closed
-  /// curve is its seam. Throws InputError if there are fewer than two parameters (closed: three),
+  /// `parameters`: u_0 … u_m, strictly increasing. `corners`: indices of the nodes that are
+  /// corners; not the first and last node of an open curve. On a closed curve, node 0 is the seam
+  /// and may be a corner. Throws InputError if there are fewer than two parameters (closed: three),
   /// if they are not finite or not increasing, or if a corner is not a valid node.
   explicit CurveMesh(std::vector<double> parameters, bool closed = false,
                      std::vector<int> corners = {});
@@ -33,8 +34,8 @@ class CurveMesh {
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
   int dof_count() const { return 2 * node_count() + isize(corners_); }
   bool closed() const { return closed_; }
-  /// Parameters u_0 … u_m of the nodes. A closed curve has one more parameter than nodes: u_m is
-  /// node 0 again.
+  /// Parameters u_0 … u_m of the nodes. On a closed curve, there is one more parameter than nodes,
+  /// because u_m belongs to node 0 again.
   const std::vector<double>& parameters() const { return parameters_; }
   /// Nodes that are corners, ascending.
   const std::vector<int>& corners() const { return corners_; }
@@ -48,26 +49,27 @@ class CurveMesh {
   double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
 
   int position_dof(int node) const { return first_dof(node) + is_corner(node); }
-  /// Dofs of dX/du of the segment that ends at the node, and of the one that begins there. They are
-  /// equal unless the node is a corner.
+  /// Dof of dX/du at the end of the segment before a node. slope_out(): dof of dX/du at the start
+  /// of the segment after it. Both are the same dof unless the node is a corner.
   int slope_in(int node) const { return first_dof(node) + !is_corner(node); }
   int slope_out(int node) const { return position_dof(node) + 1; }
-  /// Dofs of a segment in the order of HermiteSegment.
+  /// The four dofs of a segment, in the order of HermiteSegment.
   std::array<int, 4> segment_dofs(int segment) const;
 
   /// Segment and local coordinate of a point of the curve.
   struct SegmentPoint {
     int segment = 0;
-    double s = 0;  ///< in [0, 1]
+    double s = 0;  ///< local coordinate in [0, 1]
   };
   /// Segment and local coordinate of parameter u, which is clamped on an open curve and wrapped on
-  /// a closed one. A node belongs to the segment that begins there, the end of an open curve to the
-  /// last segment.
+  /// a closed one. The parameter of a node gives the segment that begins there; the end of an open
+  /// curve gives the last segment.
   SegmentPoint locate(double u) const;
-  /// Parameter in [start(), end()] that corresponds to u: clamped, or wrapped on a closed curve.
+  /// Parameter u mapped into [start(), end()]: clamped on an open curve, wrapped on a closed one.
   double wrapped(double u) const;
 
  private:
+  // Inline, as is_corner(): they are called for each evaluation of a curve.
   size_t corners_before(int node) const {
     return corners_.empty()
                ? 0

@@ -11,11 +11,8 @@ namespace batten {
 std::vector<PlanarCubic> planar_cubics(const HermiteCurve& curve) {
   std::vector<PlanarCubic> segments;
   for (int s = 0; s < curve.segment_count(); ++s) {
-    const int next = (s + 1) % curve.node_count();
-    const double h = curve.mesh().length(s) / 3;
-    const Vec2 p = drop_z(curve.position(s)), q = drop_z(curve.position(next));
-    segments.push_back(
-        {{p, p + h * drop_z(curve.slope_out(s)), q - h * drop_z(curve.slope_in(next)), q}});
+    const auto [p, a, b, q] = curve.bezier(s).b;
+    segments.push_back({{drop_z(p), drop_z(a), drop_z(b), drop_z(q)}});
   }
   return segments;
 }
@@ -48,8 +45,7 @@ DomainLoops::DomainLoops(std::vector<Loop> loops, Background background)
     }
   for (size_t a = 0; a < segments_.size(); ++a) {
     const PlanarCubic& segment = segments_[a];
-    const BernsteinCubic v{
-        {segment.b[0].y(), segment.b[1].y(), segment.b[2].y(), segment.b[3].y()}};
+    const auto v = BernsteinCubic::coordinate(segment, 1);
     // Short parts have small boxes, so that few points need an evaluation of the cubic.
     constexpr int cuts = 8;
     std::vector<double> t{0};
@@ -100,8 +96,7 @@ bool DomainLoops::contains(const Vec2& p) const {
     if ((m.v0 > p.y()) == (m.v1 > p.y()) || p.x() > m.u_high) continue;
     if (p.x() >= m.u_low) {
       const PlanarCubic& segment = segments_[m.segment];
-      const BernsteinCubic v{{segment.b[0].y() - p.y(), segment.b[1].y() - p.y(),
-                              segment.b[2].y() - p.y(), segment.b[3].y() - p.y()}};
+      const auto v = BernsteinCubic::coordinate(segment, 1, p.y());
       if (segment.at(v.zero(m.t0, m.t1)).x() <= p.x()) continue;
     }
     winding += m.v1 > m.v0 ? 1 : -1;

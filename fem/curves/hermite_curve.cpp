@@ -53,6 +53,13 @@ Vec3 HermiteCurve::evaluate(CurveMesh::SegmentPoint at, int order) const {
 
 Vec3 HermiteCurve::evaluate(double u, int order) const { return evaluate(mesh_.locate(u), order); }
 
+BezierCubic<Vec3> HermiteCurve::bezier(int segment) const {
+  const int next = (segment + 1) % node_count();
+  const double third = mesh_.length(segment) / 3;
+  return BezierCubic<Vec3>::between(position(segment), third * slope_out(segment),
+                                    third * slope_in(next), position(next));
+}
+
 double HermiteCurve::curvature(double u) const {
   const Vec3 d1 = evaluate(u, 1), d2 = evaluate(u, 2);
   const double speed = d1.norm();
@@ -130,10 +137,10 @@ CurvePoint HermiteCurve::closest_point(const Vec3& p) const {
     for (const Vec3& c : {a, q, r, b}) reach = std::max(reach, (c - middle).squaredNorm());
     if (middle.norm() - std::sqrt(reach) >= best.distance) continue;
     // (X - p)·X' in powers of s, and its zeros.
-    const Vec3 c1 = da, c2 = 3 * (b - a) - 2 * da - db, c3 = 2 * (a - b) + da + db;
-    const Quintic power = {a.dot(c1),
-                           c1.dot(c1) + 2 * a.dot(c2),
-                           3 * c1.dot(c2) + 3 * a.dot(c3),
+    const auto [c0, c1, c2, c3] = PowerCubic<Vec3>::of_hermite(a, da, b, db);
+    const Quintic power = {c0.dot(c1),
+                           c1.dot(c1) + 2 * c0.dot(c2),
+                           3 * c1.dot(c2) + 3 * c0.dot(c3),
                            2 * c2.dot(c2) + 4 * c1.dot(c3),
                            5 * c2.dot(c3),
                            3 * c3.dot(c3)};
@@ -210,101 +217,6 @@ HermiteCurve HermiteCurve::backwards() const {
     dofs.row(mesh.slope_out(i)) = -slope_in(other(i)).transpose();
   }
   return {mesh, dofs};
-}
-
-namespace {
-
-// One segment, and its interval on the parameter line of the smooth piece.
-struct SmoothPiece {
-  double begin = 0, end = 0;
-  std::array<Vec3, 4> bezier;
-
-  // Blossom (polar form) of the cubic: the symmetric function of three parameters that equals the
-  // cubic if all three are equal.
-  Vec3 blossom(const std::array<double, 3>& u) const {
-    std::array<Vec3, 4> b = bezier;
-    for (size_t level = 0; level < 3; ++level) {
-      const double t = (u[level] - begin) / (end - begin);
-      for (size_t i = 0; i + level < 3; ++i) b[i] = (1 - t) * b[i] + t * b[i + 1];
-    }
-    return b[0];
-  }
-  Vec3 second_at_begin() const {
-    return 6 / ((end - begin) * (end - begin)) * (bezier[0] - 2 * bezier[1] + bezier[2]);
-  }
-  Vec3 second_at_end() const {
-    return 6 / ((end - begin) * (end - begin)) * (bezier[1] - 2 * bezier[2] + bezier[3]);
-  }
-};
-
-SmoothPiece piece_of(const HermiteCurve& curve, int segment, double shift) {
-  const int next = (segment + 1) % curve.node_count();
-  const double begin = curve.parameters()[segment], end = curve.parameters()[segment + 1];
-  const double third = (end - begin) / 3;
-  const Vec3 a = curve.position(segment), b = curve.position(next);
-  return {begin + shift,
-          end + shift,
-          {a, a + third * curve.slope_out(segment), b - third * curve.slope_in(next), b}};
-}
-
-// Required multiplicity of the knot between two segments.
-int multiplicity(const SmoothPiece& before, const SmoothPiece& after, double size) {
-  const double h = std::max(before.end - before.begin, after.end - after.begin);
-  const Vec3 jump = after.second_at_begin() - before.second_at_end();
-  return jump.norm() * h * h <= 1e-13 * size ? 1 : 2;
-}
-
-CubicSpline spline_of(const std::vector<SmoothPiece>& pieces) {
-  CubicSpline spline;
-  Box3 box;
-  for (const SmoothPiece& p : pieces)
-    for (const Vec3& b : p.bezier) box.extend(b);
-  spline.size = box.diagonal().norm();
-
-  std::vector<double> all;  // knots, repeated by multiplicity
-  std::vector<size_t> piece_after;
-  const auto add = [&](double knot, int times, size_t piece) {
-    spline.knots.push_back(knot);
-    spline.multiplicities.push_back(times);
-    all.insert(all.end(), static_cast<size_t>(times), knot);
-    piece_after.insert(piece_after.end(), static_cast<size_t>(times), piece);
-  };
-  add(pieces.front().begin, 4, 0);
-  for (size_t i = 1; i < pieces.size(); ++i)
-    add(pieces[i].begin, multiplicity(pieces[i - 1], pieces[i], spline.size), i);
-  add(pieces.back().end, 4, pieces.size());
-  for (size_t i = 0; i + 4 < all.size(); ++i) {
-    // Blossom at the three knots of the pole; any segment of positive length next to the middle
-    // knot can be used.
-    size_t interval = i + 1;
-    if (all[interval] == all[interval + 1]) interval = i + 2;
-    if (all[interval] == all[interval + 1]) interval = i == 0 ? 3 : i;
-    spline.poles.push_back(
-        pieces[piece_after[interval]].blossom({all[i + 1], all[i + 2], all[i + 3]}));
-  }
-  return spline;
-}
-
-}  // namespace
-
-std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve) {
-  const int segments = curve.segment_count();
-  const auto& corners = curve.mesh().corners();
-  const int first = curve.closed() && !corners.empty() ? corners.front() : 0;
-  std::vector<std::vector<SmoothPiece>> stretches(1);
-  for (int k = 0; k < segments; ++k) {
-    const int segment = (first + k) % segments;
-    if (k > 0 && curve.mesh().is_corner(segment)) stretches.emplace_back();
-    const double shift = first + k >= segments ? curve.end() - curve.start() : 0;
-    stretches.back().push_back(piece_of(curve, segment, shift));
-  }
-  std::vector<CubicSpline> splines;
-  for (const auto& pieces : stretches) {
-    splines.push_back(spline_of(pieces));
-    splines.back().name = name + (stretches.size() > 1 ? "." + std::to_string(splines.size()) : "");
-  }
-  splines.front().closed = curve.closed() && corners.empty();
-  return splines;
 }
 
 }  // namespace batten

@@ -4,29 +4,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/fem/curves/curve_mesh.h"
 
 namespace batten {
 
 // Closest point of a curve.
 
-/// Parameter of a point of a curve, and its distance from a given point.
+/// Parameter u of a point of a curve, and the distance of this point from a given one.
 struct CurvePoint {
   double u = 0;
   double distance = 0;
 };
 
-/// Closest point of any curve, from samples.
+/// Finds the closest point of any curve to p, starting from samples.
 ///
-/// Starts at each parameter of `u` whose distance is a local minimum of the samples, with Newton's
-/// method on (X - p)·X' = 0 and bisection as a safeguard. A minimum narrower than the spacing of
-/// the samples is missed. `evaluate(u, order)`: the curve and its derivatives, order 0 to 2. `u`:
-/// ascending; the curve must be smooth between neighbours. `at_u`: the points at `u`, precomputed
-/// for many calls.
+/// Newton's method on (X - p)·X' = 0, safeguarded by bisection, starts at each sample whose
+/// distance from p is a local minimum. A minimum narrower than the spacing of the samples is
+/// missed. `evaluate(u, order)`: position X(u) of the curve (order 0) and derivatives (order 1 and
+/// 2). `u`: parameters of the samples, ascending; the curve must be smooth between successive
+/// samples. `at_u`: points of the curve at `u`, precomputed for many calls.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u,
                             const std::vector<Vec3>& at_u, const Vec3& p) {
@@ -54,7 +54,7 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
   }
   return best;
 }
-/// The same for a single call; evaluates the samples.
+/// Like the overload above, for a single call: evaluates the samples itself.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
   std::vector<Vec3> at_u;
@@ -64,15 +64,17 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
 }
 
 /// Piecewise cubic curve, given by a mesh and its dofs (CurveMesh, n×3): positions and derivatives
-/// dX/du at the nodes. It is C1 except at corners. u is in model units if the curve was fitted by
-/// arc length. A value type.
+/// dX/du at the nodes. It is C1 except at corners. If the curve was fitted by arc length, its
+/// parameter u is in model units.
 class HermiteCurve {
  public:
   HermiteCurve() = default;
-  /// Throws InputError if the dofs are not finite or do not match the mesh.
+  /// `dofs`: one row per dof of the mesh, columns x, y, z. Throws InputError if the dofs are not
+  /// finite or do not match the mesh.
   HermiteCurve(CurveMesh mesh, Points dofs);
-  /// Open curve without corners. Throws InputError if there are fewer than two nodes, parameters
-  /// are not strictly increasing, numbers are not finite, or counts differ.
+  /// Constructs an open curve without corners from the parameters, positions and derivatives dX/du
+  /// of its nodes. Throws InputError if there are fewer than two nodes, parameters are not strictly
+  /// increasing, numbers are not finite, or counts differ.
   HermiteCurve(std::vector<double> parameters, const Points& positions, const Points& derivatives);
 
   const CurveMesh& mesh() const { return mesh_; }
@@ -85,7 +87,7 @@ class HermiteCurve {
   double end() const { return mesh_.end(); }
 
   Vec3 position(int node) const { return dofs_.row(mesh_.position_dof(node)); }
-  /// dX/du just before and just after a node; they differ at corners only.
+  /// dX/du just before a node. slope_out(): dX/du just after it. They differ at corners only.
   Vec3 slope_in(int node) const { return dofs_.row(mesh_.slope_in(node)); }
   Vec3 slope_out(int node) const { return dofs_.row(mesh_.slope_out(node)); }
 
@@ -94,12 +96,14 @@ class HermiteCurve {
   Vec3 evaluate(double u, int order = 0) const;
   /// Position or derivative with respect to u at local coordinate s in [0, 1] of a segment.
   Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
-  /// Curvature in 1/length; 0 on straight pieces.
+  /// Bézier form of a segment, over its local coordinate s.
+  BezierCubic<Vec3> bezier(int segment) const;
+  /// Curvature at parameter u, 1/length; 0 on straight pieces.
   double curvature(double u) const;
-  /// Arc length.
+  /// Arc length of the whole curve.
   double length() const;
-  /// Closest point of the curve. All zeros of (X - p)·X' are found by subdivision, so none is
-  /// missed. Cost: O(segments); exact to rounding.
+  /// Point of the curve closest to p. All zeros of (X - p)·X' are found by subdivision, so no
+  /// minimum is missed. Cost: O(segments); exact to rounding.
   CurvePoint closest_point(const Vec3& p) const;
 
   /// The same curve with additional nodes at the given parameters. Parameters that are nodes
@@ -107,30 +111,13 @@ class HermiteCurve {
   HermiteCurve with_nodes(std::vector<double> parameters) const;
   /// The same curve traversed in the opposite direction, over the same parameter interval.
   HermiteCurve backwards() const;
-  /// The same shape with parameters multiplied by `factor` > 0; derivatives are divided by it.
+  /// The same shape with all parameters multiplied by `factor` > 0; derivatives dX/du are divided
+  /// by `factor`.
   HermiteCurve with_scaled_parameter(double factor) const;
 
  private:
   CurveMesh mesh_;
   Points dofs_;
 };
-
-// Exact conversion of Hermite curves to B-splines.
-
-/// Clamped cubic B-spline. The first and last knots have multiplicity four. Inner knots are double
-/// where the curve is only C1, and simple where it is C2 to rounding (1e-13 of its size).
-struct CubicSpline {
-  std::string name;
-  std::vector<double> knots;  ///< ascending, in the curve's own parameter u
-  std::vector<int> multiplicities;
-  std::vector<Vec3> poles;
-  bool closed = false;  ///< returns smoothly to its first pole
-  double size = 0;      ///< diagonal of the bounding box of its poles
-};
-
-/// Converts each smooth piece between corners to a B-spline, in their order along the curve. They
-/// are named `name`, or name.1, name.2, … if there are several. A closed curve with corners begins
-/// at its first corner. Cost: O(segments).
-std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve);
 
 }  // namespace batten

@@ -12,77 +12,83 @@
 
 namespace batten {
 
-/// One instance in the product structure: an assembly, a part of one, or a free shape. A product
-/// that is used three times is listed three times.
+/// One instance in the product structure: an assembly, a component of an assembly, or a shape
+/// outside all assemblies. A product that is used three times is listed three times.
 struct CadProduct {
-  std::string name;           ///< product name; "" if it has none
-  std::string instance_name;  ///< name of this instance if it differs from `name`, else ""
-  int level = 0;              ///< depth in the assembly tree, 0 at the top
+  std::string name;           ///< name of the product; "" if the product has no name
+  std::string instance_name;  ///< name of the instance if it differs from `name`; otherwise ""
+  int level = 0;              ///< depth in the assembly tree; 0 at the top level
   bool assembly = false;
-  Vec3 translation = Vec3::Zero();        ///< global position of its origin, in the file's unit
-  double rotation_deg = 0;                ///< rotation angle of its global placement, ≥ 0
-  std::string colour;                     ///< own colour as "#rrggbb"; "" if it has none
-  int solids = 0, faces = 0, curves = 0;  ///< counts within the part; 0 for an assembly
+  /// Global position of the origin of the instance, in the unit of the file.
+  Vec3 translation = Vec3::Zero();
+  double rotation_deg = 0;  ///< rotation angle of the global placement, degrees, ≥ 0
+  std::string colour;       ///< colour of the instance itself as "#rrggbb"; "": none
+  int solids = 0, faces = 0, curves = 0;  ///< numbers of shapes in a part; 0 for an assembly
 };
 
-/// A name, colour or layer, and the number of entities of each kind that have it.
+/// A name, colour or layer, with the numbers of entities that have it.
 struct CadAttribute {
   std::string name;
-  int products = 0;  ///< products on this layer; used for layers only
-  int solids = 0;    ///< solids and shells within a product
+  int products = 0;  ///< number of products on a layer; 0 for names and colours
+  int solids = 0;    ///< number of solids and shells inside products
   int faces = 0;
-  int edges = 0;   ///< edges of faces
-  int curves = 0;  ///< edges that belong to no face
+  int edges = 0;   ///< number of edges of faces
+  int curves = 0;  ///< number of edges that belong to no face
 };
 
-/// Summary of a CAD file. Lengths are in the file's own unit. Every instance of a shape is counted.
+/// Summary of a CAD file. Lengths are in the unit of the file. Shapes are counted once per
+/// instance.
 struct CadContents {
-  std::string format;            ///< "STEP AP214", "IGES", "BREP", …
-  double unit_in_metres = 1e-3;  ///< length unit of the file
+  std::string format;            ///< format of the file: "STEP AP214", "IGES", "BREP", …
+  double unit_in_metres = 1e-3;  ///< length unit of the file, in metres
   bool unit_stated = false;      ///< true if the file declares its unit
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
-  std::vector<CadAttribute> names;    ///< names of everything but products, in file order
-  std::vector<CadAttribute> colours;  ///< "#rrggbb", own or inherited colours of faces and curves
+  std::vector<CadAttribute> names;  ///< names of shapes other than products, in file order
+  /// Colours ("#rrggbb") of faces and curves, also if inherited.
+  std::vector<CadAttribute> colours;
   std::vector<CadAttribute> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
-  int closed_shells = 0;  ///< shells without free edges
-  int curves = 0;         ///< edges that belong to no face
+  int closed_shells = 0;  ///< number of shells without free edges
+  int curves = 0;         ///< number of edges that belong to no face
   double area = 0;
-  /// Sum over all edges of length × edge tolerance: the uncertainty of `area` due to trimming.
+  /// Uncertainty of `area` due to inexact trimming: the sum of length × tolerance over all edges.
   double trim_uncertainty_area = 0;
-  double volume = 0;  ///< total volume of all solids, unit³
-  double size = 0;    ///< diagonal of the bounding box
+  double volume = 0;  ///< total volume of all solids, in the cubed unit of the file
+  double size = 0;    ///< diagonal of the bounding box of the model
 };
 
 // Triangle mesh of the faces of a CAD file.
 
-/// The triangles of all faces with the same name and colour.
+/// The triangles of all faces that have the same name and colour.
 struct FacetGroup {
-  /// Name of the face, else of its solid, else of its part, else "part 1", "part 2" …
+  /// Name of the face. A face without a name gets that of its solid or its part, or else "part 1",
+  /// "part 2" …
   std::string name;
-  std::string colour;  ///< "#rrggbb"; "" if it has none
+  std::string colour;  ///< colour of the faces, "#rrggbb"; "": no colour
   std::vector<int> triangles;
 };
 
-/// Triangle mesh of all faces of a file, with quality measures. Lengths are in the requested unit.
+/// Triangle mesh of all faces of a CAD file, with measures of its accuracy. Lengths are in the unit
+/// that was requested for the mesh.
 struct CadFacets {
-  ShellMesh mesh;  ///< triangles, oriented like the faces of the file (outwards for a solid)
-  /// Unit surface normals at the corners of each triangle; only if curved triangles were requested.
+  ShellMesh mesh;  ///< The triangles, oriented like the faces of the file (outwards on solids).
+  /// Unit surface normals at the corners of each triangle; empty unless curved triangles were
+  /// requested.
   std::vector<PnTriangle::Corners> normals;
-  std::vector<int> faces;  ///< 0-based face index of each triangle
+  std::vector<int> faces;  ///< 0-based index of the CAD face of each triangle
   std::vector<FacetGroup> groups;
-  CadContents contents;  ///< summary of the file, in its own unit
+  CadContents contents;  ///< summary of the CAD file, in the unit of the file
   double unit_in_metres = 1e-3;
   double size = 0, chord = 0;
-  /// Largest measured distance between mesh and model. It is sampled at seven points per triangle
-  /// (on the curved triangle if requested) against the surface of the face, and at three points per
+  /// Largest measured distance between the mesh and the CAD model. It is measured from seven points
+  /// per triangle (of the curved triangle, if requested) to the CAD face, and at three points per
   /// chord along each edge.
   double deviation = 0;
-  int shells = 0;      ///< shells (connected sets of faces) of the file, after sewing
-  int free_edges = 0;  ///< mesh edges with one triangle that lie on free edges of the model
-  int cracks = 0;      ///< all other mesh edges with one triangle; should be 0
-  int unmeshed = 0;    ///< faces that could not be meshed
+  int shells = 0;      ///< number of shells (connected sets of faces) after sewing
+  int free_edges = 0;  ///< number of mesh edges with one triangle on free edges of the CAD model
+  int cracks = 0;      ///< number of all other mesh edges with one triangle; should be 0
+  int unmeshed = 0;    ///< number of faces that could not be meshed
 };
 
 }  // namespace batten

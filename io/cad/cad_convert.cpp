@@ -30,7 +30,7 @@
 #include "batten/io/cad/cad_writer.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
-#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
@@ -342,11 +342,11 @@ CadContents read_cad_contents(const std::filesystem::path& file) {
 
 namespace {
 
-std::string format_words(const CadHeader& header) {
+std::string format_text(const CadHeader& header) {
   if (header.format == CadFormat::Iges) return "IGES";
   if (header.format == CadFormat::Brep) return "BREP";
   if (header.format == CadFormat::Patches) return "patches";
-  const auto has = [&](const char* word) { return header.schema.find(word) != std::string::npos; };
+  const auto has = [&](const char* name) { return header.schema.find(name) != std::string::npos; };
   return has("AP242") || has("MANAGED_MODEL_BASED_3D") ? "STEP AP242"
          : has("AUTOMOTIVE_DESIGN")                    ? "STEP AP214"
          : has("CONFIG_CONTROL_DESIGN")                ? "STEP AP203"
@@ -388,7 +388,7 @@ void measure(const CadPart& part, CadContents& c) {
 
 CadContents contents_of(const CadFile& cad) {
   CadContents c;
-  c.format = format_words(cad.header);
+  c.format = format_text(cad.header);
   c.unit_in_metres = cad.header.unit_in_metres;
   c.unit_stated = cad.header.unit_stated;
   if (!cad.header.note.empty()) c.notes.push_back(cad.header.note);

@@ -12,64 +12,68 @@ namespace batten {
 
 /// Options of convert_cad().
 struct CadConvertOptions {
-  double unit_in_metres = 0;  ///< of the output; 0: that of the input (BREP: mm)
-  bool ap242 = false;         ///< write STEP AP242 instead of AP214
-  /// glTF only: largest distance between triangles and faces, in the output unit; 0: 1e-3 of the
-  /// model size.
+  /// Length unit of the output file in metres; 0: unit of the input file (mm for BREP).
+  double unit_in_metres = 0;
+  bool ap242 = false;  ///< true: write STEP AP242; false: AP214
+  /// glTF only: largest distance between the triangles and the CAD faces, in the output unit; 0:
+  /// 1e-3 of the size of the model.
   double chord = 0;
 };
 
-/// Result of a conversion: contents of the input, and of the output when it is read back.
+/// Result of a conversion: the contents of the input file, and of the output file after reading it
+/// back.
 struct CadConversion {
   CadContents before, after;  ///< `after` is empty for glTF
   /// One sentence for each kind of data that the output format cannot store.
   std::vector<std::string> notes;
-  double unit_in_metres = 1e-3;  ///< of the output
-  /// glTF only, in the output unit; see CadFacets.
+  double unit_in_metres = 1e-3;  ///< length unit of the output file, in metres
+  /// Set for glTF only, in the output unit; see the members of CadFacets with the same names.
   double size = 0, chord = 0, deviation = 0;
   int triangles = 0, cracks = 0, unmeshed = 0;
 };
 
 /// Converts a STEP, IGES or BREP file. The extension of `to` selects the output format:
 ///
-///   .step .stp    AP214 or AP242, exact geometry; products, instances, layers, names and colours
-///                 of products, faces and curves; coordinates with all digits; declares the unit
-///   .iges .igs    boundary representation (5.3); names, colours, layers; each instance becomes
-///                 a shape of its own; declares the unit
-///   .brep .brp    geometry only: no names, no colours, no unit (other programs assume mm)
-///   .glb          one triangle mesh per product, with its name and the colours of its faces; glTF
-///                 uses metres, with the y axis up
+///   .step .stp    STEP AP214 or AP242 with exact geometry; products, instances, layers, names and
+///                 colours of products, faces and curves; full precision; declares the unit
+///   .iges .igs    IGES 5.3 boundary representation; names, colours, layers; each instance becomes
+///                 a separate shape; declares the unit
+///   .brep .brp    geometry only, without names, colours and unit (other programs assume mm)
+///   .glb          glTF: one triangle mesh per product, with the name of the product and the
+///                 colours of its faces; coordinates are in metres, with the y axis up
 ///
-/// The output file is written atomically: complete or not at all. Throws InputError as
-/// read_cad_lines() does if the input cannot be read, for an unknown extension and for a unit that
-/// CAD files cannot declare. Throws what AtomicFile throws, and Error if OpenCASCADE fails to write
-/// the file. Takes about 0.3 s per MB.
+/// The output file is written atomically: complete or not at all. Throws InputError for an input
+/// file that cannot be read (as read_cad_lines()), an unknown extension, or a unit that CAD files
+/// cannot declare. Throws FileError if the output file cannot be created, and Error if OpenCASCADE
+/// fails to write it. Takes about 0.3 s per MB.
 CadConversion convert_cad(const std::filesystem::path& from, const std::filesystem::path& to,
                           const CadConvertOptions& options = {});
 
-// Meshes CAD files: conforming triangles within a chord tolerance of the faces.
+// Meshes the faces of CAD files by conforming triangles within a chord tolerance.
 
 /// Options of tessellate_cad().
 struct CadFacetOptions {
-  double unit_in_metres = 0;  ///< of the mesh; 0: the file's own unit
-  double chord = 0;  ///< largest distance from the faces, in that unit; 0: 1e-3 of the model size
-  /// Use curved triangles (see PnTriangle). Far fewer of them meet the chord tolerance, but along
-  /// edges the chords stay straight.
+  double unit_in_metres = 0;  ///< length unit of the mesh in metres; 0: unit of the file
+  /// Largest distance between the triangles and the CAD faces, in the unit of the mesh; 0: 1e-3 of
+  /// the size of the model.
+  double chord = 0;
+  /// True: compute curved triangles (PnTriangle). Far fewer of them are needed for the same chord
+  /// tolerance, but mesh edges on edges of CAD faces stay straight.
   bool curved = false;
 };
 
 /// Reads a STEP, IGES or BREP file and meshes its faces. Adjacent faces share the nodes on their
-/// common edge. Free edges within 1e-5 of the model size of each other are sewn first (in IGES
-/// files all edges are free). The mesh is refined up to four times until `deviation` is at most
-/// `chord`. Throws InputError as read_cad_lines() does for files and entities, for a file without
-/// faces, and for a chord below 1e-7 of the model size or not a valid length.
+/// common edges. Free edges that are within 1e-5 of the model size of each other are sewn first (in
+/// IGES files all edges are free). The mesh is refined up to four times, until CadFacets::deviation
+/// is at most `chord`. Throws InputError for a file that cannot be read (as read_cad_lines()), a
+/// file without faces, or a chord that is below 1e-7 of the model size or not a valid length.
 CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOptions& options = {});
 
-// Reads a summary of a CAD file.
+// Summaries of CAD files.
 
 /// Reads a STEP, IGES or BREP file and summarises its contents. Faces and curves without a colour
-/// of their own inherit that of their product. Throws InputError as read_cad_lines() does for files
-/// and entities. Costs 0.1 s per MB for reading, and twice that for areas and volumes.
+/// inherit the colour of their product. Throws InputError for a file that cannot be read (as
+/// read_cad_lines()). Takes 0.1 s per MB for reading, and 0.2 s per MB for areas and volumes.
 CadContents read_cad_contents(const std::filesystem::path& file);
 
 }  // namespace batten

@@ -64,7 +64,6 @@
 #include "batten/io/cad/continuity_report.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/files/text.h"
 #include "batten/io/vtk/vtk_message_capture.h"
 
@@ -214,7 +213,7 @@ void finish(XSControl_Reader& reader, CadFile& cad) {
   name_parts(cad.document, labels);
 }
 
-void read_step(const std::filesystem::path& file, CadFile& cad) {
+void read_step_file(const std::filesystem::path& file, CadFile& cad) {
   STEPCAFControl_Reader reader;
   if (reader.ReadFile(file.string().c_str()) != IFSelect_RetDone)
     throw InputError(file.string() + ": OpenCASCADE cannot read it; expected STEP");
@@ -223,7 +222,7 @@ void read_step(const std::filesystem::path& file, CadFile& cad) {
   finish(reader.ChangeReader(), cad);
 }
 
-void read_iges(const std::filesystem::path& file, CadFile& cad) {
+void read_iges_file(const std::filesystem::path& file, CadFile& cad) {
   IGESCAFControl_Reader reader;
   if (reader.ReadFile(file.string().c_str()) != IFSelect_RetDone)
     throw InputError(file.string() + ": OpenCASCADE cannot read it; expected IGES");
@@ -265,7 +264,7 @@ bool is_finite(const TopoDS_Shape& shape) {
   return true;
 }
 
-void read_brep(const std::filesystem::path& file, CadFile& cad) {
+void read_brep_file(const std::filesystem::path& file, CadFile& cad) {
   const std::string bytes = read_input_file(file, "a BREP file");
   std::istringstream in(bytes);
   in.imbue(std::locale::classic());
@@ -304,9 +303,9 @@ CadFile read_with_occ(const std::filesystem::path& file, CadFormat format) {
   BRep_Builder().MakeCompound(cad.shape);
   cad.document = new_document();
   try {
-    format == CadFormat::Step   ? read_step(file, cad)
-    : format == CadFormat::Iges ? read_iges(file, cad)
-    : format == CadFormat::Brep ? read_brep(file, cad)
+    format == CadFormat::Step   ? read_step_file(file, cad)
+    : format == CadFormat::Iges ? read_iges_file(file, cad)
+    : format == CadFormat::Brep ? read_brep_file(file, cad)
                                 : read_patch_set(file, cad);
   } catch (const Standard_Failure& failure) {
     throw InputError(file.string() +
@@ -497,13 +496,13 @@ class PatchReader {
     for (;;) {
       rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
       if (rest.empty()) break;
-      const std::string_view word = rest.substr(0, rest.find_first_of(blanks));
+      const std::string_view token = rest.substr(0, rest.find_first_of(blanks));
       double value = 0;
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-        fail("'" + std::string(word.substr(0, 40)) + "'", "a finite number");
+      const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+      if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(value))
+        fail("'" + std::string(token.substr(0, 40)) + "'", "a finite number");
       values.push_back(value);
-      rest.remove_prefix(word.size());
+      rest.remove_prefix(token.size());
     }
     return values;
   }

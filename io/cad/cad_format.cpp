@@ -68,9 +68,10 @@ void check_iges(const std::filesystem::path& file, const std::vector<std::string
            "the file ends in section " + std::string(1, sections[section]) +
                "; expected a last line of section T: the file is truncated");
   for (size_t s = 0; s < 4; ++s)
-    if (const long told = field(lines.back(), 8 * s + 1, 7); told != static_cast<long>(count[s]))
+    if (const long stated = field(lines.back(), 8 * s + 1, 7);
+        stated != static_cast<long>(count[s]))
       refuse(file, lines.size(),
-             "section " + std::string(1, sections[s]) + " should have " + std::to_string(told) +
+             "section " + std::string(1, sections[s]) + " should have " + std::to_string(stated) +
                  " lines; found " + std::to_string(count[s]));
   if (count[2] == 0 || count[2] % 2)
     refuse(
@@ -177,14 +178,14 @@ void refuse_not_finite(const std::filesystem::path& file, const std::vector<std:
   const std::string between = format == CadFormat::Iges ? "(,);" : "(,); \t\r";
   bool quoted = false;
   for (size_t i = 0; i < lines.size(); ++i) {
-    std::string word;
+    std::string token;
     for (const char c : lines[i] + between[0]) {
       if (format == CadFormat::Step && c == '\'') quoted = !quoted;
       if (between.find(c) == std::string::npos) {
-        word += c;
+        token += c;
         continue;
       }
-      std::string letters = lower_case(std::exchange(word, {}));
+      std::string letters = lower_case(std::exchange(token, {}));
       if (!letters.empty() && (letters[0] == '-' || letters[0] == '+')) letters.erase(0, 1);
       if (!quoted && (letters == "nan" || letters == "inf" || letters == "infinity"))
         refuse(file, i + 1, "found '" + letters + "'; expected a finite number");

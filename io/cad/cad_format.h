@@ -1,27 +1,65 @@
-// Recognises CAD file formats and detects truncated files. Internal; does not need OpenCASCADE.
+// Formats of CAD files: extensions, detection of truncated files, options for writing STEP files.
+// Does not need OpenCASCADE.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "batten/fem/curves/bspline.h"
+
 namespace batten {
 
-/// CAD file formats. `Patches`: spline patches of G+Smo (.xml), which are only read.
+/// CAD file formats. `Patches` (spline patches of G+Smo, .xml) can be read but not written.
 enum class CadFormat { Step, Iges, Brep, Patches };
 
-/// File extensions of CAD files, with the dot.
+/// The file extensions of CAD formats, with the dot.
 const std::vector<std::string>& cad_extensions();
 
-/// The format that corresponds to the file's extension. Throws InputError for an unknown extension.
+/// The format that corresponds to the extension of a file. Throws InputError for an unknown
+/// extension.
 CadFormat cad_format(const std::filesystem::path& file);
 
-/// True if the content of a BREP file is in the binary form.
+/// True if the content of a BREP file is in binary form.
 bool is_binary_brep(const std::string& bytes);
 
-/// Checks that a file has the given format and is complete, as far as its text shows. Throws
-/// InputError with the line (for binary files: the byte). This check is needed because OpenCASCADE
-/// silently reads the intact part of a truncated file. O(file size).
+/// Checks that a file has the given format and is not truncated, as far as this can be recognised
+/// without OpenCASCADE. Throws InputError with the line of the error (for binary files, the byte).
+/// The check is needed because OpenCASCADE silently reads the intact part of a truncated file.
+/// O(file size).
 void check_cad_text(const std::filesystem::path& file, CadFormat format);
+
+// Options for writing STEP files of surfaces and of fitted faces.
+
+/// Names, schema and additional curves of a STEP file of surfaces.
+struct StepFileOptions {
+  std::string name = "surface";  ///< product name
+  std::string author = "";
+  bool ap242 = false;  ///< true: schema AP242; false: AP214
+  /// Named curves to write in addition to the faces, in a separate product "curves". CAD programs
+  /// show these curves as wires, which can be hidden. Programs that mesh the whole file also mesh
+  /// the curves, without sharing nodes with the faces. Empty: no additional product.
+  std::vector<CubicSpline> lines = {};
+};
+
+/// Accuracy and size limits of fitted B-spline faces.
+struct StepFaceOptions {
+  double tolerance = 0;  ///< largest distance from the surface, model units; must be above 0
+  /// Largest permitted angle between adjacent faces along edges at which their surfaces are
+  /// tangent, degrees; above 0.
+  double join_deg = 0.1;
+  StepFileOptions file = {};
+  /// True: write planes, cylinders, spheres, cones and tori as analytic faces, if they fit a
+  /// surface within the tolerance.
+  bool analytic = true;
+  int max_poles = 400;  ///< maximum number of poles in one parameter direction, 16 or more
+  /// Maximum number of poles of a face, 256 or more. A face of 60,000 poles needs about 6 MB.
+  int max_poles_total = 60'000;
+  /// Maximum ratio of the number of poles of a face to the number of triangles of its surface;
+  /// 6,000 poles are always permitted. A valid surface needs about one pole per triangle, seldom
+  /// more than five. The limit stops the fit of defective surfaces, to which splines do not
+  /// converge.
+  int max_poles_per_triangle = 20;
+};
 
 }  // namespace batten

@@ -249,15 +249,6 @@ Handle(TDocStd_Document) document_of(const std::vector<CadPart>& parts, double u
 namespace {
 
 TopoDS_Edge edge_of(const CubicSpline& spline, double tolerance) {
-  const int knots = isize(spline.knots);
-  TColgp_Array1OfPnt poles(1, isize(spline.poles));
-  TColStd_Array1OfReal values(1, knots);
-  TColStd_Array1OfInteger times(1, knots);
-  for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
-  for (int i = 1; i <= knots; ++i) {
-    values(i) = spline.knots[i - 1];
-    times(i) = spline.multiplicities[i - 1];
-  }
   BRep_Builder builder;
   TopoDS_Vertex first, last;
   builder.MakeVertex(first, to_occ(spline.poles.front()), tolerance);
@@ -266,7 +257,7 @@ TopoDS_Edge edge_of(const CubicSpline& spline, double tolerance) {
   else
     builder.MakeVertex(last, to_occ(spline.poles.back()), tolerance);
   TopoDS_Edge edge;
-  builder.MakeEdge(edge, new Geom_BSplineCurve(poles, values, times, 3), tolerance);
+  builder.MakeEdge(edge, to_occ(spline), tolerance);
   builder.Add(edge, first.Oriented(TopAbs_FORWARD));
   builder.Add(edge, last.Oriented(TopAbs_REVERSED));
   builder.Range(edge, spline.knots.front(), spline.knots.back());

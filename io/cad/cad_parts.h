@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/fem/curves/hermite_curve.h"
+#include "batten/fem/curves/bspline.h"
 #include "batten/io/cad/cad_contents.h"
 
 namespace batten {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "batten/io/cad/cad_file.h"
+#include "batten/io/cad/cad_format.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/io/cad/step_options.h"
 
 namespace batten {
 

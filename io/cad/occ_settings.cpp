@@ -1,5 +1,7 @@
 #include "batten/io/cad/occ_settings.h"
 
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_BSplineCurve.hxx>
 #include <IGESControl_Controller.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
@@ -9,6 +11,9 @@
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
+
+#include "batten/core/containers.h"
+#include "batten/fem/curves/bspline.h"
 
 namespace batten {
 namespace {
@@ -91,6 +96,36 @@ std::string OccSettings::unit_name(double unit_in_metres) {
   for (const auto& [name, metres] : kUnits)
     if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return std::string(name);
   return "";
+}
+
+namespace {
+
+std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots_of(const CubicSpline& spline) {
+  const int n = isize(spline.knots);
+  TColStd_Array1OfReal values(1, n);
+  TColStd_Array1OfInteger times(1, n);
+  for (int i = 1; i <= n; ++i) {
+    values(i) = spline.knots[i - 1];
+    times(i) = spline.multiplicities[i - 1];
+  }
+  return {values, times};
+}
+
+}  // namespace
+
+Handle(Geom_BSplineCurve) to_occ(const CubicSpline& spline) {
+  TColgp_Array1OfPnt poles(1, isize(spline.poles));
+  for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
+  const auto [knots, times] = knots_of(spline);
+  return new Geom_BSplineCurve(poles, knots, times, 3);
+}
+
+Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline) {
+  TColgp_Array1OfPnt2d poles(1, isize(spline.poles));
+  for (int i = 1; i <= poles.Length(); ++i)
+    poles(i) = {spline.poles[i - 1].x(), spline.poles[i - 1].y()};
+  const auto [knots, times] = knots_of(spline);
+  return new Geom2d_BSplineCurve(poles, knots, times, 3);
 }
 
 }  // namespace batten

@@ -11,7 +11,12 @@
 
 #include "batten/core/eigen.h"
 
+class Geom2d_BSplineCurve;
+class Geom_BSplineCurve;
+
 namespace batten {
+
+struct CubicSpline;
 
 /// RAII guard for OpenCASCADE's process-wide translator settings. While it exists, the settings
 /// given to set() apply and OpenCASCADE prints nothing. The destructor restores settings, unit and
@@ -55,11 +60,15 @@ class OccSettings {
   Message_SequenceOfPrinters printers_;
 };
 
-// Converts points and strings to and from OpenCASCADE's types.
+// Converts points, splines and strings to and from OpenCASCADE's types.
 
 inline gp_Pnt to_occ(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3 from_occ(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 inline Vec3 from_occ(const gp_Pnt& p) { return from_occ(p.XYZ()); }
+
+/// The same spline as a curve in space, and in the plane z = 0.
+Handle(Geom_BSplineCurve) to_occ(const CubicSpline& spline);
+Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline);
 
 inline Handle(TCollection_HAsciiString) occ_string(const std::string& text) {
   return new TCollection_HAsciiString(text.c_str());

@@ -1,3 +1,4 @@
+// Measures the continuity between the faces of OpenCASCADE shapes and of CAD files.
 #include "batten/io/cad/continuity_report.h"
 
 #include <BRepGProp.hxx>
@@ -27,7 +28,6 @@
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/cad/shape_continuity.h"
 
 namespace batten {
 namespace {
@@ -35,7 +35,7 @@ namespace {
 constexpr int kFewPoints = 17, kMostPoints = 401;
 
 /// A face adjacent to an edge.
-struct Side {
+struct AdjacentFace {
   Handle(Geom_Surface) surface;
   Handle(Geom2d_Curve) line;
   int face = 0;
@@ -49,7 +49,7 @@ struct EdgeJet {
 
 /// Evaluates the face at its closest point to `p`, with Newton steps that start on the pcurve.
 /// `along`: unit tangent of the edge.
-std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& p,
+std::optional<EdgeJet> edge_jet(const AdjacentFace& side, double parameter, const Vec3& p,
                                 const Vec3& along) {
   gp_Pnt2d uv = side.line->Value(parameter);
   gp_Pnt at;
@@ -83,17 +83,18 @@ std::optional<EdgeJet> edge_jet(const Side& side, double parameter, const Vec3& 
 
 /// The number of sample points: four for each knot interval that the edge may cross, because the
 /// angle oscillates between the knots of splines.
-int points_along(const Side& a, const Side& b) {
+int points_along(const AdjacentFace& a, const AdjacentFace& b) {
   int knots = 0;
-  for (const Side* side : {&a, &b})
+  for (const AdjacentFace* side : {&a, &b})
     if (const auto spline = Handle(Geom_BSplineSurface)::DownCast(side->surface); !spline.IsNull())
       knots = std::max(knots, std::max(spline->NbUKnots(), spline->NbVKnots()) - 2);
   return std::clamp(4 * knots, kFewPoints, kMostPoints);
 }
 
 /// Measures an edge with two adjacent faces; nullopt if that is impossible.
-std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const Side& a, const Side& b,
-                                       double size, const ContinuityOptions& options) {
+std::optional<EdgeContinuity> measured(const TopoDS_Edge& edge, const AdjacentFace& a,
+                                       const AdjacentFace& b, double size,
+                                       const ContinuityOptions& options) {
   double first, last;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
   if (curve.IsNull() || a.line.IsNull() || b.line.IsNull()) return std::nullopt;
@@ -174,9 +175,10 @@ bool is_sliver(const TopoDS_Face& face, double area) {
   return half > 0 && std::abs(area) < 1e-3 * half * half;
 }
 
-std::vector<std::vector<Side>> sides_of(const TopTools_IndexedMapOfShape& edges,
-                                        const TopoDS_Shape& shape, ContinuityReport& report) {
-  std::vector<std::vector<Side>> sides(edges.Extent());
+std::vector<std::vector<AdjacentFace>> sides_of(const TopTools_IndexedMapOfShape& edges,
+                                                const TopoDS_Shape& shape,
+                                                ContinuityReport& report) {
+  std::vector<std::vector<AdjacentFace>> sides(edges.Extent());
   const std::vector<double> areas = face_areas(shape);
   report.area = std::accumulate(areas.begin(), areas.end(), 0.0);
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {

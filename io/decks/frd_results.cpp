@@ -15,7 +15,7 @@ namespace batten {
 namespace {
 
 // A data line consists of " -1", a number of ten columns, and values of twelve columns each.
-constexpr size_t kKey = 3, kNumber = 10, kValue = 12;
+constexpr size_t kKeyWidth = 3, kNumberWidth = 10, kValueWidth = 12;
 // Column positions in a step header, "  100CL", and in an element header, " -1".
 constexpr size_t kStepValue = 12, kType = 13, kTypeWidth = 5;
 
@@ -54,7 +54,7 @@ class FrdParser {
         block_ = key == "    2C" ? Block::Nodes : Block::Elements;
       } else if (key == "  100C") {
         require_text(line);
-        value_ = parsed<double>(part(line, kStepValue, kValue), at());
+        value_ = parsed<double>(part(line, kStepValue, kValueWidth), at());
       } else if (key.starts_with(" -4")) {
         const std::string name = line.substr(std::min<size_t>(line.size(), 5), 8);
         block_ = name.starts_with("DISP")     ? Block::Displacement
@@ -101,24 +101,25 @@ class FrdParser {
     if (block_ == Block::Elements) {
       const bool head = line[2] == '1';
       if (head) {
-        element(parsed<int>(part(line, kKey, kNumber), at()),
+        element(parsed<int>(part(line, kKeyWidth, kNumberWidth), at()),
                 parsed<int>(part(line, kType, kTypeWidth), at()));
         return;
       }
       const size_t end = line.find_last_not_of(" \r");
-      for (size_t from = kKey; from <= end && end != line.npos; from += kNumber)
-        element_node(parsed<int>(part(line, from, kNumber), at()));
+      for (size_t from = kKeyWidth; from <= end && end != line.npos; from += kNumberWidth)
+        element_node(parsed<int>(part(line, from, kNumberWidth), at()));
       return;
     }
     if (line[2] != '1') return;
     const size_t count = block_ == Block::Stress ? 6 : 3;
-    if (line.size() < kKey + kNumber + count * kValue)
+    if (line.size() < kKeyWidth + kNumberWidth + count * kValueWidth)
       throw InputError(at() + "found a short line, expected a node and " + std::to_string(count) +
                        " numbers");
-    const int label = parsed<int>(part(line, kKey, kNumber), at());
+    const int label = parsed<int>(part(line, kKeyWidth, kNumberWidth), at());
     double v[6] = {};
     for (size_t k = 0; k < count; ++k)
-      v[k] = parsed<double>(part(line, kKey + kNumber + k * kValue, kValue), at());
+      v[k] =
+          parsed<double>(part(line, kKeyWidth + kNumberWidth + k * kValueWidth, kValueWidth), at());
     if (block_ == Block::Nodes) node(label, {v[0], v[1], v[2]});
     if (block_ == Block::Displacement) displacement(label, {v[0], v[1], v[2]});
     if (block_ == Block::Stress) stress(label, v);

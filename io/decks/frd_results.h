@@ -1,4 +1,4 @@
-// Reads CalculiX results (.frd): displacements, stresses, mesh and outer faces.
+// Reads CalculiX result files (.frd): displacements, stresses, the mesh and its outer faces.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@
 
 namespace batten {
 
-/// Displacements and stresses at the nodes of a .frd file, for its last step. CalculiX expands
-/// shells to solids: the nodes are the corners of these solids, on both sides of the shell.
+/// Displacements and stresses at the nodes of a .frd file, in the last step of the file. CalculiX
+/// expands shell elements to solid elements, so the nodes of a shell are the corners of these
+/// solids, on both sides of the mid-surface.
 struct FrdResults {
   struct Node {
     Vec3 x = Vec3::Zero(), displacement = Vec3::Zero();
@@ -19,37 +20,40 @@ struct FrdResults {
   std::vector<Node> nodes;
 };
 
-/// Reads a .frd file in text form (ccx writes it for *NODE FILE, U and *EL FILE, S). Throws
-/// InputError: a missing file, a file without results, an invalid line.
+/// Reads a .frd file in text form, as ccx writes it for *NODE FILE, U and *EL FILE, S. Throws
+/// InputError if the file is missing, contains no results, or has an invalid line.
 FrdResults read_frd(const std::filesystem::path& path);
 
-/// Nodes and elements of a .frd file.
+/// The nodes and elements of a .frd file.
 struct FrdMesh {
   struct Element {
-    int label = 0, type = 0;  ///< type codes of .frd: 1 is C3D8, 7 is S3
-    std::vector<int> nodes;   ///< 0-based node indices, in the order of .frd
+    int label = 0, type = 0;  ///< element number, and type code of .frd (1: C3D8, 7: S3)
+    std::vector<int> nodes;   ///< 0-based indices of the nodes, in the node order of .frd
   };
-  std::vector<int> labels;  ///< node labels, ascending
+  std::vector<int> labels;  ///< node numbers in the file, ascending
   Points points;
   std::vector<Element> elements;
 };
 
-/// Reads the mesh, then calls `step` for each step as it is read, with its value (a time, frequency
-/// or buckling factor) and its displacements (n×3; zero at nodes without a value). Only the mesh
-/// and one step are held in memory. Throws as read_frd(), and for an element with unknown nodes.
+/// Reads the mesh, then calls `step` for each step of the results. The arguments of `step` are the
+/// value of the step (time, frequency or buckling factor) and the displacements (n×3; zero at nodes
+/// without a value). Only the mesh and one step are held in memory. Throws InputError as read_frd()
+/// does, and for an element with unknown nodes.
 FrdMesh read_frd_steps(
     const std::filesystem::path& path,
     const std::function<void(const FrdMesh&, double value, const Points& displacements)>& step);
 
-/// A face: corner nodes, followed by mid-side nodes if it is of second order.
+/// A face of an element: corner nodes, followed by mid-side nodes if the element is of second
+/// order.
 struct FrdFace {
   int element = 0;
   std::vector<int> nodes;
   bool second_order = false;
 };
 
-/// The skin of a mesh: faces that belong to one solid only, oriented outwards, and all shells
-/// (types 1 to 10; beams have no faces). O(faces).
+/// The outer faces of a mesh: the faces that belong to exactly one solid element, oriented
+/// outwards, and all shell elements. Supports the element types 1 to 10; beams have no faces.
+/// O(faces).
 std::vector<FrdFace> outer_faces(const FrdMesh& mesh);
 
 }  // namespace batten

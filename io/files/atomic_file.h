@@ -1,4 +1,4 @@
-// Atomic output files: complete or not written at all.
+// Atomic output files: a file is either written completely or not at all.
 #pragma once
 
 #include <filesystem>
@@ -10,16 +10,16 @@
 
 namespace batten {
 
-// Registry of temporary files and folders, for programs that must terminate before these are
+// Registry of temporary files and folders, for programs that must terminate before the files are
 // finished.
 
-/// While a guard exists, remove_temporary_files() removes its path. Guards may be created in any
-/// thread, and before the path exists.
+/// Registers a temporary file or folder for removal: remove_temporary_files() removes the paths of
+/// all existing guards. A guard may be created in any thread, and before its path exists.
 class TemporaryFileGuard {
  public:
   enum class Content {
-    Remove,  ///< a file, or a folder with its contents
-    Keep     ///< a folder, only if it is empty
+    Remove,  ///< removes a file, or a folder with its contents
+    Keep     ///< removes a folder only if it is empty
   };
   explicit TemporaryFileGuard(std::filesystem::path path, Content content = Content::Remove);
   ~TemporaryFileGuard();
@@ -34,30 +34,32 @@ class TemporaryFileGuard {
   Content content_;
 };
 
-/// Calls `move`, which must rename finished files to their final names. remove_temporary_files()
-/// waits until it returns.
+/// Calls `move`, which must rename finished files to their final names. While `move` runs,
+/// remove_temporary_files() waits.
 void commit_files(const std::function<void()>& move);
 
-/// Removes all unfinished files and folders, the last one first. The program must then terminate
-/// without running destructors (std::_Exit). Other threads may still write, but they cannot finish
-/// any file, because commit_files() no longer returns.
+/// Removes all unfinished files and folders, most recent first. Afterwards the program must
+/// terminate without running destructors (std::_Exit). Other threads may still write but cannot
+/// finish any file, because commit_files() blocks from now on.
 void remove_temporary_files();
 
-/// Thrown if the system does not permit a file to be written: disk full, no permission. It is not
-/// specific to one surface: later files will fail for the same reason.
+/// Thrown if the operating system does not permit a file to be written, for example because the
+/// disk is full or permission is missing. Later files will usually fail for the same reason.
 class FileError : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// An output file in progress. Libraries write to temporary(), a name in the same folder with the
-/// same extension. commit() renames it to its final name in one step and replaces an existing file.
-/// Without commit(), the destructor removes the temporary file, and an existing file is unchanged.
+/// An output file in progress. A library writes to temporary(), a file in the same folder with the
+/// same extension. commit() renames the temporary file to its final name and thereby replaces an
+/// existing file. Without commit(), the destructor removes the temporary file, and an existing file
+/// stays unchanged.
 class AtomicFile {
  public:
-  /// Creates the temporary file, so that a missing or read-only folder is detected before the work
-  /// is done. Removes temporary files of `path` that killed processes left behind. Throws FileError
-  /// with the file and the system's reason, also if `path` exists and is not a regular file.
+  /// Creates the temporary file, so that a missing or read-only folder is detected before a long
+  /// computation. Removes temporary files of `path` that terminated processes left behind. Throws
+  /// FileError, with the file name and the reason given by the system; also if `path` exists and is
+  /// not a regular file.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -65,8 +67,8 @@ class AtomicFile {
 
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& temporary() const { return temporary_; }
-  /// Renames the file to its final name. Call it once, after the writer has closed the file. Throws
-  /// FileError if the system refuses.
+  /// Renames the temporary file to its final name. Call it once, after the temporary file has been
+  /// closed. Throws FileError if the system refuses.
   void commit();
 
  private:
@@ -74,13 +76,14 @@ class AtomicFile {
   std::optional<TemporaryFileGuard> guard_;
 };
 
-/// Writes a file atomically with what `write` puts into the stream (numbers in the C locale, '\n'
-/// line ends). Throws FileError, also if the disk is full, and whatever `write` throws.
+/// Writes a file atomically; `write` writes the content to the given stream (C locale, line ends
+/// '\n'). Throws FileError if the file cannot be written, for example because the disk is full, and
+/// all exceptions of `write`.
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(std::ostream&)>& write);
 
-/// Creates the folder with its parents if necessary, and verifies that files can be created in it.
-/// Throws FileError otherwise.
+/// Creates a folder and its parents if necessary, and verifies that files can be created in it.
+/// Throws FileError if the folder cannot be created or used.
 void make_output_folder(const std::filesystem::path& path);
 
 }  // namespace batten

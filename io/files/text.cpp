@@ -36,17 +36,17 @@ const std::vector<std::pair<std::string, double>> kUnits = {
 }  // namespace
 
 const std::vector<std::string>& length_units() {
-  static const std::vector<std::string> words = [] {
+  static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const auto& unit : kUnits) list.push_back(unit.first);
     return list;
   }();
-  return words;
+  return names;
 }
 
 double unit_in_metres(const std::string& unit) {
-  for (const auto& [word, metres] : kUnits)
-    if (word == unit) return metres;
+  for (const auto& [name, metres] : kUnits)
+    if (name == unit) return metres;
   throw InputError("found the unit '" + unit + "', expected " +
                    expected_one_of(unit, length_units()));
 }

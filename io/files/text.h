@@ -1,4 +1,4 @@
-// String helpers for readers of text files, and units of length.
+// String functions for readers of text files, and units of length.
 #pragma once
 
 #include <filesystem>
@@ -8,27 +8,28 @@
 
 namespace batten {
 
-/// True for white space other than a line feed.
+/// True for white space other than a line feed: space, tab, \r, \f and \v.
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
 /// The text without white space at both ends.
 std::string_view trimmed(std::string_view text);
-/// Converts ASCII letters to lower case.
+/// Converts ASCII letters to lower case; other characters are unchanged.
 std::string lower_case(std::string text);
-/// The extension in lower case: ".obj" for "a.OBJ".
+/// The file extension in lower case, with the dot: ".obj" for "a.OBJ".
 std::string lower_extension(const std::filesystem::path& path);
-/// "1 point", "2 points"; with an irregular plural in `many`: "3 tori".
+/// A count with its noun: "1 point", "2 points". `many`: plural of an irregular noun, as in "3
+/// tori".
 std::string format_count(long count, const std::string& noun, const std::string& many = "");
 
 // Units of length, as named in scenes and on the command line.
 
 /// The names of the supported length units: mm, cm, m, in, ft.
 const std::vector<std::string>& length_units();
-/// The length of a unit in metres. Throws InputError for an unknown name.
+/// The length of a unit in metres. Throws InputError for an unknown unit.
 double unit_in_metres(const std::string& unit);
-/// The name of a length unit, including those that only CAD files may have: um, km, mi, mil, uin.
-/// For any other length the result looks like "0.002 m".
+/// The name of a length unit, including units that occur only in CAD files: um, km, mi, mil, uin. A
+/// length without a name is formatted as "0.002 m".
 std::string format_unit(double unit_in_metres);
 
 }  // namespace batten

@@ -42,11 +42,6 @@ std::string format_location(const std::string& file, const SourceLocation& locat
   return file + ":" + std::to_string(location.line) + ":" + std::to_string(location.column) + ": ";
 }
 
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
-  const std::string nearest = closest_match(word, words);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
-
 std::string quoted_excerpt(std::string_view found) {
   std::string text = "'";
   for (const char c : found.substr(0, 32))
@@ -54,14 +49,14 @@ std::string quoted_excerpt(std::string_view found) {
   return text + (found.size() > 32 ? "…'" : "'");
 }
 
-std::string comma_separated(const std::vector<std::string>& words) {
+std::string comma_separated(const std::vector<std::string>& strings) {
   std::string text;
-  for (const auto& w : words) text += (text.empty() ? "" : ", ") + w;
+  for (const auto& s : strings) text += (text.empty() ? "" : ", ") + s;
   return text;
 }
 
-std::string expected_one_of(const std::string& word, const std::vector<std::string>& words) {
-  return "one of: " + comma_separated(words) + did_you_mean(word, words);
+std::string expected_one_of(const std::string& found, const std::vector<std::string>& choices) {
+  return "one of: " + comma_separated(choices) + did_you_mean(found, choices);
 }
 
 TomlTable::TomlTable(std::string file, const toml::table& table, std::string what,
@@ -230,9 +225,9 @@ std::vector<double> TomlTable::list(const std::string& key) const {
   return list;
 }
 
-std::vector<LocatedString> TomlTable::words(const std::string& key) const {
-  std::vector<LocatedString> words;
-  if (!has(key)) return words;
+std::vector<LocatedString> TomlTable::strings(const std::string& key) const {
+  std::vector<LocatedString> strings;
+  if (!has(key)) return strings;
   const std::string expected = "a list of names for '" + key + "'";
   const toml::node& value = *table_->get(key);
   const auto* array = value.as_array();
@@ -240,9 +235,9 @@ std::vector<LocatedString> TomlTable::words(const std::string& key) const {
   for (const toml::node& item : *array) {
     const auto* text = item.as_string();
     if (!text) fail_node(item, describe(item), expected);
-    words.push_back({text->get(), location_of(item.source())});
+    strings.push_back({text->get(), location_of(item.source())});
   }
-  return words;
+  return strings;
 }
 
 std::vector<std::vector<LocatedString>> TomlTable::string_lists(const std::string& key) const {
@@ -266,7 +261,7 @@ std::vector<std::vector<LocatedString>> TomlTable::string_lists(const std::strin
 
 std::vector<LocatedString> TomlTable::names(const std::string& key) const {
   if (has(key) && !is_array(key)) return {{text(key), location(key)}};
-  return words(key);
+  return strings(key);
 }
 
 std::vector<TomlTable> TomlTable::table(const std::string& key,

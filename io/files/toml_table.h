@@ -1,4 +1,4 @@
-// Typed access to TOML tables. Error messages state the position and what to write instead:
+// Typed access to TOML tables. Error messages contain the location and the permitted values:
 //
 //     scene.toml:7:1: found key 'edge_lenght' in [skin], expected one of: …; did you mean
 //     'edge_length'?
@@ -22,41 +22,43 @@ class table;
 
 namespace batten {
 
-/// A 1-based position in a text file. Line 0: unknown position.
+/// A location in a text file: 1-based line and column. Line 0 means that the location is unknown.
 struct SourceLocation {
   int line = 0, column = 0;
 };
-/// The position as a prefix of messages: "file:line:column: ". If it is unknown: "file: ", or ""
-/// without a file.
+/// The location as the prefix of a message: "FILE:LINE:COLUMN: ". For an unknown location the
+/// prefix is "FILE: ", or "" if `file` is empty.
 std::string format_location(const std::string& file, const SourceLocation& location);
 
-/// The text "; did you mean 'x'?" if one of `words` is similar enough to `word`, else "".
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
-/// Part of a file, quoted for messages: at most 32 characters, with '?' for unprintable ones.
+/// An excerpt of a file, quoted for messages: at most 32 characters, with '?' in place of
+/// unprintable characters.
 std::string quoted_excerpt(std::string_view found);
-/// Joins words: "a, b, c".
-std::string comma_separated(const std::vector<std::string>& words);
-/// The text "one of: a, b, c; did you mean 'b'?" for an invalid word.
-std::string expected_one_of(const std::string& word, const std::vector<std::string>& words);
+/// Joins strings with commas: "a, b, c".
+std::string comma_separated(const std::vector<std::string>& strings);
+/// The text "one of: a, b, c; did you mean 'b'?" for messages. `found`: the invalid value.
+/// `choices`: the permitted values, from which the most similar one is suggested.
+std::string expected_one_of(const std::string& found, const std::vector<std::string>& choices);
 
-/// A string of a file with its position, for later checks.
+/// A string read from a file, with its location, so that later checks can report the location.
 struct LocatedString {
   std::string text;
   SourceLocation location;
 };
 
-/// A TOML table with the keys that it may have. Its functions read the value of a key. They throw
-/// InputError with the position, the value found and the value expected if the value has the wrong
-/// type, or if a key without `fallback` is missing.
+/// A TOML table with a fixed set of permitted keys. The member functions read the value of a key.
+/// They throw InputError, with the location, the value found and the value expected, if the value
+/// has the wrong type. They also throw InputError if the key is missing and the function has no
+/// parameter `fallback`.
 class TomlTable {
  public:
-  /// Keeps a reference to `table`. `what`: name of the table in messages, "[skin]". Throws
-  /// InputError if the table has a key that is not in `keys`.
+  /// Keeps a reference to `table`. `what`: name of the table in messages, such as "[skin]". Throws
+  /// InputError if the table contains a key that is not in `keys`.
   TomlTable(std::string file, const toml::table& table, std::string what,
             std::vector<std::string> keys);
 
   bool has(const std::string& key) const;
-  /// The position of the table, or of a key; if the key is missing, that of the table.
+  /// The location of the table, or of one of its keys. For a missing key: the location of the
+  /// table.
   SourceLocation location() const;
   SourceLocation location(const std::string& key) const;
   const std::string& what() const { return what_; }
@@ -71,28 +73,30 @@ class TomlTable {
   double positive(const std::string& key) const;
   double positive(const std::string& key, double fallback) const;
   bool boolean(const std::string& key, bool fallback) const;
-  /// An integer from `least` to a million.
+  /// An integer from `least` to 1,000,000.
   int integer(const std::string& key, int least, int fallback) const;
-  /// A list of finite numbers. `shape` lists their names and thereby their number: "x, y, z".
+  /// A list of finite numbers. `shape`: names of the numbers ("x, y, z"), which also determine how
+  /// many there must be.
   VecX numbers(const std::string& key, const std::string& shape) const;
   Vec3 vector(const std::string& key) const;
   /// A non-zero vector, normalised.
   Vec3 direction(const std::string& key) const;
   bool is_array(const std::string& key) const;
   std::vector<Vec3> points(const std::string& key) const;
-  /// A list of lists of finite numbers, each with as many entries as `shape` has names ("t,
-  /// value").
+  /// A list of lists of finite numbers. `shape`: names of the numbers in each inner list ("t,
+  /// value"), which also determine its length.
   std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
   /// A non-empty list of finite numbers.
   std::vector<double> list(const std::string& key) const;
-  /// A non-empty list of strings; empty if the key is missing.
-  std::vector<LocatedString> words(const std::string& key) const;
+  /// A non-empty list of strings. The result is empty if the key is missing.
+  std::vector<LocatedString> strings(const std::string& key) const;
   /// A non-empty list of non-empty lists of names.
   std::vector<std::vector<LocatedString>> string_lists(const std::string& key) const;
-  /// One name or a list of names; empty if the key is missing.
+  /// A single name or a list of names. The result is empty if the key is missing.
   std::vector<LocatedString> names(const std::string& key) const;
 
-  /// The value associated with one of the given words. Throws InputError for another word.
+  /// The value that `choices` associates with the string found. Throws InputError for any other
+  /// string.
   template <class Value>
   Value choice(const std::string& key,
                std::initializer_list<std::pair<const char*, Value>> choices) const {
@@ -109,16 +113,16 @@ class TomlTable {
     return has(key) ? choice(key, choices) : fallback;
   }
 
-  /// Subtables, which may have the given keys. table() reads a single one, [key] or {…}, and
-  /// returns at most one; tables() reads a list of them, [[key]] or [{…}, {…}]. Empty if the key is
-  /// missing.
+  /// Subtables with the permitted `keys`. table() reads a single table, [key] or {…}; the result
+  /// has one element. tables() reads a list of tables, [[key]] or [{…}, {…}]. The result is empty
+  /// if the key is missing.
   std::vector<TomlTable> table(const std::string& key, std::vector<std::string> keys) const;
   std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> keys) const;
 
-  /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the position of the key.
+  /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the location of the key.
   [[noreturn]] void fail(const std::string& key, const std::string& found,
                          const std::string& expected) const;
-  /// The position of a key as a prefix of other messages: "FILE:LINE:COLUMN: ".
+  /// The location of a key as the prefix of a message: "FILE:LINE:COLUMN: ".
   std::string at(const std::string& key) const { return format_location(file_, location(key)); }
 
  private:

@@ -1,8 +1,10 @@
-// Reads curves and surfaces from IGES, STEP and BREP files, and writes curves to them.
+// Reads curves, faces and the boundary loops of faces from IGES, STEP and BREP files, and writes
+// curves to STEP and IGES files.
 #pragma once
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "batten/io/lines/named_lines.h"
@@ -11,32 +13,34 @@
 namespace batten {
 
 /// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
-/// file. These are the edges of its shapes (an edge shared by faces once) and the free curves. With
-/// `creases`, only the edges of faces are read, plus the creases inside faces, which split the
-/// edges at which they end. Coordinates are converted from the file's unit to the model unit.
-/// Curves in the parameter plane of a face and edges of length zero are skipped.
+/// file: the edges of its shapes and the free curves. An edge that is shared by faces is read once.
+/// If `creases` is true, only the edges of faces and the creases inside faces are read; a crease
+/// splits the edges on which it ends. Coordinates are converted from the unit of the file to the
+/// model unit. Curves in the parameter plane of a face and edges of length zero are skipped.
 ///
-/// A curve is named after the label of the curve in the file. If several have the same label, it is
-/// numbered from the second one on. Without a label, the name is "edge1", "edge2" … in file order.
-/// The curve keeps the parametrisation and direction of the file; its derivatives are exact.
-/// Straight lines and non-rational splines of degree 3 or less are piecewise_cubic(), and their
-/// breaks() are all knots. For other B-splines, breaks() are the knots whose multiplicity allows a
-/// C1 discontinuity.
+/// The name of a curve is its label in the file. If several curves have the same label, numbers are
+/// appended from the second curve on. Curves without a label are named "edge1", "edge2" … in file
+/// order. A curve keeps its parametrisation and direction, and its derivatives are exact. Straight
+/// lines and non-rational splines of degree 3 or less are piecewise_cubic(), and their breaks() are
+/// all knots. For other B-splines, breaks() are the knots whose multiplicity allows a C1
+/// discontinuity.
 ///
-/// Throws InputError: a missing or empty file, an unknown extension, a file that is truncated or
-/// has another format (with the line, if known), an entity that OpenCASCADE cannot convert, a file
-/// without curves, a unit that is not positive.
+/// Throws InputError if the file is missing, empty, truncated, of another format (with the line, if
+/// it is known) or without curves; if the extension is unknown; if OpenCASCADE cannot convert an
+/// entity; or if the unit is not positive.
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres, bool creases = false);
 
-/// A trimmed face of a CAD file, for distance queries. Copies share the data.
+/// A trimmed face of a CAD file, for distance queries. Copies share the data of the face.
 class CadSurface {
  public:
   /// Distance from `p` to the closest point of the face, in model units. Newton's method starts at
-  /// the closest samples of the face and of its edges. It may find only a local minimum if the face
-  /// approaches itself between samples. Takes about 0.1 ms. Not thread-safe.
+  /// the closest sample points of the face and of its edges. If two parts of the face are closer to
+  /// each other than the sample points, the result may be a local minimum. Takes about 0.1 ms. Not
+  /// thread-safe.
   double distance(const Vec3& p) const;
-  /// A lower bound of distance(): the distance to the bounding box of the face. Takes nanoseconds.
+  /// A lower bound of distance(): the distance from `p` to the bounding box of the face. Takes
+  /// nanoseconds.
   double distance_lower_bound(const Vec3& p) const;
 
  private:
@@ -45,22 +49,57 @@ class CadSurface {
   std::shared_ptr<const Data> data_;
 };
 
-/// Distance from `p` to the closest of several faces. `first`: index of the face to try first;
-/// updated to the closest face. Faces whose bounding boxes are farther away are skipped. So the
-/// next query nearby costs little more than one face, whatever their number. Throws InputError if
-/// `faces` is empty.
+/// Distance from `p` to the closest of several faces. `first`: index of the face that is tried
+/// first; it is set to the index of the closest face. Faces whose bounding boxes are farther away
+/// are skipped, so the next query at a nearby point costs little more than a query of a single
+/// face. Throws InputError if `faces` is empty.
 double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
 
-/// Reads the faces of a file in file order; there may be none. Throws InputError as
-/// read_cad_lines() does for files and entities.
+/// Reads the faces of a file, in file order. The result is empty if the file contains no faces.
+/// Throws InputError for a file or entity that cannot be read, as read_cad_lines() does.
 std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
                                           double model_unit_in_metres);
 
+// Boundary loops of faces, and edges shared by two faces.
+
+/// The boundary loops of a face. The names of the curves are those of read_cad_lines() with
+/// `creases` = true.
+struct CadFaceBoundary {
+  std::string name;  ///< name of the face: "face 1", "face 2" … in file order
+  /// Names of the curves of each loop, starting with the outer loop.
+  std::vector<std::vector<std::string>> loops;
+  std::vector<std::string> inner;  ///< names of seams: curves along which the face meets itself
+  bool convex = false;  ///< true: one loop without re-entrant corners (tolerance 0.1 rad)
+  /// True if the face is a tube: it has a seam and two boundary loops.
+  bool annulus() const { return !inner.empty() && loops.size() == 2; }
+};
+
+/// A curve shared by two faces.
+struct CadSharedEdge {
+  std::string line;
+  double angle_deg = 0;  ///< largest angle between the two faces, degrees; see EdgeContinuity
+};
+
+/// All faces of a file, in file order, with their shared edges. A face with creases is split into
+/// its smooth parts.
+struct CadFaceTopology {
+  std::vector<CadFaceBoundary> faces;
+  std::vector<CadSharedEdge> joins;
+  double size = 0;  ///< diagonal of the bounding box of all curves, model units
+  double gap = 0;   ///< Largest distance between curve ends that meet at one vertex, model units.
+};
+
+/// Reads the boundary loops of all faces of a file. A closed face (sphere, torus) has no loops.
+/// Adjacent faces of an IGES file may have separate edges. If these edges cannot be merged, the
+/// loops contain different, coincident curves. Throws InputError for a file or entity that cannot
+/// be read, as read_cad_lines() does.
+CadFaceTopology read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres);
+
 // Writes curves to STEP and IGES files.
 
-/// Writes curves to a CAD file whose format is selected by the extension; the back end of
-/// write_curves(). All entries must have curves. Throws InputError for a unit that CAD files cannot
-/// declare and for a file that cannot be written, Error if OpenCASCADE fails.
+/// Writes curves to a STEP or IGES file, depending on the extension; called by write_curves(). All
+/// entries of `curves` must have curves, not points only. Throws InputError if CAD files cannot
+/// declare the unit or the file cannot be written, and Error if OpenCASCADE fails.
 void write_cad_curves(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
                       const CurveFileOptions& options);
 

@@ -1,18 +1,17 @@
-// Function table of everything that programs use of OpenCASCADE. It is either linked in, or in a
-// plug-in module that a program loads at the first call.
+// Table of the functions that depend on OpenCASCADE. They are either linked into a program, or in a
+// plug-in module that the program loads at the first call.
 #pragma once
 
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_convert.h"
 #include "batten/io/cad/continuity_report.h"
-#include "batten/io/files/sandboxed_read.h"
-#include "batten/io/lines/cad_face_topology.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/step/step.h"
 
 namespace batten {
 
-/// The functions of the plug-in; each member has the name of the function it points to.
+/// The functions of the plug-in. Each member points to the function of the same name.
 struct CadPlugin {
   decltype(&batten::write_step) write_step;
   decltype(&batten::write_step_faces) write_step_faces;
@@ -27,17 +26,18 @@ struct CadPlugin {
   decltype(&batten::convert_cad) convert_cad;
   decltype(&batten::tessellate_cad) tessellate_cad;
   double (*distance)(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
-  /// Forward settings to a module that has global variables of its own, because the program's
-  /// symbols do not take precedence over those of the module.
+  /// Functions that forward settings of the program to the plug-in module, which has its own copies
+  /// of global variables.
   decltype(&batten::enable_sandboxed_read) enable_sandboxed_read;
   decltype(&batten::set_thread_count) set_thread_count;
 };
 
-/// The function table of this program. A program may define this function itself, as `batten` does.
-/// Then it starts without loading OpenCASCADE's 16 libraries, which take half of the start-up time.
+/// The function table that this program uses. A program may define this function itself to load the
+/// plug-in on demand, as `batten` does. The program then starts without loading the 16 libraries of
+/// OpenCASCADE, which take half of the start-up time.
 const CadPlugin& cad_plugin();
 
-/// The table of the functions linked into this program or module.
+/// The table of the functions that are linked into this program or module.
 const CadPlugin& linked_cad_plugin();
 
 }  // namespace batten

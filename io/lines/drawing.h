@@ -1,45 +1,93 @@
-// Reads the curves of DXF and SVG drawings.
+// Reads curves from drawings (DXF and SVG files) and from sketches of connected strokes.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "batten/fairing/curves/input_curve.h"
+#include "batten/fairing/curves/primitive_curves.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 
-/// One curve of a drawing: either points or a parametric curve.
+/// A curve of a drawing, given either by points or as a parametric curve.
 struct DrawnLine {
   std::string name;          ///< unique within the file
-  std::vector<Vec3> points;  ///< of a polyline, in drawing units; empty if there is a curve
+  std::vector<Vec3> points;  ///< vertices of a polyline, in drawing units; empty if `curve` is set
   std::shared_ptr<const InputCurve> curve = {};
 };
 
-/// The curves of a drawing file.
+/// The curves of a drawing file and the length unit that the file declares.
 struct Drawing {
   std::vector<DrawnLine> lines;
-  double unit_in_metres = 0;       ///< 0: unknown, the file declares no unit
-  std::vector<std::string> notes;  ///< descriptions of skipped entities
+  double unit_in_metres = 0;       ///< drawing unit in metres; 0: the file declares no unit
+  std::vector<std::string> notes;  ///< sentences about skipped entities
 };
 
 // Reads DXF and SVG drawings.
 
 /// Reads a drawing. The extension selects the format:
 ///
-///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (with bulges: arcs), SPLINE, in
-///          space or in their own planes (extrusion), and the contents of blocks placed by INSERT.
-///          Names: the layer, or the file name for layer 0; with _1, _2, … if there are several.
-///          Unit: $INSUNITS. Text form only. Read with dxflib.
-///   .svg   path, line, polyline, polygon, rect, circle, ellipse, with all transforms, in the plane
-///          z = 0 with y upwards. Names: label (Inkscape), else id, else the file name. Unit: that
-///          of width and viewBox, else pixels of 1/96 inch. Paths are read with lib2geom.
+///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (bulges become arcs) and SPLINE
+///          entities, in space or in their own plane (extrusion), and the contents of blocks that
+///          are inserted by INSERT. A curve is named after its layer (in layer 0, after the file),
+///          with _1, _2, … if several curves have the same name. The unit is $INSUNITS. Only text
+///          files are supported. Read with dxflib.
+///   .svg   path, line, polyline, polygon, rect, circle and ellipse elements, with all transforms,
+///          in the plane z = 0 with y upwards. A curve is named after its Inkscape label, else its
+///          id, else the file. The unit follows from width and viewBox; the default is pixels of
+///          1/96 inch. Paths are read with lib2geom.
 ///
-/// Polylines without arcs are returned as points; corners in them are detected as in point tables.
-/// Curved entities are kept exactly. Text, hatches, dimensions, images and clones are skipped and
-/// listed in `notes`. Throws InputError: a file that cannot be read, is damaged or truncated, or
+/// Polylines without arcs are returned as points, in which corners are detected as in point tables.
+/// Curved entities are converted exactly. Text, hatches, dimensions, images and clones are skipped
+/// and listed in `notes`. Throws InputError if the file cannot be read, is damaged or truncated, or
 /// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);
+
+// Reads sketches.
+
+/// Reads the strokes of a sketch graph in the format of CASSIE [Yu2021]:
+///
+///     strokes   [{"id", "segments": [segment ids, along the stroke]}]
+///     segments  [{"id", "stroke_id", "ctrl_pts": [pieces], "nodes": [2 node ids]}]
+///     nodes     [{"id", "position", "neighbor_edges"}]
+///
+/// A piece consists of the four control points of a cubic Bézier curve, or of the two ends of a
+/// straight line. Each stroke becomes one curve that consists of exactly these pieces, with the
+/// name "stroke 5" for the id 5. Pieces of length zero, strokes without pieces and other keys are
+/// skipped. The nodes of the file are not used, because drawn sketches contain superfluous nodes
+/// and lack others; the curve network detects nodes itself.
+///
+/// Throws InputError ("file: segment 7: found X, expected Y") if the file is missing or is not
+/// valid JSON; an id is missing or occurs twice; a point does not consist of three finite numbers;
+/// consecutive pieces have a gap of more than 1e-6 of the size of the sketch; or there is no
+/// stroke.
+std::vector<CharacterLine> read_sketch_graph(const std::filesystem::path& path);
+
+// Functions shared by the readers of DXF and SVG files.
+
+/// The readers of the two formats of read_drawing().
+Drawing read_dxf(const std::filesystem::path& path);
+Drawing read_svg(const std::filesystem::path& path);
+
+/// The straight line from `a` to `b`, as a cubic curve.
+std::shared_ptr<const InputCurve> straight_segment(const Vec3& a, const Vec3& b);
+/// The image of a curve under an affine transformation.
+DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform);
+
+/// Counts the entities of a drawing that cannot be converted to curves, by kind.
+class SkippedEntities {
+ public:
+  void add(const std::string& kind) { ++count_[kind]; }
+  /// Adds a sentence that lists the skipped entities to the notes of a drawing. Adds nothing if no
+  /// entity was skipped.
+  void report_to(Drawing& drawing) const;
+
+ private:
+  std::map<std::string, int> count_;
+};
 
 }  // namespace batten

@@ -9,7 +9,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/lines/drawing_readers.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/text_rows.h"
 

@@ -1,5 +1,4 @@
-#include "batten/io/lines/point_lines.h"
-
+// Reads curves that are given by points: tables, offset tables, airfoils, strokes and OBJ files.
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -12,6 +11,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/text_rows.h"
 
@@ -26,11 +26,11 @@ std::vector<NamedPoints> read_point_table(TextRows& rows, double scale);
 namespace fs = std::filesystem;
 namespace {
 
-/// The words of an OBJ record. A backslash continues the record in the next row.
+/// The tokens of an OBJ record. A backslash continues the record in the next row.
 class ObjTokens {
  public:
   explicit ObjTokens(TextRows& rows) : rows_(rows), rest_(without_comment(rows.row())) {}
-  /// The next word; empty at the end of the record.
+  /// The next token; empty at the end of the record.
   std::string_view next() {
     for (;;) {
       while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
@@ -40,9 +40,9 @@ class ObjTokens {
     size_t length = 0;
     while (length < rest_.size() && !is_blank(rest_[length]) && rest_.substr(length) != "\\")
       ++length;
-    const std::string_view word = rest_.substr(0, length);
+    const std::string_view token = rest_.substr(0, length);
     rest_.remove_prefix(length);
-    return word;
+    return token;
   }
   std::string_view rest() {
     while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
@@ -60,38 +60,38 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
   std::string name;
   while (rows.next()) {
     const int line = rows.line();
-    ObjTokens words(rows);
-    const std::string_view record = words.next();
+    ObjTokens tokens(rows);
+    const std::string_view record = tokens.next();
     const auto end_of_row = [&] { return rows.row().data() + rows.row().size(); };
     if (record == "o" || record == "g") {
-      name = words.rest();
+      name = tokens.rest();
     } else if (record == "v") {
       Vec3 point;
       for (int i = 0; i < 3; ++i) {
-        const std::string_view word = words.next();
-        if (word.empty())
+        const std::string_view token = tokens.next();
+        if (token.empty())
           rows.fail(end_of_row(),
                     "found " + format_count(i, "coordinate") + ", expected 3 (v x y z)");
-        point[i] = scale * rows.number_in(word, "a number");
+        point[i] = scale * rows.number_in(token, "a number");
       }
       vertices.push_back(point);
     } else if (record == "l") {
       NamedPoints result{name, {}, line};
       const long count = static_cast<long>(vertices.size());
-      for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      for (std::string_view token = tokens.next(); !token.empty(); token = tokens.next()) {
         // Of "vertex/texture", use the first number.
-        const std::string_view digits = word.substr(0, word.find('/'));
+        const std::string_view digits = token.substr(0, token.find('/'));
         long index = 0;
         const auto [end, error] =
             std::from_chars(digits.data(), digits.data() + digits.size(), index);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc())
-          rows.fail(word.data(), "found " + quoted_excerpt(word) + ", expected a vertex number");
+          rows.fail(token.data(), "found " + quoted_excerpt(token) + ", expected a vertex number");
         const long vertex = index < 0 ? count + index : index - 1;
         if (index == 0 || vertex < 0 || vertex >= count)
-          rows.fail(word.data(), "found vertex number " + std::to_string(index) + ", expected " +
-                                     (count ? "1 to " + std::to_string(count) + " or -1 to -" +
-                                                  std::to_string(count)
-                                            : std::string("vertices (v records) before it")));
+          rows.fail(token.data(), "found vertex number " + std::to_string(index) + ", expected " +
+                                      (count ? "1 to " + std::to_string(count) + " or -1 to -" +
+                                                   std::to_string(count)
+                                             : std::string("vertices (v records) before it")));
         result.points.push_back(vertices[vertex]);
       }
       if (result.points.size() < 2)
@@ -110,20 +110,20 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
 
 /// Parses the number of points N in a row "v N".
 long announced_points(const TextRows& rows, std::string_view row) {
-  std::vector<std::string_view> words;
-  split_fields(row, words);
-  if (words[0] != "v")
-    rows.fail(words[0].data(), "found " + quoted_excerpt(words[0]) +
-                                   ", expected 'v N' before the N points of a curve");
-  if (words.size() != 2)
-    rows.fail(words[0].data(), "found " +
-                                   format_count(static_cast<long>(words.size()) - 1, "word") +
-                                   " after 'v', expected the number of points");
+  std::vector<std::string_view> fields;
+  split_fields(row, fields);
+  if (fields[0] != "v")
+    rows.fail(fields[0].data(), "found " + quoted_excerpt(fields[0]) +
+                                    ", expected 'v N' before the N points of a curve");
+  if (fields.size() != 2)
+    rows.fail(fields[0].data(), "found " +
+                                    format_count(static_cast<long>(fields.size()) - 1, "word") +
+                                    " after 'v', expected the number of points");
   long count = 0;
-  const char *first = words[1].data(), *last = first + words[1].size();
+  const char *first = fields[1].data(), *last = first + fields[1].size();
   const auto [end, error] = std::from_chars(first, last, count);
   if (error != std::errc() || end != last || count < 1)
-    rows.fail(first, "found " + quoted_excerpt(words[1]) + ", expected a number of points from 1");
+    rows.fail(first, "found " + quoted_excerpt(fields[1]) + ", expected a number of points from 1");
   return count;
 }
 

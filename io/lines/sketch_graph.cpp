@@ -1,18 +1,19 @@
-#include "batten/io/lines/sketch_graph.h"
-
+// Reads sketches of connected strokes.
 #include <algorithm>
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "batten/core/geometry.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/lines/drawing.h"
 
 namespace batten {
 namespace {
 
 using Json = nlohmann::json;
-using Bezier = std::array<Vec3, 4>;
+using Bezier = BezierCubic<Vec3>;
 
 /// A piecewise cubic Bézier curve, with piece i over [i, i+1].
 class PolyBezier final : public InputCurve {
@@ -22,13 +23,9 @@ class PolyBezier final : public InputCurve {
   double end() const override { return static_cast<double>(pieces_.size()); }
   Vec3 evaluate(double t, int order) const override {
     const size_t i = std::min(static_cast<size_t>(std::max(t, 0.0)), pieces_.size() - 1);
-    const Bezier& p = pieces_[i];
-    const double s = t - static_cast<double>(i), r = 1 - s;
-    if (order == 0)
-      return r * r * r * p[0] + 3 * s * r * r * p[1] + 3 * s * s * r * p[2] + s * s * s * p[3];
-    if (order == 1)
-      return 3 * (r * r * (p[1] - p[0]) + 2 * s * r * (p[2] - p[1]) + s * s * (p[3] - p[2]));
-    return 6 * (r * (p[2] - 2 * p[1] + p[0]) + s * (p[3] - 2 * p[2] + p[1]));
+    const Bezier& piece = pieces_[i];
+    const double s = t - static_cast<double>(i);
+    return order == 0 ? piece.at(s) : order == 1 ? piece.slope(s) : piece.second(s);
   }
   std::vector<double> breaks() const override {
     std::vector<double> all;
@@ -74,10 +71,10 @@ class Reader {
           fail(what, "found segment " + shown(segment) +
                          ", which is not in the file, expected the id of a segment");
         for (const Bezier& piece : found->second) {
-          if (!pieces.empty() && (pieces.back()[3] - piece[0]).norm() > 1e-6 * size_)
+          if (!pieces.empty() && (pieces.back().b[3] - piece.b[0]).norm() > 1e-6 * size_)
             fail(what, "found segment " + shown(segment) + " starting at " +
-                           format_point(piece[0]) + ", expected " + format_point(pieces.back()[3]) +
-                           ", the end of the previous segment");
+                           format_point(piece.b[0]) + ", expected " +
+                           format_point(pieces.back().b[3]) + ", the end of the previous segment");
           if (length_of(piece) > 1e-12 * size_) pieces.push_back(piece);
         }
       }
@@ -98,8 +95,9 @@ class Reader {
     return text.size() <= most ? text : text.substr(0, most) + "…";
   }
 
-  static double length_of(const Bezier& p) {
-    return (p[1] - p[0]).norm() + (p[2] - p[1]).norm() + (p[3] - p[2]).norm();
+  static double length_of(const Bezier& piece) {
+    const auto& [p, q, r, s] = piece.b;
+    return (q - p).norm() + (r - q).norm() + (s - r).norm();
   }
 
   const Json& list(const Json& object, const char* key, const std::string& where) const {
@@ -138,10 +136,10 @@ class Reader {
                          ", expected 4 control points, or 2 for a straight segment");
         const Vec3 a = point(piece.front(), what), b = point(piece.back(), what);
         if (piece.size() == 2)
-          pieces.push_back({a, (2 * a + b) / 3, (a + 2 * b) / 3, b});
+          pieces.push_back({{a, (2 * a + b) / 3, (a + 2 * b) / 3, b}});
         else
-          pieces.push_back({a, point(piece[1], what), point(piece[2], what), b});
-        box.extend(bounding_box(pieces.back()));
+          pieces.push_back({{a, point(piece[1], what), point(piece[2], what), b}});
+        box.extend(bounding_box(pieces.back().b));
       }
       if (!segments_.emplace(id, std::move(pieces)).second)
         fail(what, "found its id twice, expected unique ids");

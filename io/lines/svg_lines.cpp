@@ -17,7 +17,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/toml_table.h"
-#include "batten/io/lines/drawing_readers.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/text_rows.h"
 
@@ -87,7 +87,7 @@ double coordinate(vtkXMLDataElement* element, const char* key, double fallback =
 }
 
 // One transform function with its arguments.
-AffineTransform transform_name(vtkXMLDataElement* element, const std::string& word,
+AffineTransform transform_name(vtkXMLDataElement* element, const std::string& name,
                                const std::vector<double>& n) {
   const size_t count = n.size();
   AffineTransform p;
@@ -96,22 +96,22 @@ AffineTransform transform_name(vtkXMLDataElement* element, const std::string& wo
     p.b = Vec3(e, f, 0);
   };
   const auto angle = [&] { return n[0] * std::numbers::pi / 180; };
-  if (word == "matrix" && count == 6) {
+  if (name == "matrix" && count == 6) {
     put(n[0], n[1], n[2], n[3], n[4], n[5]);
-  } else if (word == "translate" && (count == 1 || count == 2)) {
+  } else if (name == "translate" && (count == 1 || count == 2)) {
     put(1, 0, 0, 1, n[0], count > 1 ? n[1] : 0);
-  } else if (word == "scale" && (count == 1 || count == 2)) {
+  } else if (name == "scale" && (count == 1 || count == 2)) {
     put(n[0], 0, 0, n.back(), 0, 0);
-  } else if (word == "rotate" && (count == 1 || count == 3)) {
+  } else if (name == "rotate" && (count == 1 || count == 3)) {
     const double c = std::cos(angle()), s = std::sin(angle());
     put(c, s, -s, c, 0, 0);
     if (count == 3) {
       const Vec3 about(n[1], n[2], 0);
       p.b = about - p.A * about;
     }
-  } else if (word == "skewX" && count == 1) {
+  } else if (name == "skewX" && count == 1) {
     put(1, 0, std::tan(angle()), 1, 0, 0);
-  } else if (word == "skewY" && count == 1) {
+  } else if (name == "skewY" && count == 1) {
     put(1, std::tan(angle()), 0, 1, 0, 0);
   } else {
     fail(element, "transform",
@@ -129,10 +129,10 @@ AffineTransform transform_of(vtkXMLDataElement* element) {
     const size_t open = text.find('(', i), close = text.find(')', i);
     if (open == text.npos || close == text.npos || close < open)
       fail(element, "transform", "transforms with numbers in parentheses");
-    const std::string word(trimmed(std::string_view(text).substr(i, open - i)));
+    const std::string name(trimmed(std::string_view(text).substr(i, open - i)));
     // The last transform in the list is applied first.
     all =
-        transform_name(element, word, numbers_of(std::string_view(text).substr(open, close - open)))
+        transform_name(element, name, numbers_of(std::string_view(text).substr(open, close - open)))
             .then(all);
     i = close + 1;
   }

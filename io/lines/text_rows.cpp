@@ -163,19 +163,19 @@ bool is_header(std::string_view row, bool first_row) {
   split_fields(row, fields);
   std::erase_if(fields, [](std::string_view f) { return f.empty(); });
   const long numbers = std::count_if(fields.begin(), fields.end(), starts_like_number);
-  const long words = isize(fields) - numbers;
+  const long texts = isize(fields) - numbers;
   // Empty corner of an offset table.
   const bool corner = fields_of(row, separator_of(row))[0].empty();
-  if (words == 0) return first_row && (corner || (fields.size() == 1 && is_digits(fields[0])));
+  if (texts == 0) return first_row && (corner || (fields.size() == 1 && is_digits(fields[0])));
   if (starts_like_number(fields[0]) &&
-      (words < numbers || (words == numbers && separator_of(row) != 0)))
+      (texts < numbers || (texts == numbers && separator_of(row) != 0)))
     return false;
   if (fields.size() > 1 && std::all_of(fields.begin(), fields.end(), is_misspelt_number))
     return false;
   const auto axis = [](std::string_view f) { return f.size() == 1 && axis_of(f) >= 0; };
   const bool axes = std::any_of(fields.begin(), fields.end(), axis);
   // The corner of an offset table may be such a letter: "x 0 1 2".
-  return !axes || numbers == 0 || (axis(fields[0]) && words == 1);
+  return !axes || numbers == 0 || (axis(fields[0]) && texts == 1);
 }
 
 HeaderColumns parse_header_columns(std::string_view heading) {
@@ -210,12 +210,12 @@ std::string header_name(std::string_view heading) {
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row) {
   OffsetTable table;
   table.separator_ = separator_of(heading);
-  const Fields words = fields_of(heading, table.separator_);
-  if (words.size() < 3 || words.size() != fields_of(row, table.separator_).size()) return {};
-  const std::string_view corner = without_quotes(words[0]);
+  const Fields fields = fields_of(heading, table.separator_);
+  if (fields.size() < 3 || fields.size() != fields_of(row, table.separator_).size()) return {};
+  const std::string_view corner = without_quotes(fields[0]);
   if (number_of(corner)) return {};
-  for (size_t i = 1; i < words.size(); ++i) {
-    const std::optional<double> height = number_of(words[i]);
+  for (size_t i = 1; i < fields.size(); ++i) {
+    const std::optional<double> height = number_of(fields[i]);
     if (!height || (i > 1 && *height <= table.heights_.back())) return {};
     table.heights_.push_back(*height);
   }

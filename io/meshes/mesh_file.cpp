@@ -18,10 +18,10 @@ namespace {
                    ", expected " + expected);
 }
 
-std::string either_of(const std::vector<std::string>& words) {
+std::string either_of(const std::vector<std::string>& alternatives) {
   std::string text;
-  for (size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  for (size_t i = 0; i < alternatives.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == alternatives.size() ? " or " : ", ") + alternatives[i];
   return text;
 }
 

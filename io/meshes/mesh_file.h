@@ -1,4 +1,4 @@
-// Reads mesh files and writes them back with new node coordinates; everything else is unchanged.
+// Reads mesh files, and writes them back with new node coordinates and otherwise unchanged.
 #pragma once
 
 #include <filesystem>
@@ -15,30 +15,30 @@ namespace batten {
 
 struct MeshContent;
 
-/// A mesh together with the file that it was read from. MeshFile has value semantics; copies share
+/// A mesh together with the file from which it was read. MeshFile has value semantics; copies share
 /// their data. Supported formats:
 ///
 ///   .obj               polygons; sets from `g` and `o`; properties from `usemtl`, with the
 ///                      colours of the .mtl file if it exists; cage_tags() from `t`
 ///   .off               OFF, COFF, NOFF, STOFF and combinations; text only
-///   .ply               text, or binary of either byte order
+///   .ply               text, or binary with either byte order
 ///   .stl               text or binary; corners with equal coordinates become one node; sets
 ///                      from `solid`
 ///   .vtp .vtu          VTK XML
 ///   .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
 ///                      small, large and free fields; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C,
-///                      CORD2S; INCLUDE; properties by PID, node sets from SET1
-///   .inp               Abaqus and CalculiX: at most one part and one instance of it; shells,
-///                      membranes, plane elements of 3, 4, 6 and 8 nodes; *SYSTEM, *NODE with
-///                      SYSTEM=, *PARAMETER, *INCLUDE, INPUT=; sets from *NSET, *ELSET; properties
-///                      from *… SECTION
+///                      CORD2S; INCLUDE; properties from PID, node sets from SET1
+///   .inp               Abaqus and CalculiX: at most one part with one instance; shells, membranes
+///                      and plane elements with 3, 4, 6 and 8 nodes; *SYSTEM, *NODE with SYSTEM=,
+///                      *PARAMETER, *INCLUDE, INPUT=; sets from *NSET, *ELSET; properties from
+///                      *… SECTION
 ///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL,
 ///                      *INCLUDE, *INCLUDE_PATH; standard, I10 and long format, commas
 ///   .rad               Radioss starter, version 51 and later: /NODE, /SHELL, /SH3N, /PART,
 ///                      /GRNOD/NODE, #include
 ///
-/// Non-shell entities of decks are parsed for their nodes and listed by other_elements().
-/// Everything else is copied verbatim; warnings() counts the elements among it.
+/// The connectivity of non-shell elements in decks is read, and other_elements() lists them. All
+/// other content is copied verbatim; warnings() gives the number of elements in it.
 ///
 /// Coordinates are global. A node in a local coordinate system is transformed when it is read, and
 /// transformed back when it is written. A coordinate system defined by nodes follows these nodes.
@@ -46,84 +46,88 @@ class MeshFile {
  public:
   /// Reads a file; its extension determines the format.
   ///
-  /// Throws InputError, "file:line:column: found …, expected …", if the file cannot be read or
-  /// would be misread. Examples: an undefined coordinate system, generated nodes, superelements,
-  /// several parts or instances, a duplicate number, a truncated deck. The location of an error in
-  /// an included file refers to that file. If an included file cannot be read, or includes itself,
-  /// the message lists the locations of all including lines.
+  /// Throws InputError ("file:line:column: found …, expected …") if the file cannot be read or uses
+  /// features that are not supported. Examples are undefined coordinate systems, generated nodes,
+  /// superelements, several parts or instances, duplicate numbers, and truncated decks. The
+  /// location of an error in an included file refers to the included file. If an included file
+  /// cannot be read, or includes itself, the message lists the locations of all INCLUDE lines that
+  /// lead to it.
   ///
-  /// Cost: O(size); text is read at 60 to 120 MB/s and needs three to six times its size in memory.
+  /// Cost: O(file size). Text is read at 60 to 120 MB/s; reading needs three to six times the size
+  /// of the file in memory.
   static MeshFile read(const std::filesystem::path& path);
-  /// True if read() supports the extension.
+  /// True if read() supports the extension of the file.
   static bool can_read(const std::filesystem::path& path);
 
-  /// Creates a mesh that belongs to no file: nodes and faces are numbered from 1, there are no
-  /// sets. write() throws InputError for such a mesh.
+  /// Creates a mesh that does not belong to a file. Nodes and faces are numbered from 1, and there
+  /// are no sets. write() throws InputError for such a mesh.
   static MeshFile from_shells(ShellMesh shells);
 
   /// The faces and the nodes of the mesh.
   const ShellMesh& shells() const;
-  /// The number of a node in the file: its id in a deck, its position otherwise (from 1 in OBJ;
-  /// from 0 in OFF, PLY, STL and VTK). Cost: O(1).
+  /// The number of a node in the file. In a deck, this is the id of the node; in other formats its
+  /// position, counted from 1 in OBJ and from 0 in OFF, PLY, STL and VTK. Cost: O(1).
   long node_label(int node) const;
-  /// The number of a face in the file: the element id in a deck; in other formats counted like
-  /// nodes (VTK: cell index among all cells). Cost: O(1).
+  /// The number of a face in the file. In a deck, this is the id of the element; in other formats
+  /// the position of the face, counted like nodes (in VTK, among all cells). Cost: O(1).
   long face_label(int face) const;
-  /// The node or face with this number in the file; empty if there is none. Cost: O(1), or O(log n)
-  /// for decks with sparse numbers.
+  /// The index of the node or face with the given number in the file; empty if the number does not
+  /// exist. Cost: O(1), or O(log n) for decks with sparse numbers.
   std::optional<int> node_of_label(long label) const;
   std::optional<int> face_of_label(long label) const;
 
   using Set = MeshSet;
-  /// The sets in file order. Sets without any node or face of the mesh are omitted.
+  /// The sets in file order. Sets that contain no node or face of the mesh are omitted.
   const std::vector<Set>& sets() const;
-  /// The properties, each with the set of its faces. In a deck, a property stands for thickness and
+  /// The properties, each with the faces that have it. In a deck, a property defines thickness and
   /// material.
   const std::vector<Set>& properties() const;
-  /// The non-shell elements and connections of a deck, in file order; empty for other formats.
+  /// The non-shell elements and connections of a deck, in file order. Empty for other formats.
   const std::vector<NonShellElement>& other_elements() const;
-  /// Semi-sharp creases and corners of the mesh as a Catmull-Clark control cage. They come from the
-  /// OBJ tags `t crease 2/1/0 a b s` and `t corner n/n/0 …`, whose node indices are 0-based. Empty
-  /// for other formats.
+  /// Semi-sharp creases and corners, for a mesh that is used as a Catmull-Clark control cage. They
+  /// are read from the OBJ tags `t crease 2/1/0 a b s` and `t corner n/n/0 …`, whose node indices
+  /// are 0-based. Empty for other formats.
   ///
   /// `t interpolateboundary` is accepted if its value agrees with the boundary rule of
-  /// catmull_clark(). `t facevarying…` is ignored. Throws InputError, "file:line:column: …", for
-  /// the first unsupported tag: a hole, another crease method, a crease that is no mesh edge, an
-  /// invalid number.
+  /// catmull_clark(). `t facevarying…` is ignored. Throws InputError ("file:line:column: …") for
+  /// the first unsupported tag: a hole, another crease method, a crease that is not a mesh edge, or
+  /// an invalid number.
   const CageTags& cage_tags() const;
-  /// Complete sentences about file content that is not part of the mesh.
+  /// Warnings, in complete sentences, about content of the file that is not part of the mesh.
   const std::vector<std::string>& warnings() const;
-  /// Name of the format for messages: "Nastran bulk data", …
+  /// Name of the format for messages, such as "Nastran bulk data".
   const std::string& format() const;
 
-  /// Included files of the deck, relative to its folder. write() stores them beside the new deck
-  /// under the same names, whether changed or not. Files outside the deck's folder are not listed:
-  /// they are not written, and their nodes cannot be moved.
+  /// Included files of the deck, relative to its folder. write() writes them under the same names
+  /// next to the new deck, even if they are unchanged. Files outside the folder of the deck are not
+  /// listed: they are not written, so their nodes cannot be moved.
   std::vector<std::filesystem::path> included_files() const;
 
   using Rounding = MeshRounding;
-  /// Writes the file as it was read, but with the given coordinates (n×3), together with
+  /// Writes the file with the given node coordinates (n×3) and otherwise unchanged, together with
   /// included_files(). Each file is written atomically. A deck of several files never overwrites a
   /// file that was read.
   ///
-  /// In text, binary PLY and binary STL, only the coordinates of moved nodes are replaced; all
-  /// other bytes stay. A coordinate equal to the one that was read keeps its digits. In decks it
-  /// also keeps them in two further cases: if no number in its field is nearer, or if it moved by
-  /// less than 1e-13 of the largest coordinate (rounding noise of an edit that moves nothing).
+  /// In text files, binary PLY and binary STL, only the coordinates of moved nodes are replaced;
+  /// all other bytes are copied. A coordinate that is unchanged keeps its digits. In decks, a
+  /// coordinate also keeps its digits in two further cases: if the field cannot store a number that
+  /// is nearer to the new value, or if the change is less than 1e-13 of the largest coordinate
+  /// (rounding noise).
   ///
-  /// A replaced coordinate gets the fewest digits that reproduce the double. If the field is too
-  /// narrow, it gets the nearest number that fits. Field widths: Nastran 8 or 16 columns, and 16
-  /// characters between commas (solvers keep 8 of them unless the GRID has a star); LS-DYNA 16 or
-  /// 20; Abaqus and Radioss 20; binary files may have single precision.
+  /// A new coordinate is written with the fewest digits that reproduce the double. If the field is
+  /// too narrow for these, the nearest number that fits is written. Field widths are 8 or 16
+  /// columns in Nastran, or 16 characters between commas (of which solvers keep 8 unless the card
+  /// is GRID*); 16 or 20 in LS-DYNA; 20 in Abaqus and Radioss. Binary files may have single
+  /// precision.
   ///
-  /// STL normals are recomputed. Other normals in the file, which would become wrong, are reported
-  /// by warnings(). VTP and VTU files are rewritten completely: all arrays are kept except normals,
-  /// and coordinates become doubles if single precision would round them.
+  /// STL normals are recomputed. warnings() reports normals in other formats, which are not
+  /// updated. VTP and VTU files are rewritten completely, with all arrays except normals;
+  /// coordinates become doubles if single precision would round them.
   ///
-  /// Throws InputError for the extension of another format, a wrong number of points, or
-  /// coordinates that are not finite or do not fit into their fields. Also throws it if a moved
-  /// node lies in a file outside the deck's folder or has a coordinate given by a parameter, and
-  /// for the errors of AtomicFile.
+  /// Throws InputError for the extension of another format, a wrong number of points, coordinates
+  /// that are not finite or do not fit into their fields, and a moved node that is defined in a
+  /// file outside the folder of the deck or by a parameter. Throws FileError if a file cannot be
+  /// written.
   Rounding write(const std::filesystem::path& path, const Points& points,
                  const MeshWriteOptions& options = {}) const;
 
@@ -132,34 +136,35 @@ class MeshFile {
   std::shared_ptr<const MeshContent> content_;
 };
 
-/// Writes a mesh that was not read from a file. Formats: .obj and .off (text, exact), .ply, .stl
-/// (binary; STL in single precision), .vtp and .vtu (doubles), .glb and .3mf (single precision).
+/// Writes a mesh to a new file. Formats: .obj and .off (text, exact), .ply (binary), .stl (binary,
+/// single precision), .vtp and .vtu (doubles), .glb and .3mf (single precision).
 ///
 /// Second-order faces become quadratic cells in VTU, and polygons through all their nodes in OBJ,
-/// PLY, OFF and VTP. STL, GLB and 3MF get triangles. Each face may be in at most one face set. The
-/// formats store face sets as follows:
+/// PLY, OFF and VTP. In STL, GLB and 3MF all faces are split into triangles. Each face may belong
+/// to at most one face set. The formats store face sets as follows:
 ///
 ///   .obj         groups (`g`); coloured sets also get materials (`usemtl`) in a .mtl file
 ///   .ply         face colours (red, green, blue), if any set has a colour
-///   .vtp .vtu    the cell data Set (-1: in none) and the field data Set_names
-///   .glb         one mesh and one node per set, with its name and colour; normals break at edges
-///                of 30 degrees or more; coordinates are in metres, y up, as glTF requires
+///   .vtp .vtu    the cell data Set (-1: no set) and the field data Set_names
+///   .glb         one mesh and one node per set, with the name and colour of the set; normals are
+///                discontinuous at edges of 30 degrees or more; coordinates are in metres, with
+///                the y axis up, as glTF requires
 ///   .3mf         triangle materials (name and colour) of a single object, so that closed surfaces
 ///                stay closed; coordinates are in millimetres, with six decimals
 ///   .stl .off    not stored: these formats have no sets
 ///
 /// `unit_in_metres`: length of the coordinate unit in metres; required by .glb and .3mf, ignored by
-/// the other formats, which state no unit. The result lists the files written beside `path`. All
-/// files are written atomically.
+/// the other formats, which declare no unit. The result lists the files that were written in
+/// addition to `path`. All files are written atomically.
 ///
 /// Throws InputError for an unsupported extension, an index out of range, a face with fewer than 3
-/// nodes, or a colour that is not "#rrggbb". Also throws it for a coordinate that is not finite or
-/// (GLB, 3MF) exceeds single precision, for a missing unit, and for the errors of AtomicFile.
+/// nodes, a colour that is not "#rrggbb", a coordinate that is not finite or (GLB, 3MF) exceeds the
+/// range of single precision, and a missing unit. Throws FileError if a file cannot be written.
 std::vector<std::filesystem::path> write_mesh(const std::filesystem::path& path,
                                               const ShellMesh& mesh,
                                               const std::vector<MeshSet>& sets = {},
                                               double unit_in_metres = 0);
-/// File extensions, with the dot, that write_mesh() supports.
+/// The file extensions that write_mesh() supports, with the dot.
 const std::vector<std::string>& mesh_file_endings();
 
 }  // namespace batten

@@ -1,4 +1,4 @@
-// Basic types of mesh files: sets, write options, and the rounding error of a written file.
+// Basic types for mesh files: sets, options for writing, and the rounding error of a written file.
 #pragma once
 
 #include <filesystem>
@@ -9,30 +9,31 @@
 
 namespace batten {
 
-/// A named set of nodes or of faces in a mesh file. One of the two lists is empty; the other holds
-/// ascending, unique indices. A node set and a face set may have the same name.
+/// A named set of nodes or of faces in a mesh file. One of the two lists is empty; the other one
+/// contains unique indices in ascending order. A node set and a face set may have the same name.
 struct MeshSet {
-  std::string name;   ///< name; in LS-DYNA and Nastran the id
-  std::string title;  ///< title (LS-DYNA only)
+  std::string name;   ///< name of the set; in LS-DYNA and Nastran its id
+  std::string title;  ///< title of the set; LS-DYNA only
   std::vector<int> nodes, faces;
-  std::string colour = {};  ///< colour of the faces, "#rrggbb"; empty: none
+  std::string colour = {};  ///< colour of the faces, "#rrggbb"; empty: no colour
 };
 
 /// Options for writing a mesh file.
 struct MeshWriteOptions {
-  /// Nastran only: moved small-field GRIDs (8 columns per number) are written as large-field GRIDs
-  /// (GRID*, 16 columns, two lines). Ignored by other formats.
+  /// Nastran only. True: moved GRID cards in small-field format (8 columns per number) are written
+  /// in large-field format (GRID*, 16 columns per number, two lines).
   bool large_field_nodes = false;
-  /// Final folder, for callers that write to a temporary folder and then move the files; empty:
-  /// files stay where they are written. A deck of several files is rejected if it would overwrite a
-  /// file that was read.
+  /// Final folder of the files, for callers that write to a temporary folder and then move the
+  /// files. Empty: the files stay where they are written. A deck of several files is rejected if it
+  /// would overwrite a file that was read.
   std::filesystem::path destination_folder = {};
 };
 
-/// Rounding error caused by the width of the file's number fields.
+/// Rounding error of the written coordinates, caused by the limited width of number fields.
 struct MeshRounding {
-  double largest = 0;         ///< largest |written − given| of a coordinate, in model units
-  long max_error_label = -1;  ///< number (label) of that node; -1: all coordinates are exact
+  double largest = 0;  ///< largest |written − given| of a coordinate, model units
+  /// Label of the node with the largest error; -1: all coordinates are exact.
+  long max_error_label = -1;
 };
 
 }  // namespace batten

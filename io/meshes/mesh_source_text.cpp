@@ -23,14 +23,14 @@ std::string upper(std::string_view text) {
   return result;
 }
 
-std::string_view next_word(std::string_view& rest) {
+std::string_view next_token(std::string_view& rest) {
   size_t i = 0;
   while (i < rest.size() && is_blank(rest[i])) ++i;
   const size_t start = i;
   while (i < rest.size() && !is_blank(rest[i])) ++i;
-  const std::string_view word = rest.substr(start, i - start);
+  const std::string_view token = rest.substr(start, i - start);
   rest.remove_prefix(i);
-  return word;
+  return token;
 }
 
 bool parse_real(std::string_view field, double& value) {

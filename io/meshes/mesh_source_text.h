@@ -51,8 +51,8 @@ struct Field {
 
 /// Converts ASCII letters to upper case.
 std::string upper(std::string_view text);
-/// Removes the next blank-separated word from the front of `rest`; empty at the end.
-std::string_view next_word(std::string_view& rest);
+/// Removes the next blank-separated token from the front of `rest`; empty at the end.
+std::string_view next_token(std::string_view& rest);
 
 /// Parses a Fortran real: with or without a decimal point, with exponents such as 1.5E3, 1.5D3,
 /// 1.5+3. The result is false if the field is not a number or exceeds the range of a double.

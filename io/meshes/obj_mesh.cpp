@@ -27,9 +27,9 @@ namespace batten {
 /// Collects `t` records, and converts them to cage_tags or cage_problem once the mesh is read.
 class ObjTags {
  public:
-  /// Adds the words after the `t`. They are views and must stay valid.
-  void add(std::vector<std::string_view> words) {
-    if (!words.empty()) records_.push_back(std::move(words));
+  /// Adds the tokens after the `t`. They are views and must stay valid.
+  void add(std::vector<std::string_view> tokens) {
+    if (!tokens.empty()) records_.push_back(std::move(tokens));
   }
   void finish(TextMeshContent& mesh) const;
 
@@ -59,107 +59,109 @@ class TagReader {
     }
   }
 
-  void read(const std::vector<std::string_view>& words) {
-    const Tag tag = parts_of(words);
+  void read(const std::vector<std::string_view>& tokens) {
+    const Tag tag = parts_of(tokens);
     if (tag.name == "crease") {
-      crease(words, tag);
+      crease(tokens, tag);
     } else if (tag.name == "corner") {
-      corner(words, tag);
+      corner(tokens, tag);
     } else if (tag.name == "interpolateboundary") {
-      boundary(words, tag);
+      boundary(tokens, tag);
     } else if (tag.name == "creasemethod" || tag.name == "smoothtriangles") {
       if (tag.texts.size() != 1 || (tag.texts[0] != "normal" && tag.texts[0] != "catmark"))
-        fail(words, "found " + all(words) + ", expected the default, 'normal' or 'catmark'");
+        fail(tokens, "found " + all(tokens) + ", expected the default, 'normal' or 'catmark'");
     } else if (!tag.name.starts_with("facevarying")) {
-      fail(words, "found the tag '" + std::string(tag.name) +
-                      "', expected crease, corner or interpolateboundary");
+      fail(tokens, "found the tag '" + std::string(tag.name) +
+                       "', expected crease, corner or interpolateboundary");
     }
   }
 
  private:
-  [[noreturn]] void fail(const std::vector<std::string_view>& words, const std::string& why) const {
-    file_.fail(words.front(), why);
+  [[noreturn]] void fail(const std::vector<std::string_view>& tokens,
+                         const std::string& why) const {
+    file_.fail(tokens.front(), why);
   }
-  static std::string all(const std::vector<std::string_view>& words) {
+  static std::string all(const std::vector<std::string_view>& tokens) {
     std::string text = "'t";
-    for (const std::string_view word : words) text += " " + std::string(word);
+    for (const std::string_view token : tokens) text += " " + std::string(token);
     return text + "'";
   }
 
-  Tag parts_of(const std::vector<std::string_view>& words) const {
-    if (words.size() < 2)
-      fail(words, "found a tag without counts, expected t NAME INTEGERS/REALS/TEXTS");
+  Tag parts_of(const std::vector<std::string_view>& tokens) const {
+    if (tokens.size() < 2)
+      fail(tokens, "found a tag without counts, expected t NAME INTEGERS/REALS/TEXTS");
     std::array<long, 3> counts{};
-    std::string_view rest = words[1];
+    std::string_view rest = tokens[1];
     for (int part = 0; part < 3; ++part) {
       const size_t end = rest.find('/');
       counts[part] = file_.integer(rest.substr(0, end), "counts as 2/1/0");
       if ((end == std::string_view::npos) != (part == 2) || counts[part] < 0 ||
-          counts[part] > static_cast<long>(words.size()))
-        file_.fail(words[1], "found '" + std::string(words[1]) + "', expected counts as 2/1/0");
+          counts[part] > static_cast<long>(tokens.size()))
+        file_.fail(tokens[1], "found '" + std::string(tokens[1]) + "', expected counts as 2/1/0");
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
-    if (counts[0] + counts[1] + counts[2] != static_cast<long>(words.size()) - 2)
-      file_.fail(words[1], "found " + std::to_string(words.size() - 2) + " words behind '" +
-                               std::string(words[1]) + "', expected as many as stated");
-    Tag tag{words[0], {}, {}, {}};
-    for (size_t k = 2; k < words.size(); ++k) {
+    if (counts[0] + counts[1] + counts[2] != static_cast<long>(tokens.size()) - 2)
+      file_.fail(tokens[1], "found " + std::to_string(tokens.size() - 2) + " words behind '" +
+                                std::string(tokens[1]) + "', expected as many as stated");
+    Tag tag{tokens[0], {}, {}, {}};
+    for (size_t k = 2; k < tokens.size(); ++k) {
       const auto at = static_cast<long>(k) - 2;
       if (at < counts[0])
-        tag.integers.push_back(file_.integer(words[k], "a whole number"));
+        tag.integers.push_back(file_.integer(tokens[k], "a whole number"));
       else if (at < counts[0] + counts[1])
-        tag.reals.push_back(file_.real(words[k]));
+        tag.reals.push_back(file_.real(tokens[k]));
       else
-        tag.texts.push_back(words[k]);
+        tag.texts.push_back(tokens[k]);
     }
     return tag;
   }
 
-  int node(const std::vector<std::string_view>& words, long number) const {
+  int node(const std::vector<std::string_view>& tokens, long number) const {
     const int count = mesh_.shells.node_count();
     if (number < 0 || number >= count)
-      fail(words, "found the node " + std::to_string(number) + ", expected 0 to " +
-                      std::to_string(count - 1) + ": nodes of tags count from 0");
+      fail(tokens, "found the node " + std::to_string(number) + ", expected 0 to " +
+                       std::to_string(count - 1) + ": nodes of tags count from 0");
     return static_cast<int>(number);
   }
-  double sharpness(const std::vector<std::string_view>& words, double value) const {
+  double sharpness(const std::vector<std::string_view>& tokens, double value) const {
     if (value < 0)
-      fail(words, "found a sharpness of " + format_number(value) + ", expected 0 or more");
+      fail(tokens, "found a sharpness of " + format_number(value) + ", expected 0 or more");
     return value;
   }
 
-  void crease(const std::vector<std::string_view>& words, const Tag& tag) {
+  void crease(const std::vector<std::string_view>& tokens, const Tag& tag) {
     if (tag.integers.size() != 2 || tag.reals.size() != 1)
-      fail(words, "found " + all(words) + ", expected two nodes and a sharpness (2/1/0)");
-    const int a = node(words, tag.integers[0]), b = node(words, tag.integers[1]);
+      fail(tokens, "found " + all(tokens) + ", expected two nodes and a sharpness (2/1/0)");
+    const int a = node(tokens, tag.integers[0]), b = node(tokens, tag.integers[1]);
     if (!faces_of_edge_.contains(std::minmax(a, b)))
-      fail(words, "found a crease from node " + std::to_string(a) + " to " + std::to_string(b) +
-                      ", expected an edge of a face: nodes of tags count from 0");
-    mesh_.cage_tags.creases.push_back({a, b, sharpness(words, tag.reals[0])});
+      fail(tokens, "found a crease from node " + std::to_string(a) + " to " + std::to_string(b) +
+                       ", expected an edge of a face: nodes of tags count from 0");
+    mesh_.cage_tags.creases.push_back({a, b, sharpness(tokens, tag.reals[0])});
   }
 
-  void corner(const std::vector<std::string_view>& words, const Tag& tag) {
+  void corner(const std::vector<std::string_view>& tokens, const Tag& tag) {
     if (tag.integers.empty() || (tag.reals.size() != 1 && tag.reals.size() != tag.integers.size()))
-      fail(words, "found " + all(words) + ", expected nodes, and a sharpness for each or for all");
+      fail(tokens,
+           "found " + all(tokens) + ", expected nodes, and a sharpness for each or for all");
     for (size_t k = 0; k < tag.integers.size(); ++k)
       mesh_.cage_tags.corners.push_back(
-          {node(words, tag.integers[k]),
-           sharpness(words, tag.reals.size() == 1 ? tag.reals[0] : tag.reals[k])});
+          {node(tokens, tag.integers[k]),
+           sharpness(tokens, tag.reals.size() == 1 ? tag.reals[0] : tag.reals[k])});
   }
 
   /// Boundary interpolation rule. 0: boundary faces are removed; 1: boundary edges and corners are
   /// sharp, as in catmull_clark(); 2: boundary edges only.
-  void boundary(const std::vector<std::string_view>& words, const Tag& tag) const {
+  void boundary(const std::vector<std::string_view>& tokens, const Tag& tag) const {
     const long value = tag.integers.size() == 1 ? tag.integers[0] : -1;
     const bool rims = std::any_of(faces_of_edge_.begin(), faces_of_edge_.end(),
                                   [](const auto& edge) { return edge.second == 1; });
     const bool corners = std::any_of(faces_at_.begin(), faces_at_.end(),
                                      [](const auto& faces) { return faces.second == 1; });
     if (value == 1 || (value == 0 && !rims) || (value == 2 && !corners)) return;
-    fail(words, "found " + all(words) +
-                    ", expected 't interpolateboundary 1/0/0 1': boundary edges of a cage and "
-                    "their corners "
-                    "are sharp");
+    fail(tokens, "found " + all(tokens) +
+                     ", expected 't interpolateboundary 1/0/0 1': boundary edges of a cage and "
+                     "their corners "
+                     "are sharp");
   }
 
   TextMeshContent& mesh_;
@@ -174,7 +176,7 @@ void ObjTags::finish(TextMeshContent& mesh) const {
   if (records_.empty()) return;
   try {
     TagReader reader(mesh);
-    for (const auto& words : records_) reader.read(words);
+    for (const auto& tokens : records_) reader.read(tokens);
   } catch (const InputError& problem) {
     // Not an error here: only callers that use the mesh as a cage need the tags.
     mesh.cage_problem = problem.what();
@@ -183,19 +185,19 @@ void ObjTags::finish(TextMeshContent& mesh) const {
 
 namespace {
 
-/// The words of a record; a backslash at the end of a line continues it on the next one.
+/// The tokens of a record; a backslash at the end of a line continues it on the next one.
 class Tokens {
  public:
   Tokens(MeshSourceText& file, std::string_view line) : file_(file), rest_(without_comment(line)) {}
-  /// The next word; empty at the end of the record.
+  /// The next token; empty at the end of the record.
   std::string_view next() {
     for (;;) {
-      std::string_view word = next_word(rest_);
-      if (!word.ends_with('\\') || !trimmed(rest_).empty()) return word;
+      std::string_view token = next_token(rest_);
+      if (!token.ends_with('\\') || !trimmed(rest_).empty()) return token;
       std::string_view line;
       rest_ = file_.next(line) ? without_comment(line) : rest_.substr(rest_.size());
-      word.remove_suffix(1);
-      if (!word.empty()) return word;
+      token.remove_suffix(1);
+      if (!token.empty()) return token;
       if (line.data() == nullptr) return rest_;
     }
   }
@@ -233,25 +235,26 @@ class ObjReader {
   void read() {
     std::string_view line;
     while (file_.next(line)) {
-      Tokens words(file_, line);
-      const std::string_view record = words.next();
+      Tokens tokens(file_, line);
+      const std::string_view record = tokens.next();
       if (record == "v") {
-        vertex(words, line);
+        vertex(tokens, line);
       } else if (record == "f") {
-        face(words, line);
+        face(tokens, line);
       } else if (record == "g") {
         groups_.clear();
-        for (auto name = words.next(); !name.empty(); name = words.next())
+        for (auto name = tokens.next(); !name.empty(); name = tokens.next())
           groups_.emplace_back(name);
       } else if (record == "o") {
-        object_ = words.rest();
+        object_ = tokens.rest();
       } else if (record == "usemtl") {
-        material_ = words.rest();
+        material_ = tokens.rest();
       } else if (record == "mtllib") {
-        libraries_.emplace_back(words.rest());
+        libraries_.emplace_back(tokens.rest());
       } else if (record == "t") {
         std::vector<std::string_view> tag;
-        for (auto word = words.next(); !word.empty(); word = words.next()) tag.push_back(word);
+        for (auto token = tokens.next(); !token.empty(); token = tokens.next())
+          tag.push_back(token);
         tags_.add(std::move(tag));
       } else if (record == "vn") {
         ++normals_;
@@ -261,7 +264,7 @@ class ObjReader {
     }
     const int count = isize(mesh_.fields);
     if (count == 0) file_.fail_at_end("found no nodes, expected records 'v x y z'");
-    if (highest_ > count) refuse(highest_word_, highest_);
+    if (highest_ > count) refuse(highest_token_, highest_);
     mesh_.shells.points =
         Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
             coordinates_.data(), count, 3);
@@ -282,35 +285,35 @@ class ObjReader {
   }
 
  private:
-  void vertex(Tokens& words, std::string_view line) {
+  void vertex(Tokens& tokens, std::string_view line) {
     std::array<Field, 3> fields;
     for (int c = 0; c < 3; ++c) {
-      const std::string_view word = words.next();
-      if (word.empty())
+      const std::string_view token = tokens.next();
+      if (token.empty())
         file_.fail(line.substr(line.size()),
                    "found " + format_count(c, "coordinate") + ", expected 3 (v x y z)");
-      coordinates_.push_back(file_.real(word));
-      fields[c].begin = file_.offset(word);
-      fields[c].length = static_cast<std::uint32_t>(word.size());
+      coordinates_.push_back(file_.real(token));
+      fields[c].begin = file_.offset(token);
+      fields[c].length = static_cast<std::uint32_t>(token.size());
     }
     mesh_.fields.push_back(fields);
   }
 
-  void face(Tokens& words, std::string_view line) {
+  void face(Tokens& tokens, std::string_view line) {
     nodes_.clear();
     const long count = static_cast<long>(mesh_.fields.size());
-    for (auto word = words.next(); !word.empty(); word = words.next()) {
+    for (auto token = tokens.next(); !token.empty(); token = tokens.next()) {
       // Of vertex/texture/normal only the vertex index is used.
       long index = 0;
-      if (!parse_integer(word.substr(0, word.find('/')), index))
-        file_.fail(word, "found " + quoted_excerpt(word) + ", expected a node number");
+      if (!parse_integer(token.substr(0, token.find('/')), index))
+        file_.fail(token, "found " + quoted_excerpt(token) + ", expected a node number");
       const long node = index < 0 ? count + index : index - 1;
-      if (index == 0 || node < 0) refuse(word, index);
-      if (node >= std::numeric_limits<int>::max()) refuse(word, index);
+      if (index == 0 || node < 0) refuse(token, index);
+      if (node >= std::numeric_limits<int>::max()) refuse(token, index);
       // Nodes may be defined after the faces that use them.
       if (index > highest_) {
         highest_ = index;
-        highest_word_ = word;
+        highest_token_ = token;
       }
       nodes_.push_back(static_cast<int>(node));
     }
@@ -334,7 +337,7 @@ class ObjReader {
     MeshSet* material = nullptr;
     for (std::string line; std::getline(in, line);) {
       std::string_view rest = line;
-      const std::string_view record = next_word(rest);
+      const std::string_view record = next_token(rest);
       if (record == "newmtl") {
         const auto named =
             std::find_if(mesh_.properties.begin(), mesh_.properties.end(),
@@ -345,7 +348,7 @@ class ObjReader {
         bool sound = true;
         for (int& c : colour) {
           double channel = 0;
-          sound = parse_real(next_word(rest), channel) && sound;
+          sound = parse_real(next_token(rest), channel) && sound;
           c = static_cast<int>(std::lround(255 * std::clamp(channel, 0.0, 1.0)));
         }
         if (sound) material->colour = hex_of(colour);
@@ -353,11 +356,11 @@ class ObjReader {
     }
   }
 
-  [[noreturn]] void refuse(std::string_view word, long index) const {
+  [[noreturn]] void refuse(std::string_view token, long index) const {
     const std::string count = std::to_string(mesh_.fields.size());
-    file_.fail(word, "found node number " + std::to_string(index) + ", expected " +
-                         (count == "0" ? "nodes (v records) before it"
-                                       : "1 to " + count + " or -1 to -" + count));
+    file_.fail(token, "found node number " + std::to_string(index) + ", expected " +
+                          (count == "0" ? "nodes (v records) before it"
+                                        : "1 to " + count + " or -1 to -" + count));
   }
 
   TextMeshContent& mesh_;
@@ -370,10 +373,10 @@ class ObjReader {
   std::string object_, material_;
   ObjTags tags_;
   long highest_ = 0, normals_ = 0, others_ = 0;
-  std::string_view highest_word_;
+  std::string_view highest_token_;
 };
 
-/// Group name of a set as a single word; "default" for faces without a set.
+/// Group name of a set as a single token; "default" for faces without a set.
 std::string group_name(const std::vector<MeshSet>& sets, int set) {
   if (set < 0) return "default";
   std::string name = sets[static_cast<size_t>(set)].name;

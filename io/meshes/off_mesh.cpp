@@ -25,14 +25,15 @@ bool next_data(MeshSourceText& file, std::string_view& line) {
 }
 
 /// Checks the header keyword, which states the kind of OFF; false if the file has none.
-bool read_kind(const MeshSourceText& file, std::string_view word) {
-  if (!word.ends_with("OFF")) return false;
-  std::string_view rest = word.substr(0, word.size() - 3);
+bool read_kind(const MeshSourceText& file, std::string_view token) {
+  if (!token.ends_with("OFF")) return false;
+  std::string_view rest = token.substr(0, token.size() - 3);
   if (rest.starts_with("ST")) rest.remove_prefix(2);
   if (rest.starts_with("C")) rest.remove_prefix(1);
   if (rest.starts_with("N")) rest.remove_prefix(1);
   if (!rest.empty())
-    file.fail(word, "found " + quoted_excerpt(word) + ", expected OFF, COFF, NOFF, STOFF or CNOFF");
+    file.fail(token,
+              "found " + quoted_excerpt(token) + ", expected OFF, COFF, NOFF, STOFF or CNOFF");
   return true;
 }
 
@@ -43,8 +44,8 @@ struct Counts {
 Counts read_counts(MeshSourceText& file) {
   std::string_view line;
   if (!next_data(file, line)) file.fail_at_end("found the end of the file, expected 'OFF'");
-  std::string_view rest = line, word = next_word(rest);
-  if (read_kind(file, word)) {
+  std::string_view rest = line, token = next_token(rest);
+  if (read_kind(file, token)) {
     if (trimmed(rest) == "BINARY")
       file.fail(trimmed(rest), "found a binary OFF file, expected text");
     if (trimmed(rest).empty()) {
@@ -52,13 +53,13 @@ Counts read_counts(MeshSourceText& file) {
         file.fail_at_end("found the end of the file, expected the numbers of nodes and faces");
       rest = line;
     }
-    word = next_word(rest);
-  } else if (word.find_first_not_of("0123456789") != word.npos) {
-    file.fail(word, "found " + quoted_excerpt(word) + ", expected 'OFF'");
+    token = next_token(rest);
+  } else if (token.find_first_not_of("0123456789") != token.npos) {
+    file.fail(token, "found " + quoted_excerpt(token) + ", expected 'OFF'");
   }
   Counts counts;
-  counts.nodes = file.integer(word, "a number of nodes");
-  const std::string_view faces = next_word(rest);
+  counts.nodes = file.integer(token, "a number of nodes");
+  const std::string_view faces = next_token(rest);
   counts.faces =
       file.integer(faces.empty() ? line.substr(line.size()) : faces, "a number of faces");
   const long most = std::numeric_limits<int>::max();
@@ -83,13 +84,13 @@ void read(TextMeshContent& mesh) {
     std::array<Field, 3> fields;
     std::string_view rest = line;
     for (Field& field : fields) {
-      const std::string_view word = next_word(rest);
-      if (word.empty())
+      const std::string_view token = next_token(rest);
+      if (token.empty())
         file.fail(line, "found " + format_count(&field - fields.data(), "number") +
                             ", expected the 3 coordinates of node " + std::to_string(i));
-      coordinates.push_back(file.real(word));
-      field.begin = file.offset(word);
-      field.length = static_cast<std::uint32_t>(word.size());
+      coordinates.push_back(file.real(token));
+      field.begin = file.offset(token);
+      field.length = static_cast<std::uint32_t>(token.size());
     }
     mesh.fields.push_back(fields);
   }
@@ -101,20 +102,20 @@ void read(TextMeshContent& mesh) {
       file.fail_at_end("found " + format_count(f, "face") + ", expected " +
                        std::to_string(counts.faces));
     std::string_view rest = line;
-    const std::string_view first = next_word(rest);
+    const std::string_view first = next_token(rest);
     const long corners = file.integer(first, "a number of nodes");
     if (corners < 3)
       file.fail(first, "found a face of " + format_count(corners, "node") + ", expected 3 or more");
     face.clear();
     for (long i = 0; i < corners; ++i) {
-      const std::string_view word = next_word(rest);
-      if (word.empty())
+      const std::string_view token = next_token(rest);
+      if (token.empty())
         file.fail(line, "found a face of " + format_count(i, "node") + ", expected " +
                             std::to_string(corners) + " as stated");
-      const long node = file.integer(word, "a node number");
+      const long node = file.integer(token, "a node number");
       if (node < 0 || node >= counts.nodes)
-        file.fail(word, "found node number " + quoted_excerpt(word) + ", expected 0 to " +
-                            std::to_string(counts.nodes - 1));
+        file.fail(token, "found node number " + quoted_excerpt(token) + ", expected 0 to " +
+                             std::to_string(counts.nodes - 1));
       face.push_back(static_cast<int>(node));
     }
     mesh.shells.add_face(face);
@@ -135,7 +136,7 @@ std::unique_ptr<MeshContent> read_off_mesh(const std::filesystem::path& path) {
   const size_t start = file.position();
   std::string_view line;
   next_data(file, line);
-  const std::string_view kind = next_word(line);
+  const std::string_view kind = next_token(line);
   file.seek(start);
   read(*mesh);
   if (kind.ends_with("NOFF"))

@@ -73,31 +73,31 @@ class PlyReader {
     bool format = false;
     while (file_.next(line)) {
       std::string_view rest = line;
-      const std::string_view word = next_word(rest);
-      if (word == "format") {
+      const std::string_view token = next_token(rest);
+      if (token == "format") {
         format = true;
-        read_format(next_word(rest), line);
-      } else if (word == "element") {
-        Element element{std::string(next_word(rest)), 0, {}};
-        element.count = file_.integer(next_word(rest), "a number of elements");
+        read_format(next_token(rest), line);
+      } else if (token == "element") {
+        Element element{std::string(next_token(rest)), 0, {}};
+        element.count = file_.integer(next_token(rest), "a number of elements");
         if (element.count < 0 || element.count > std::numeric_limits<int>::max())
           file_.fail(line, "found " + quoted_excerpt(line) + ", expected a number of elements");
         elements_.push_back(std::move(element));
-      } else if (word == "property") {
-        if (elements_.empty()) file_.fail(word, "found a property before any element");
+      } else if (token == "property") {
+        if (elements_.empty()) file_.fail(token, "found a property before any element");
         Property property;
-        std::string_view type = next_word(rest);
+        std::string_view type = next_token(rest);
         if (type == "list") {
-          property.count = scalar(next_word(rest));
-          type = next_word(rest);
+          property.count = scalar(next_token(rest));
+          type = next_token(rest);
         }
         property.type = scalar(type);
-        property.name = next_word(rest);
+        property.name = next_token(rest);
         elements_.back().properties.push_back(std::move(property));
-      } else if (word == "end_header") {
-        if (!format) file_.fail(word, "found no format line, expected one");
+      } else if (token == "end_header") {
+        if (!format) file_.fail(token, "found no format line, expected one");
         return;
-      } else if (word != "comment" && word != "obj_info") {
+      } else if (token != "comment" && token != "obj_info") {
         file_.fail(line, "found " + quoted_excerpt(line) + ", expected a line of a PLY header");
       }
     }

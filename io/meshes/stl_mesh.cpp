@@ -78,7 +78,7 @@ class StlMesh : public MeshContent {
     // Some binary files also start with "solid"; their size identifies them.
     binary_ = bytes.size() >= kHeader && bytes.size() == kHeader + kRecord * binary_count(bytes);
     std::string_view first = std::string_view(bytes).substr(0, bytes.find('\n'));
-    if (!binary_ && next_word(first) != "solid") {
+    if (!binary_ && next_token(first) != "solid") {
       if (bytes.size() < kHeader)
         file_.fail(size_t{0},
                    "found " + quoted_excerpt(bytes) + ", expected 'solid' or a binary header");
@@ -134,31 +134,31 @@ class StlMesh : public MeshContent {
     bool open = false;
     while (file.next(line)) {
       std::string_view rest = line;
-      const std::string_view word = next_word(rest);
-      if (word.empty()) continue;
+      const std::string_view token = next_token(rest);
+      if (token.empty()) continue;
       const auto misplaced = [&] {
-        file.fail(word, "found " + quoted_excerpt(word) + " after " +
-                            format_count(corners, "corner") + ", expected facets of three");
+        file.fail(token, "found " + quoted_excerpt(token) + " after " +
+                             format_count(corners, "corner") + ", expected facets of three");
       };
-      if (word == "facet") {
+      if (token == "facet") {
         if (open) misplaced();
         open = true;
         corners = 0;
-        next_word(rest);
+        next_token(rest);
         normal(trimmed(rest));
-      } else if (word == "vertex") {
+      } else if (token == "vertex") {
         if (!open || ++corners > 3) misplaced();
         for (int c = 0; c < 3; ++c) {
-          const std::string_view number = next_word(rest);
+          const std::string_view number = next_token(rest);
           corner(c, number.empty() ? line.substr(line.size()) : number);
         }
-      } else if (word == "endfacet") {
+      } else if (token == "endfacet") {
         if (!open || corners != 3) misplaced();
         open = false;
-      } else if (word == "solid") {
+      } else if (token == "solid") {
         solid(trimmed(rest));
-      } else if (word != "outer" && word != "endloop" && word != "endsolid") {
-        file.fail(word, "found " + quoted_excerpt(word) + ", expected a line of STL text");
+      } else if (token != "outer" && token != "endloop" && token != "endsolid") {
+        file.fail(token, "found " + quoted_excerpt(token) + ", expected a line of STL text");
       }
     }
     if (open) file.fail_at_end("found the end of the file in a facet, expected 'endfacet'");

@@ -28,7 +28,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
 #include "batten/io/vtk/vtk_files.h"

@@ -15,7 +15,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/fairing/curves/fairness.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"
 
@@ -179,11 +179,11 @@ void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing
     for (const double end : {x, x + length}) ink.line({at(end, y - tick), at(end, y + tick)});
     add_thin_lines(renderer, ink.data(), colour, 2 * viewport.unit, Vec3::Zero());
   };
-  const auto entry = [&](int row, double length, const Colour& colour, const std::string& words) {
+  const auto entry = [&](int row, double length, const Colour& colour, const std::string& label) {
     const double y = bottom + (0.8 + 1.6 * row) * text;
     bar(left, y, length, colour);
     const double x = left + length + 0.7 * text;
-    add_text(renderer, words, x, y, text, viewport.width - x, false);
+    add_text(renderer, label, x, y, text, viewport.width - x, false);
   };
   const double length = round_step(0.6 * room * view.pixel);
   entry(0, length / view.pixel, kCurve, format_number(length) + " " + picture.unit);
@@ -371,7 +371,7 @@ using namespace detail;
 
 struct EdgeStyle {
   EdgeComb::Kind kind;
-  const char* words;
+  const char* label;
   Colour colour;
 };
 const std::array<EdgeStyle, 3> looks{
@@ -433,17 +433,17 @@ std::vector<Vec3> extent(const EdgePicture& picture) {
 void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& scale,
                 const Viewport& viewport) {
   const double text = std::max(11.0, 22 * viewport.unit), left = 28 * viewport.unit;
-  std::string words;
+  std::string label;
   for (const EdgeStyle& look : looks) {
     const auto count = std::count_if(picture.edges.begin(), picture.edges.end(),
                                      [&](const EdgeComb& edge) { return edge.kind == look.kind; });
     const char* colours[] = {"red", "blue", "green"};
-    words += (words.empty() ? "" : ",  ") + std::to_string(count) + " " + look.words + " (" +
+    label += (label.empty() ? "" : ",  ") + std::to_string(count) + " " + look.label + " (" +
              colours[&look - looks.data()] + ")";
   }
   if (!picture.free_edges.empty())
-    words += ",  " + std::to_string(picture.free_edges.size()) + " free edges (grey)";
-  add_text(renderer, words, left, 2.2 * text, text, viewport.width - 2 * left, false);
+    label += ",  " + std::to_string(picture.free_edges.size()) + " free edges (grey)";
+  add_text(renderer, label, left, 2.2 * text, text, viewport.width - 2 * left, false);
   if (scale.of_curvature > 0)
     add_text(renderer,
              "longest comb lines: curvature " + format_number(scale.longest / scale.of_curvature) +

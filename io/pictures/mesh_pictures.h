@@ -1,4 +1,4 @@
-// Pictures of shell meshes, for example before and after a deformation, side by side.
+// Draws pictures of shell meshes, for example before and after a deformation, side by side.
 #pragma once
 
 #include <filesystem>
@@ -11,44 +11,45 @@
 
 namespace batten {
 
-/// One picture of a mesh. As in PictureScene, the projection is parallel and z points upwards.
+/// Content and view of one picture of a mesh. The projection is parallel, and the axis `up` points
+/// upwards.
 struct MeshPicture {
-  /// Role of a face, shown by its colour.
+  /// Role of a face in an edit, shown by its colour.
   enum class Part { Body, Feature, Handle, Fixed };
 
   const ShellMesh* shells = nullptr;
   Points points;                        ///< positions of the nodes, n×3
-  std::vector<Part> parts;              ///< role of each face, shown by its colour; empty: all Body
-  std::vector<std::vector<int>> lines;  ///< lists of nodes, drawn as tubes
-  VecX field;                           ///< value ≥ 0 per node, shown as colour; empty: none
+  std::vector<Part> parts;              ///< role of each face; empty: all faces are Body
+  std::vector<std::vector<int>> lines;  ///< polylines to draw as tubes, as lists of node indices
+  VecX field;  ///< non-negative value per node, shown by colours; empty: none
   std::string field_title;
-  double field_limit = 0;  ///< upper end of the field's scale; 0: its maximum, rounded up
+  double field_limit = 0;  ///< upper end of the colour scale; 0: largest value, rounded up
   std::string title;
-  bool mesh = false;  ///< true: draw element edges
+  bool mesh = false;  ///< true: draw the element edges
   double azimuth = -30, elevation = 30, zoom = 1;
-  int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
-  /// Further node positions that must be in view. Pictures with the same list have the same scale
-  /// and can be compared.
+  int up = 2;  ///< axis that points upwards: 0, 1, 2 for x, y, z
+  /// Additional node positions that must be visible. Pictures with the same list have the same
+  /// scale and can be compared.
   std::vector<const Points*> also_in_view;
 };
 
-/// Converts parts per node to parts per face: the common part of the face's nodes, Body if they
-/// differ.
+/// Converts roles per node to roles per face: the role that all nodes of the face have in common,
+/// or Body if they differ.
 std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
                                               const std::vector<MeshPicture::Part>& of_node);
 
-/// Draws the pictures into one PNG, row by row, written atomically. Titles are captions below the
-/// pictures (above, if there is only one). Normals are smoothed if neighbouring faces differ by
-/// less than 30 degrees.
+/// Draws the pictures into one PNG file, row by row; the file is written atomically. Titles are
+/// captions below the pictures (above, if there is only one picture). Shading is smooth across
+/// edges at which the normals of the faces differ by less than 30 degrees.
 ///
-/// Call it on the main thread; it needs a display (require_display). Throws InputError if there is
-/// no display, no picture or no column, or if a picture has no faces. Also throws it for lists of
-/// the wrong length, values out of range, or a file that cannot be written.
+/// Call it on the main thread; it needs a display (see require_display()). Throws InputError if
+/// there is no display, no picture or no column, if a picture has no faces, lists of the wrong
+/// length or values out of range, or if the file cannot be written.
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 
-/// Draws the pictures as draw_meshes() does, into an image in memory instead of a file: for example
-/// one frame of an animation.
+/// Draws the pictures as draw_meshes() does, but into an image in memory, for example for one frame
+/// of an animation.
 Image mesh_image(const std::vector<MeshPicture>& pictures, int columns,
                  const PictureSize& size = {});
 

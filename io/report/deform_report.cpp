@@ -32,22 +32,22 @@ Json quality_json(const QualitySummary& q) {
 
 Json edits_json(const std::vector<DeformReport::Edit>& edits) {
   Json json = Json::array();
-  for (const auto& e : edits)
-    json.push_back({{"name", e.name},
-                    {"moving_nodes", e.moving},
-                    {"unknowns", e.unknowns},
-                    {"soft_constraints", e.soft_equations},
-                    {"hard_constraints", e.hard_constraints},
-                    {"feature_constraints", e.feature_constraints},
-                    {"redundant_constraints", e.redundant_count},
-                    {"point_constraints", e.point_equations},
+  for (const auto& [name, e] : edits)
+    json.push_back({{"name", name},
+                    {"moving_nodes", e.counts.moving},
+                    {"unknowns", e.counts.unknowns},
+                    {"soft_constraints", e.counts.soft_equations},
+                    {"hard_constraints", e.counts.hard_constraints},
+                    {"feature_constraints", e.counts.feature_constraints},
+                    {"redundant_constraints", e.counts.redundant_count},
+                    {"point_constraints", e.counts.point_equations},
                     {"largest_displacement", e.largest_displacement},
                     {"hard_residual", e.hard_residual},
                     {"last_correction", e.last_correction},
                     {"iterations", e.iterations},
-                    {"converged", e.found},
-                    {"setup_s", e.setup_s},
-                    {"edit_s", e.edit_s}});
+                    {"converged", e.converged},
+                    {"setup_s", e.setup_seconds},
+                    {"edit_s", e.edit_seconds}});
   return json;
 }
 
@@ -75,7 +75,7 @@ Json contents(const DeformReport& r) {
                   {"faces", r.faces}};
 
   double residual = 0;
-  for (const auto& e : r.edits)
+  for (const auto& [name, e] : r.edits)
     if (!std::isnan(residual) && !(e.hard_residual <= residual)) residual = e.hard_residual;
   json["edits"] = edits_json(r.edits);
   json["hard_constraints"] = {{"max_residual", residual}};
@@ -128,9 +128,9 @@ std::vector<FailedCheck> failed_checks(const DeformReport& report) {
     const double rounding = 16 * std::numeric_limits<double>::epsilon() * report.largest_coordinate;
     return std::max(1e-12, size > 0 ? rounding / size : 0);
   };
-  for (const auto& e : report.edits) {
-    at_most("edits." + e.name + ".hard_residual", e.hard_residual, limit(report.size));
-    at_most("edits." + e.name + ".last_correction", e.last_correction, 1e-9);
+  for (const auto& [name, e] : report.edits) {
+    at_most("edits." + name + ".hard_residual", e.hard_residual, limit(report.size));
+    at_most("edits." + name + ".last_correction", e.last_correction, 1e-9);
   }
   for (const auto& f : report.features)
     at_most("features." + f.name + ".max_rigid_error", f.max_rigid_error, limit(f.size));

@@ -1,19 +1,21 @@
-// report.json of a deformed mesh, measured on the finished mesh rather than copied from the solver.
+// Contents of report.json for a deformed mesh, measured on the finished mesh.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "batten/fairing/curves/curve_fit.h"
-#include "batten/fairing/curves/fairness.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/io/report/run_report.h"
+#include "batten/mesh/editing/mesh_editor.h"
 #include "batten/mesh/element_quality.h"
 #include "batten/mesh/features/feature_detection.h"
 
 namespace batten {
 
-/// Results of `batten deform`. Lengths are in model units. Suffixes: *_error is relative to the
-/// feature's size, *_residual to the mesh's size; *_deg is in degrees, *_s in seconds.
+/// Results of `batten deform`. Lengths are in model units. Numbers with the suffix _error are
+/// relative to the size of the feature, numbers with _residual to the size of the mesh; _deg stands
+/// for degrees, _s for seconds.
 struct DeformReport : RunReport {
   std::string mesh_file, format;
   int nodes = 0, faces = 0;
@@ -22,76 +24,75 @@ struct DeformReport : RunReport {
   /// Statistics of one edit.
   struct Edit {
     std::string name;
-    int moving = 0, unknowns = 0, soft_equations = 0, hard_constraints = 0, feature_constraints = 0;
-    int redundant_count = 0, point_equations = 0;
-    double largest_displacement = 0, hard_residual = 0;
-    /// Largest coordinate change in the last correction step, relative to the mesh's size.
-    double last_correction = 0;
-    int iterations = 0;  ///< iterations of the rotation estimate; 0: not used
-    bool found = true;   ///< true: the rotation estimate converged
-    double setup_s = 0, edit_s = 0;
+    MeshEditStatistics statistics;
   };
   std::vector<Edit> edits;
 
-  /// Deviation of a form feature from a similarity transform of its original shape.
+  /// Deviation of a form feature from the similarity transform (rotation, translation, uniform
+  /// scaling) that fits it best.
   struct Feature {
     std::string name;
     int vertices = 0;
-    double size = 0;  ///< diagonal of its bounding box
-    /// Largest vertex distance from the original feature, moved by the best-fit similarity.
+    double size = 0;  ///< diagonal of the bounding box of the feature
+    /// Largest distance of a vertex from the original feature after the best-fit transform.
     double max_rigid_error = 0;
-    double scale = 1, rotation_deg = 0, moved = 0;  ///< parameters of that similarity; model units
+    /// Scale factor, rotation angle and translation (model units) of the best-fit transform.
+    double scale = 1, rotation_deg = 0, moved = 0;
   };
   std::vector<Feature> features;
 
-  /// A chain of vertices driven by a curve.
+  /// A chain of vertices that a deformable curve prescribes.
   struct Curve {
     std::string name;
     int vertices = 0, segments = 0;
-    Deviation fairing;  ///< deviation of the vertices from the faired curve
+    Deviation fairing;  ///< distances of the original vertices from the faired curve
     double wavelength = 0;
-    double largest_shift = 0;  ///< largest displacement caused by the curve's loads
-    double max_residual = 0;   ///< largest final distance of the vertices from the curve
+    double largest_shift = 0;  ///< largest displacement of the curve by its loads
+    double max_residual = 0;   ///< largest distance of the moved vertices from the curve
     Fairness before, after;
   };
   std::vector<Curve> curves;
 
-  /// A boundary loop, numbered as in `loop` of [[select]].
+  /// A boundary loop of the mesh; `loop` is its number, as in the key `loop` of [[select]].
   struct Hole {
     int loop = 0, vertices = 0;
-    std::string feature;  ///< name of the feature that contains it; empty: none
+    std::string feature;  ///< name of the feature that contains the loop; empty: none
     HoleMeasure before, after;
   };
   std::vector<Hole> holes;
 
-  /// Non-shell elements, and how they followed the shells.
+  /// Elements that are not shells, and how their nodes followed the shells.
   struct Attached {
-    std::vector<std::pair<std::string, int>> elements;  ///< count per element kind in the deck
-    /// Rigid elements, bushes and bolts that move as rigid bodies.
+    /// Number of elements per element type of the deck.
+    std::vector<std::pair<std::string, int>> elements;
+    /// Number of rigid elements, bushings and bolts, which move as rigid bodies.
     int connections = 0;
-    /// Largest distance of their nodes from a rigid-body motion.
+    /// Largest deviation of a node of a connection from a rigid-body motion.
     double max_rigid_error = 0;
-    std::string worst_connection;       ///< the connection with that error
-    int moved_with_shells = 0;          ///< non-shell nodes that moved with the shells
-    std::vector<long> inverted_solids;  ///< element numbers in the deck
+    std::string worst_connection;  ///< name of the connection with the largest deviation
+    int moved_with_shells = 0;     ///< number of nodes of other elements that moved with the shells
+    std::vector<long> inverted_solids;  ///< labels of inverted solid elements in the deck
   };
   Attached attached;
 
   QualitySummary before, after;
-  std::vector<long> inverted;  ///< numbers of inverted faces in the file
-  /// Largest displacement of a node, and the node's number in the file; -1: none moved.
+  std::vector<long> inverted;  ///< labels of inverted faces in the mesh file
+  /// Largest displacement of a node, and the label of this node in the mesh file (-1: no node
+  /// moved).
   double largest_displacement = 0;
   long largest_displacement_node = -1;
-  double rounding = 0;  ///< largest |written − computed| of a coordinate (MeshRounding)
+  /// Largest rounding error of a written coordinate (see MeshRounding::largest).
+  double rounding = 0;
 };
 
-/// Acceptance checks that the reported numbers violate:
-/// - residuals and max_rigid_error ≤ 1e-12, or ≤ 16 rounding errors of the largest coordinate if
-///   that is more;
-/// - no inverted faces and no inverted solids;
-/// - last correction ≤ 1e-9;
-/// - connections rigid to within 1e-12 of the size;
-/// - finite numbers only.
+/// Lists the checks that the measured numbers violate. The checks are:
+/// - residuals and rigid errors of features are at most 1e-12, or 16 rounding errors of the largest
+///   coordinate if that is more;
+/// - no faces and no solid elements are inverted;
+/// - MeshEditStatistics::last_correction is at most 1e-9;
+/// - connections deviate from rigid-body motions by at most 1e-12 of the size of the mesh, or the
+///   same rounding errors;
+/// - all numbers are finite.
 std::vector<FailedCheck> failed_checks(const DeformReport& report);
 
 /// The report as JSON text. Numbers that are not finite become the strings "nan" and "inf".

@@ -9,7 +9,7 @@
 namespace batten {
 namespace {
 
-const char* word(ModelJoin::Kind kind) {
+const char* to_text(ModelJoin::Kind kind) {
   using Kind = ModelJoin::Kind;
   return kind == Kind::FreeEdge ? "free edge"
          : kind == Kind::Crease ? "G0"
@@ -17,7 +17,7 @@ const char* word(ModelJoin::Kind kind) {
                                 : "non-manifold";
 }
 
-const char* word(SurfaceDefect::Kind kind) {
+const char* to_text(SurfaceDefect::Kind kind) {
   using Kind = SurfaceDefect::Kind;
   return kind == Kind::Jacobian   ? "jacobian"
          : kind == Kind::Fold     ? "fold"
@@ -25,7 +25,7 @@ const char* word(SurfaceDefect::Kind kind) {
                                   : "area";
 }
 
-const char* word(SkinOptions::Domain domain) {
+const char* to_text(SkinOptions::Domain domain) {
   using Domain = SkinOptions::Domain;
   return domain == Domain::Polygon       ? "polygon"
          : domain == Domain::Projected   ? "projected"
@@ -36,7 +36,7 @@ const char* word(SkinOptions::Domain domain) {
 
 }  // namespace
 
-const char* word(NetworkDiagnostic::Kind kind) {
+const char* to_text(NetworkDiagnostic::Kind kind) {
   using Kind = NetworkDiagnostic::Kind;
   switch (kind) {
     case Kind::EndsJoined:
@@ -107,7 +107,7 @@ NetworkReport::Region describe_region(const ModelRegion& r, const ReportNames& n
     region.triangles = r.skinned->surface.mesh().triangle_count();
     region.dofs = r.skinned->surface.dof_map().count();
     region.size = r.skinned->size;
-    region.domain = word(names.model.layout->region(r.layout_index).domain());
+    region.domain = to_text(names.model.layout->region(r.layout_index).domain());
     region.quality = r.quality;
     region.shape = primitive_name(r.shape.kind);
     region.radius = r.shape.radius;
@@ -172,10 +172,10 @@ NetworkReport network_report(const CurveNetwork& network, const FoundRegions& fo
   report.unused_edges = names.edges(found.unused_edges);
   for (const ModelRegion& r : model.regions) report.regions.push_back(describe_region(r, names));
   for (const ModelJoin& j : model.joins)
-    report.joins.push_back({names.edge(j.edge), names.regions(j.regions), word(j.kind), j.requested,
-                            j.one_domain, j.open, j.initial_deg, j.max_deg, j.max_inside_deg,
-                            j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.curvature,
-                            j.why});
+    report.joins.push_back({names.edge(j.edge), names.regions(j.regions), to_text(j.kind),
+                            j.requested, j.one_domain, j.open, j.initial_deg, j.max_deg,
+                            j.max_inside_deg, j.max_gap, j.median_curvature_jump,
+                            j.max_curvature_jump, j.curvature, j.why});
   for (const AmbiguousRegion& c : found.ambiguous_regions)
     report.ambiguous_regions.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)
@@ -189,7 +189,7 @@ NetworkReport network_report(const CurveNetwork& network, const FoundRegions& fo
 std::vector<DefectReport> defect_reports(const SurfaceModel& model) {
   std::vector<DefectReport> list;
   for (const SurfaceDefect& f : model.defects) {
-    list.push_back({word(f.kind), {}, f.where, f.value, f.text});
+    list.push_back({to_text(f.kind), {}, f.where, f.value, f.text});
     for (const int r : f.regions) list.back().regions.push_back(model.regions[r].plan.name);
   }
   return list;

@@ -68,7 +68,7 @@ Json json_of(const NetworkReport::Join& j) {
 void add_network(Json& json, const NetworkReport& n) {
   Json diagnostics = Json::array();
   for (const NetworkDiagnostic& f : n.diagnostics)
-    diagnostics.push_back({{"kind", word(f.kind)},
+    diagnostics.push_back({{"kind", to_text(f.kind)},
                            {"curves", f.lines},
                            {"at", json_of(f.where)},
                            {"distance", f.distance},
@@ -110,7 +110,7 @@ Json json_of(const std::vector<DefectReport>& defects) {
   return json;
 }
 
-const char* word(CharacterLine::Role role) {
+const char* to_text(CharacterLine::Role role) {
   using Role = CharacterLine::Role;
   return role == Role::Inner ? "inner" : role == Role::Hole ? "hole" : "outline";
 }
@@ -176,7 +176,7 @@ Json json_of(const std::vector<Report::Line>& lines) {
     if (line.constrains_surface && !(line.deviation <= max_deviation))
       max_deviation = line.deviation;
     each.push_back({{"name", line.name},
-                    {"role", word(line.role)},
+                    {"role", to_text(line.role)},
                     {"alignment", line.embedded ? "embedded" : "aligned"},
                     {"length", line.length},
                     {"deviation", line.deviation},
@@ -391,6 +391,102 @@ Json contents(const Report& r) {
 std::vector<FailedCheck> non_finite_numbers(const Report& report) {
   Json json = contents(report);
   return replace_non_finite_numbers(json);
+}
+
+namespace {
+
+// Amount by which loads and moves may increase the angle of a smooth join, which is reduced below
+// its tolerance in the unloaded shape.
+constexpr double kSculptedJoinDeg = 0.05;
+
+class AcceptanceChecks {
+ public:
+  explicit AcceptanceChecks(const Report& report) : failed_checks(non_finite_numbers(report)) {}
+  void require_at_most(const std::string& what, double value, double limit) {
+    if (value > limit)
+      failed_checks.push_back(
+          {what, "is " + format_number(value) + ", expected at most " + format_number(limit)});
+  }
+  void surface(const std::string& at, const SkinQuality& q, bool lines, double on_line,
+               double on_input) {
+    if (lines) {
+      require_at_most(at + ".max_curve_residual", q.max_line_residual, 1e-10);
+      require_at_most(at + ".max_curve_gap", q.max_line_gap, on_line);
+      require_at_most(at + ".max_curve_deviation", q.max_line_deviation, on_input);
+    }
+    require_at_most(at + ".max_normal_jump_deg", q.max_normal_jump_deg, 1e-3);
+    if (q.min_jacobian_ratio < 0.05)
+      failed_checks.push_back(
+          {at + ".min_jacobian_ratio",
+           "is " + format_number(q.min_jacobian_ratio) + ", expected at least 0.05"});
+    require_at_most(at + ".singular_nodes", q.singular_nodes, 0);
+  }
+  void network(const NetworkReport& n, bool lines, bool sculpted, double on_input) {
+    for (const auto& r : n.regions) {
+      if (r.skinned)
+        surface("faces." + r.name, r.quality, lines, n.fit_tolerance, on_input);
+      else
+        failed_checks.push_back({"faces." + r.name, "has no surface: " + r.rejection_reason});
+    }
+    for (const auto& j : n.joins) {
+      const std::string at = "joins." + j.line;
+      if (j.kind == "smooth")
+        require_at_most(at + ".max_inside_deg", j.max_inside_deg,
+                        n.join_tolerance_deg + (sculpted ? kSculptedJoinDeg : 0));
+      if (j.kind != "smooth" && j.requested && !j.why.empty())
+        failed_checks.push_back(
+            {at, "is " + std::string(j.kind == "free edge" ? "a free edge" : j.kind) +
+                     ", expected a smooth edge: " + j.why});
+    }
+  }
+  void defects(const std::vector<DefectReport>& defects) {
+    for (const auto& defect : defects) {
+      std::string where;
+      for (const auto& region : defect.regions) where += (where.empty() ? "" : ", ") + region;
+      failed_checks.push_back({"defects." + defect.kind + " in " + where, defect.text});
+    }
+  }
+  void step(const Report& report, bool lines, double on_line) {
+    const auto& step = *report.step;
+    if (!step.valid) failed_checks.push_back({"step.valid", "is false, expected true"});
+    const double size = report.surface.size;
+    if (step.form == "face") {
+      require_at_most("step.max_deviation", step.max_deviation, step.tolerance);
+      if (lines) require_at_most("step.max_gap", step.max_gap, step.tolerance + on_line);
+      return;
+    }
+    if (report.surface.element == "hct")
+      require_at_most("step.max_deviation", step.max_deviation, 1e-9 * size + step.tolerance);
+    require_at_most("step.max_gap", step.max_gap, 1e-9 * size + step.tolerance);
+    require_at_most("step.max_normal_jump_deg", step.max_normal_jump_deg, 1e-3);
+  }
+  std::vector<FailedCheck> failed_checks;
+};
+
+}  // namespace
+
+std::vector<FailedCheck> failed_checks(const Report& report, double tolerance) {
+  AcceptanceChecks checks(report);
+  const auto& s = report.surface;
+  const bool lines = s.boundary == "curves";
+  // Network lines may have moved when they were joined.
+  const double on_input = tolerance + (report.network ? report.network->tolerance : 0);
+  for (const FailedCheck& m : failed_fairing_checks(report.curves))
+    checks.failed_checks.push_back(m);
+  for (const auto& line : report.lines)
+    if (line.constrains_surface)
+      checks.require_at_most("curves." + line.name + ".deviation", line.deviation, on_input);
+  checks.require_at_most("surface.max_constraint_residual", s.max_constraint_residual, 1e-10);
+  checks.require_at_most("surface.max_normal_constraint_deg", s.max_normal_constraint_deg, 1e-6);
+  if (report.network)
+    checks.network(*report.network, lines, report.is_sculpted, on_input);
+  else
+    checks.surface("surface", s.quality, lines, tolerance, on_input);
+  checks.defects(report.defects);
+  if (s.fairing && s.fairing->requested && !s.fairing->converged)
+    checks.failed_checks.push_back({"surface.fairing.converged", "is false, expected true"});
+  if (report.step) checks.step(report, lines, tolerance);
+  return checks.failed_checks;
 }
 
 std::string to_json(const Report& report) { return report_text(contents(report), report); }

@@ -1,5 +1,5 @@
-// report.json of a surface, measured on the finished result; also the reports of a stress analysis
-// and of faired curves.
+// Contents of report.json for a surface (measured on the finished result), for a stress analysis
+// and for faired curves.
 #pragma once
 
 #include <array>
@@ -18,63 +18,65 @@ namespace batten {
 
 // Results of a stress analysis.
 
-/// Results of `batten stress`. Lengths are in the scene's unit; the units of forces and stresses
-/// follow from the unit of Young's modulus.
+/// Results of `batten stress`. Lengths are in the unit of the scene; the units of forces and
+/// stresses follow from the unit of Young's modulus.
 struct StressReport {
-  std::string material;  ///< its name; empty if the scene gives elastic constants instead
-  int unknowns = 0;      ///< size of the factored system
+  std::string material;  ///< name of the material; empty: the scene gives elastic constants
+  int unknowns = 0;      ///< number of unknowns of the factored system
   double yield = 0;      ///< yield stress; 0: not given
-  /// Largest thickness divided by the smallest radius of curvature.
+  /// Largest ratio of the thickness to the smallest radius of curvature.
   double thickness_over_radius = 0;
-  /// Largest edge length / √(radius · thickness). Above 1.5 the mesh is too coarse for the boundary
-  /// layer.
+  /// Largest ratio of the edge length to √(radius · thickness). If it exceeds 1.5, the mesh is too
+  /// coarse to resolve boundary layers.
   double edge_over_boundary_layer = 0;
 
-  /// Rigid-body modes that the supports hardly constrain.
+  /// Descriptions of rigid-body modes that the supports hardly constrain.
   std::vector<std::string> weakly_constrained_motions;
-  /// Smallest lever arm (RMS) with which the supports resist one of these modes, divided by the
-  /// size of the shell.
+  /// Smallest lever arm (RMS) with which the supports resist a weakly constrained mode, relative to
+  /// the size of the shell.
   double smallest_lever = 0;
 
   /// Resultant of the reactions at one support.
   struct Reaction {
     std::string support;
-    Vec3 force, moment;  ///< acting on the shell; moment about the origin
+    Vec3 force, moment;  ///< force and moment on the shell; the moment is about the origin
   };
-  /// Maxima of a CalculiX analysis of the same shell, and its values at our locations of the
-  /// maxima.
+  /// Results of a CalculiX analysis of the same shell: its maxima, and its values at the points
+  /// where Batten found its own maxima (`displacement_there`, `stress_there`).
   struct CalculixResult {
     std::string elements;
     double displacement = 0, stress = 0, displacement_there = 0, stress_there = 0;
   };
-  /// One load case or combination.
+  /// Results of one load case or combination.
   struct Case {
     std::string name;
     bool combination = false;
-    Vec3 force = Vec3::Zero();      ///< resultant of all loads
+    Vec3 force = Vec3::Zero();      ///< resultant force of all loads
     double displacement = 0;        ///< largest displacement
     double displacement_error = 0;  ///< estimated error of the largest displacement
     Vec3 displacement_vector = Vec3::Zero(), max_displacement_at = Vec3::Zero();
     std::string max_displacement_region;
-    double stress = 0;                          ///< largest von Mises stress
-    std::string side;                           ///< surface of that stress, "top" or "bottom"
-    Vec3 max_stress_at = Vec3::Zero();          ///< location, on the middle surface
-    Vec3 max_stress_face_point = Vec3::Zero();  ///< the same location on the top or bottom surface
+    double stress = 0;  ///< largest von Mises stress
+    std::string side;   ///< side of the shell with the largest stress, "top" or "bottom"
+    Vec3 max_stress_at = Vec3::Zero();  ///< point of the middle surface with the largest stress
+    /// Point on the top or bottom side of the shell with the largest stress.
+    Vec3 max_stress_face_point = Vec3::Zero();
     std::string max_stress_region;
-    double spread = 0;  ///< spread of the unaveraged element stresses there
-    /// True: next to a point load or support, where stresses are singular.
+    /// Largest deviation of the unaveraged element stresses around that point from `stress`.
+    double spread = 0;
+    /// True if the largest stress is next to a point load or support, where stresses are singular.
     bool near_singularity = false;
     double safety = 0;  ///< safety factor against yield, yield / stress; 0: no yield stress given
     double energy = 0;
-    double error = 0;                 ///< estimated relative error in the energy norm
-    double equilibrium_residual = 0;  ///< |loads + reactions| / |loads|
+    double error = 0;  ///< estimated relative error of the solution in the energy norm
+    double equilibrium_residual = 0;  ///< |sum of loads + reactions| / |sum of loads|
     bool buckling_requested = false;
     std::vector<double> buckling;  ///< buckling load factors, ascending
     std::vector<Reaction> reactions;
     std::optional<CalculixResult> calculix;
   };
   std::vector<Case> cases;
-  /// One mesh of the refinement towards a requested accuracy, with the maxima over all load cases.
+  /// One mesh of an adaptive refinement, with the maxima over all load cases.
   struct Mesh {
     double edge_length = 0;
     int unknowns = 0;
@@ -82,153 +84,166 @@ struct StressReport {
     double error = 0;  ///< estimated relative error of the displacements
   };
   std::vector<Mesh> meshes;
-  /// Derivatives of the results of a load case with respect to a parameter of the scene.
+  /// Derivatives of results of a load case with respect to a parameter of the scene.
   struct Sensitivity {
     std::string parameter, load_case;
-    double displacement = 0;  ///< d(largest displacement), in its direction
-    double compliance = 0;    ///< d(work of the loads)
+    double displacement = 0;  ///< derivative of the largest displacement
+    double compliance = 0;    ///< derivative of the work of the loads
   };
   std::vector<Sensitivity> sensitivities;
-  std::vector<double> frequencies;  ///< natural frequencies, 1/time; rigid-body modes first, as 0
+  /// Natural frequencies, 1/time. Rigid-body modes come first, with frequency 0.
+  std::vector<double> frequencies;
 };
 
-/// Results of `batten run`, `skin` and `sculpt`. Lengths are in model units, angles in degrees;
-/// *_residual is relative to the region's size.
+/// Results of `batten run`, `batten skin` and `batten sculpt`. Lengths are in model units, angles
+/// in degrees. A `…_residual` is relative to the size of the face.
 struct Report : RunReport {
-  /// A character line and its curve.
+  /// A curve of the scene, and how well the fitted curve follows it.
   struct Line {
     std::string name;
     CharacterLine::Role role = CharacterLine::Role::Outline;
     bool embedded = false;
     double length = 0;
-    double deviation = 0;  ///< largest distance of the input from its curve
+    double deviation = 0;  ///< largest distance of the input from the fitted curve
     int nodes = 0;
-    int points = 0;  ///< embedded line: number of points that constrain the surface
-    double gap = 0;  ///< embedded line: gap between curve and surface between those points
-    bool constrains_surface = true;  ///< false: the curve only trims the surface, as its boundary
+    int points = 0;  ///< embedded curves: number of points at which the surface is constrained
+    double gap = 0;  ///< embedded curves: largest distance between the curve and the surface
+    /// False: the curve trims the surface but does not constrain it.
+    bool constrains_surface = true;
   };
   std::vector<Line> lines;
-  std::vector<FairedLine> curves;          ///< curves faired by [[fair]]
-  std::vector<std::string> reading_notes;  ///< remarks on how point files were interpreted
+  std::vector<FairedLine> curves;          ///< curves that [[fair]] has faired
+  std::vector<std::string> reading_notes;  ///< notes on how curve files were interpreted
 
-  /// The surface, or all surfaces of a network.
+  /// The surface of the scene; for a network, totals and extremes over all faces.
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;
-    std::string element, boundary, fair;  ///< values of [skin] as in the scene
+    std::string element, boundary, fair;  ///< values of these keys of [skin]
     SkinQuality quality;
     double size = 0, bending_energy = 0;
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
     int iterations = 0;
     double last_change = 0;
-    /// For scenes with loads or constraints: largest distance of a vertex from the shape of the
-    /// lines alone, model units.
+    /// Largest displacement of a vertex from the shape that the curves alone define, in model
+    /// units. Set for scenes with loads or constraints.
     double moved = 0;
-    /// Orientation of the normals as text (NormalSide::text()). For networks: the most frequent
-    /// text of the shells, with its count.
+    /// Orientation of the normals as text (NormalSide::text()). For a network with several shells:
+    /// the most frequent orientation, with the number of shells that have it.
     std::string normals;
     Vec3 mean_normal = Vec3::Zero();  ///< area-weighted mean of the unit normals
-    /// Result of minimum-variation fairing.
+    /// Result of fairing to a minimum-variation surface.
     struct Fairing {
-      double functional = 0, start_functional = 0;  ///< curvature variation, 1/length²
-      double max_move = 0;  ///< largest normal displacement of a vertex, model units
+      /// Curvature variation after and before fairing, 1/length².
+      double functional = 0, start_functional = 0;
+      double max_move = 0;  ///< largest displacement of a vertex along the normal, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
-      /// Fraction of the step from the minimum-bending shape that was taken.
+      /// Interpolation parameter between the minimum-bending shape (0) and the minimum-variation
+      /// shape (1).
       double step_fraction = 1;
-      std::vector<std::string> unchanged_regions;  ///< regions left in their minimum-bending shape
-      /// false: chosen by fair = "auto" for regions with five or more sides.
+      /// Names of the faces that keep their minimum-bending shape.
+      std::vector<std::string> unchanged_regions;
+      /// True: requested in the scene. False: chosen automatically (fair = "auto") for faces with
+      /// five or more sides.
       bool requested = true;
-      int regions = 0;  ///< number of faired regions
+      int regions = 0;  ///< number of faired faces
     };
     std::optional<Fairing> fairing;
   } surface;
   std::vector<DefectReport> defects;     ///< defects of the surfaces
-  std::optional<NetworkReport> network;  ///< set for scenes with a curve network
+  std::optional<NetworkReport> network;  ///< set if the scene has a curve network
 
-  /// Distances between the shape and [[target]], in both directions; model units.
+  /// Distances between the shape and the [[target]] surface, in both directions; model units.
   struct Target {
     std::vector<std::string> files;
     double tolerance = 0, size = 0;
-    double before_rms = 0, before_max = 0;  ///< minimum-bending shape to target
-    double rms = 0, max = 0;                ///< fitted shape to target
-    double back_rms = 0, back_max = 0;      ///< target to fitted shape
-    int points = 0, back_points = 0;        ///< number of measured points
-    /// Points beyond a free edge of the other surface; not counted.
+    double before_rms = 0, before_max = 0;  ///< from the minimum-bending shape to the target
+    double rms = 0, max = 0;                ///< from the fitted shape to the target
+    double back_rms = 0, back_max = 0;      ///< from the target to the fitted shape
+    int points = 0, back_points = 0;        ///< number of sample points per direction
+    /// Number of sample points not counted in each direction, because they lie beyond a free edge
+    /// of the other surface.
     int excluded = 0, back_excluded = 0;
-    Vec3 where = Vec3::Zero();  ///< point of the fitted shape farthest from the target
+    Vec3 where = Vec3::Zero();  ///< point of the fitted shape that is farthest from the target
     int iterations = 0, refinements = 0;
     bool reached = false;
     struct Line {
       std::string name;
       double distance = 0;
     };
-    /// Lines whose distance from the target exceeds the tolerance.
+    /// Curves whose distance from the target exceeds the tolerance.
     std::vector<Line> line_distances;
-    std::vector<std::pair<std::string, double>> regions;  ///< largest distance per region
+    std::vector<std::pair<std::string, double>> regions;  ///< largest distance per face
   };
   std::optional<Target> target;
 
-  /// The STEP file.
+  /// Measurements of the STEP file.
   struct Step {
     std::string file, form;
     int faces = 0;
-    /// "B-spline", "cylinder", …; "face" for the form "face".
+    /// Number of faces per surface type ("B-spline", "cylinder", …). The type is "face" if `form`
+    /// is "face".
     std::map<std::string, int> faces_by_kind;
-    int lines = 0;         ///< number of curves written beside the faces
-    double tolerance = 0;  ///< requested tolerance; 0: exact form
+    int lines = 0;         ///< number of curves written in addition to the faces
+    double tolerance = 0;  ///< requested tolerance, model units; 0: faces are exact
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
     bool valid = false;
-    /// Edges of the file with two faces, by continuity: crease (G0), tangent (G1), curvature (G2).
-    /// max_smooth_deg: largest angle at edges that are no creases.
+    /// Number of edges between two faces, per continuity: creases (G0), tangent edges (G1),
+    /// curvature-continuous edges (G2).
     int creases = 0, tangent = 0, curvature = 0;
+    /// Largest angle between the faces at an edge that is not a crease.
     double max_smooth_deg = 0;
-    /// A smooth join of fitted faces: largest angle between the faces, and between the surfaces.
+    /// A smooth edge shared by fitted faces, with the largest angle between the faces in the file
+    /// (`angle_deg`) and between the original surfaces (`surface_deg`).
     struct Join {
       std::string line;
       std::array<std::string, 2> regions;
       double angle_deg = 0, surface_deg = 0;
       bool exceeds_tolerance = false;
-      std::string why;  ///< reason for an angle that is not a defect of the file; empty otherwise
+      /// Reason why an angle above the tolerance is not a defect of the file; empty: no such
+      /// reason.
+      std::string why;
     };
     std::vector<Join> joins;
     double max_join_deg = 0;
-    // For networks only:
+    // Set for curve networks only:
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;
   };
-  std::optional<Step> step;  ///< the STEP file, measured after reading it back
+  std::optional<Step> step;  ///< set if a STEP file was written; measured after it is read back
 
-  /// Distances of evenly sampled surface points from the faces of a CAD file.
+  /// Distances of uniformly distributed surface points from the faces of a CAD file.
   struct Comparison {
     std::string file;
     int points = 0;
-    double max = 0, rms = 0;  ///< model units
-    /// Relative to the longest side of the lines' bounding box.
+    double max = 0, rms = 0;  ///< largest and RMS distance, model units
+    /// The same distances, relative to the longest side of the bounding box of the curves.
     double max_relative = 0, rms_relative = 0;
   };
   std::optional<Comparison> comparison;
 
-  std::vector<Reaction> reactions;  ///< reaction of each named constraint
+  std::vector<Reaction> reactions;  ///< reaction force of each named constraint
 
-  /// Integral quantities of the shape in a sculpting session.
+  /// Integrals over the shape in a sculpting session.
   struct Shape {
-    double stretching = 0, bending = 0;  ///< the two terms of SurfaceEnergy
-    double area = 0, volume = 0;         ///< model units² and ³; the volume is ⅓ ∬ x·n dA
-    double residual = 0;                 ///< largest residual of all constraints
+    double stretching = 0, bending = 0;  ///< stretching and bending energy (see SurfaceEnergy)
+    double area = 0, volume = 0;  ///< area and volume ⅓ ∬ x·n dA, in powers of the model unit
+    double residual = 0;          ///< largest residual of the constraints
   };
   /// Results of `batten sculpt`.
   struct Sculpting {
-    Shape shape;  ///< the final shape
+    Shape shape;  ///< final shape
     struct Step {
-      std::string what;  ///< the operation: "solve", "replay", …
+      std::string what;  ///< operation of the session: "solve", "replay", …
       int iterations = 0;
       double change = 0;
       bool factored = false;
     };
     std::vector<Step> solves;
-    /// One refinement of the mesh.
+    /// One mesh refinement, with the energy before it, after the transfer to the new mesh, and in
+    /// equilibrium on the new mesh.
     struct Refinement {
       int triangles_before = 0, triangles = 0;
       double max_displacement = 0, energy_before = 0, energy_transferred = 0,
@@ -239,54 +254,83 @@ struct Report : RunReport {
     struct Stress {
       double displacement = 0, von_mises = 0;
     };
-    /// One value of a sweep, or one frame of a motion.
+    /// Results for one parameter value of a sweep, or for one frame of a dynamic simulation.
     struct Row {
-      double value = 0;  ///< value of the parameter, or time
+      double value = 0;  ///< parameter value of the sweep, or time of the frame
       Shape shape;
-      int iterations = 0;            ///< sweeps: solver iterations
-      double total_energy = 0;       ///< motions: kinetic and potential energy
-      std::optional<Stress> stress;  ///< sweeps: set if requested
+      int iterations = 0;            ///< sweeps only: number of solver iterations
+      double total_energy = 0;       ///< dynamic simulations only: kinetic and potential energy
+      std::optional<Stress> stress;  ///< sweeps only: set if [stress] was requested
     };
     struct Sweep {
       std::string parameter;
       std::vector<Row> rows;
-      std::string stopped;  ///< why the sweep ended early; empty: it did not
+      std::string stopped;  ///< reason why the sweep stopped early; empty: it was completed
     };
     std::vector<Sweep> sweeps;
-    /// Result of a dynamic motion.
+    /// Result of a dynamic simulation.
     struct Motion {
       double dt = 0, density = 0, damping = 0, theta = 0;
       int steps = 0;
-      double max_residual = 0;  ///< largest residual of all steps
-      std::vector<Row> rows;    ///< one per frame
+      double max_residual = 0;  ///< largest constraint residual over all time steps
+      std::vector<Row> rows;    ///< results of each frame
     };
     std::optional<Motion> motion;
   };
   std::optional<Sculpting> sculpting;  ///< set by `batten sculpt`
   std::optional<StressReport> stress;  ///< set by `batten stress`
-  bool is_sculpted = false;            ///< Scene::is_sculpted(); not written to the file
+  bool is_sculpted = false;  ///< Scene::is_sculpted() of the scene; not written to report.json
   std::vector<PointCloudDistances> scans;
 };
 
-/// Numbers of the report that are not finite, by their JSON path ("surface.area").
+/// Lists the numbers of the report that are NaN or infinite, by their JSON path ("surface.area").
 std::vector<FailedCheck> non_finite_numbers(const Report& report);
 
+/// Lists the checks that the measured numbers violate, and all numbers that are not finite. The
+/// checks are, by sections of report.json:
+///
+///   faired_curves  residual of the conditions of [[fair]] ≤ 1e-12 of the size of the curve;
+///                  requested deviation not exceeded
+///   curves         distance of the input from the fitted curve ≤ tolerance
+///   surface        constraint residual ≤ 1e-10 of the size of the face; error of prescribed
+///                  normals ≤ 1e-6°; angle between normals across mesh edges ≤ 1e-3°; Jacobian ≥
+///                  0.05 of its median; no singular nodes. If the curves are fixed: residual of
+///                  edge-aligned curves ≤ 1e-10, gap of embedded curves ≤ tolerance, deviation of
+///                  curves ≤ tolerance. If the scene requests a minimum-variation surface: its
+///                  iteration converged
+///   defects        no surface has a defect (SurfaceDefect)
+///   step           exact faces: valid file; gap and (for HCT surfaces) deviation ≤ 1e-9 of the
+///                  size plus the tolerance of the STEP file; angle between normals ≤ 1e-3°
+///                  fitted faces (form "face"): valid file; deviation ≤ the tolerance of the STEP
+///                  file; if the curves are fixed, gap ≤ that tolerance plus `tolerance`
+///
+/// For a network, the checks of `surface` apply to each face, where the permitted deviation of the
+/// curves is larger by the gap tolerance with which the curves were joined. Further checks are:
+///
+///   faces          each face has a surface
+///   joins          the angle at each smooth edge ≤ join tolerance (plus 0.05° under loads and
+///                  offsets), except at ends at which the curves define no common tangent plane;
+///                  every edge that was requested as smooth is smooth
+///
+/// `tolerance`: fit tolerance of the curves, model units.
+std::vector<FailedCheck> failed_checks(const Report& report, double tolerance);
+
 /// The report as JSON text. Numbers that are not finite, which JSON cannot represent, become the
-/// strings "nan" and "inf". Append non_finite_numbers() to `failed_checks` before calling it.
+/// strings "nan" and "inf". Before the call, append the result of non_finite_numbers() to
+/// `report.failed_checks`.
 std::string to_json(const Report& report);
 
-// report.json of faired curves, measured on the curves that are written.
+// Contents of report.json for faired curves, measured on the curves that are written.
 
 /// Results of `batten fair`.
 struct FairReport : RunReport {
   std::vector<FairedLine> curves;
 };
 
-/// Acceptance checks that the reported numbers violate: failed_fairing_checks(), and numbers that
-/// are not finite.
+/// Lists the violated checks of failed_fairing_checks(), and all numbers that are not finite.
 std::vector<FailedCheck> failed_checks(const FairReport& report);
-/// Violated fairing checks: stages whose requested deviation is exceeded, and conditions with a
-/// residual above 1e-12 of the curve's size.
+/// Lists the stages that exceed their requested deviation, and the conditions whose residual
+/// exceeds 1e-12 of the size of the curve.
 std::vector<FailedCheck> failed_fairing_checks(const std::vector<FairedLine>& curves);
 
 /// The report as JSON text. Numbers that are not finite become the strings "nan" and "inf".

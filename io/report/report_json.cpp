@@ -7,9 +7,9 @@ namespace {
 
 void replace_non_finite(Json& json, const std::string& path, std::vector<FailedCheck>& failed) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) {
-    const std::string word = std::isnan(json.get<double>()) ? "nan" : "inf";
-    failed.push_back({path, "could not be computed (" + word + ")"});
-    json = word;
+    const std::string text = std::isnan(json.get<double>()) ? "nan" : "inf";
+    failed.push_back({path, "could not be computed (" + text + ")"});
+    json = text;
   } else if (json.is_object()) {
     for (auto& [key, value] : json.items())
       replace_non_finite(value, path.empty() ? key : path + "." + key, failed);

@@ -1,4 +1,4 @@
-// The parts that the reports of all commands have in common.
+// Members that the reports of all commands have in common.
 #pragma once
 
 #include <optional>
@@ -11,17 +11,18 @@
 
 namespace batten {
 
-/// A violated acceptance check of a result.
+/// A check of a result that failed: a measured number violates its tolerance.
 struct FailedCheck {
-  std::string what;    ///< JSON path of the number: "surface.min_jacobian_ratio"
-  std::string detail;  ///< violation as text: "is 0.01, expected at least 0.05"
+  std::string what;    ///< JSON path of the number, for example "surface.min_jacobian_ratio"
+  std::string detail;  ///< description, for example "is 0.01, expected at least 0.05"
 };
 
-/// Base of all reports.
+/// Base class of all reports.
 struct RunReport {
   std::string name, unit;
   std::vector<Parameter> parameters;
-  std::vector<std::pair<std::string, double>> timings;  ///< seconds
+  /// Name and duration of each phase, in seconds.
+  std::vector<std::pair<std::string, double>> timings;
   std::vector<std::string> warnings, files;
   std::vector<FailedCheck> failed_checks;
 };

@@ -1,4 +1,4 @@
-// report.json of an edited mesh sequence, measured on the finished frames.
+// Contents of report.json for an edited mesh sequence, measured on the finished frames.
 #pragma once
 
 #include <string>
@@ -8,52 +8,56 @@
 
 namespace batten {
 
-/// Results of `batten sequence`. Lengths are in model units, *_s in seconds; "relative" means
-/// divided by the size of the first frame. Frames are numbered from 1.
+/// Results of `batten sequence`. Lengths are in model units; "relative" means divided by the size
+/// of the first frame. Frames are numbered from 1.
 struct SequenceReport : RunReport {
   std::string file;
   int frames_before = 0, frames = 0, nodes = 0, faces = 0;
   double size = 0;
-  int first = 1, last = 0;  ///< frames computed by this run
-  int found = 0;            ///< number of these that an earlier run had completed
+  int first = 1, last = 0;  ///< first and last frame computed by this run
+  int found = 0;            ///< number of these frames that were reused from an earlier run
 
-  /// Statistics of one step.
+  /// Statistics of one operation.
   struct Step {
     std::string name, kind;
-    int frames = 0;  ///< number of frames after the step
+    int frames = 0;  ///< number of frames after the operation
     int keyframes = 0;
-    int iterations = 0;             ///< maximum over the keyframes
-    int unconverged_keyframes = 0;  ///< keyframes that stopped before reaching the tolerance
-    double last_change = 0;         ///< largest of these, relative
+    int iterations = 0;  ///< largest number of iterations at a keyframe
+    /// Number of keyframes that stopped before reaching the tolerance.
+    int unconverged_keyframes = 0;
+    /// Largest change in the last iteration of an unconverged keyframe, relative.
+    double last_change = 0;
     double seconds = 0;
   };
   std::vector<Step> steps;
 
-  /// A handle or a feature.
+  /// A handle or a form feature.
   struct Handle {
     std::string name;
     int vertices = 0;
-    /// Largest deviation from a rigid-body motion over all frames, relative to the handle's size.
-    /// Compared with the handle's shape in the same input frame, so handles that deform in the
-    /// input keep that deformation.
+    /// Largest deviation from a rigid-body motion over all frames, relative to the size of the
+    /// handle. In each frame the handle is compared with its shape in the same input frame, so
+    /// deformations that are part of the input do not count.
     double max_rigid_error = 0;
   };
   std::vector<Handle> handles, features;
 
-  /// A foot contact.
+  /// One foot contact: an interval of frames in which a foot is planted.
   struct Foot {
     std::string step, handle;
     int first = 0, last = 0;
-    /// Foot skate: largest distance of the foot's centroid from its mean position, relative.
+    /// Foot skate before and after editing: largest distance of the centroid of the foot from its
+    /// mean position during the contact, relative.
     double foot_skate_before = 0, foot_skate = 0;
     double max_foot_skate = 1e-3;
   };
   std::vector<Foot> feet;
 
-  /// Largest over all nodes and frames, model units.
+  /// Largest second difference in time of a node position over all nodes and frames, before and
+  /// after editing; model units.
   double second_difference_before = 0, second_difference = 0;
-  /// Triangles whose normal deviates by more than 90° from the mean of their neighbours, over all
-  /// frames.
+  /// Number of triangles, summed over all frames, whose normal deviates by more than 90° from the
+  /// mean normal of the neighbouring triangles; before and after editing.
   long inverted_triangles_before = 0, inverted_triangles = 0;
 };
 

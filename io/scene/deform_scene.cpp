@@ -4,7 +4,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {

@@ -1,14 +1,11 @@
-#include "batten/io/scene/read_scene.h"
-
+// Reads scenes of surfaces.
 #include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <utility>
 
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene.h"
-#include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
@@ -151,10 +148,10 @@ void read_direction(const TomlTable& table, const std::string& what, SceneLoad& 
 void refuse_keys_of_other_types(const TomlTable& table, const std::string& what,
                                 SceneLoad::Type type) {
   using Type = SceneLoad::Type;
-  const auto refuse_unless = [&](std::initializer_list<Type> types, const std::string& words,
+  const auto refuse_unless = [&](std::initializer_list<Type> types, const std::string& type_names,
                                  std::initializer_list<const char*> keys) {
     if (std::find(types.begin(), types.end(), type) != types.end()) return;
-    const std::string expected = "it only with type = " + words;
+    const std::string expected = "it only with type = " + type_names;
     for (const char* key : keys) refuse_for(table, what, {{key, expected.c_str()}});
   };
   refuse_unless({Type::PointCloudSprings}, "\"point_cloud\"", {"file", "unit"});
@@ -407,12 +404,13 @@ void check_compatible_keys(const TomlTable& root) {
                "\"CURVE\" acts along a curve)");
 }
 
-std::vector<std::string> loop_of(const TomlTable& table, const std::vector<LocatedString>& words) {
-  if (words.empty())
+std::vector<std::string> loop_of(const TomlTable& table,
+                                 const std::vector<LocatedString>& strings) {
+  if (strings.empty())
     table.fail("loops", "a loop without curves",
                "names of curves: loops = [[\"a\", \"b\", \"c\"]]");
   std::vector<std::string> names;
-  for (const LocatedString& word : words) names.push_back(word.text);
+  for (const LocatedString& name : strings) names.push_back(name.text);
   return names;
 }
 
@@ -437,37 +435,37 @@ RegionOptions read_region_options(const TomlTable& table) {
 }
 
 RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
-  RegionSpec word;
-  word.where = table.at("loops");
-  word.kind =
+  RegionSpec spec;
+  spec.where = table.at("loops");
+  spec.kind =
       table.boolean("surface", true) ? RegionSpec::Kind::Surface : RegionSpec::Kind::NoSurface;
-  for (const auto& loop : table.string_lists("loops")) word.loops.push_back(loop_of(table, loop));
-  if (word.loops.empty())
+  for (const auto& loop : table.string_lists("loops")) spec.loops.push_back(loop_of(table, loop));
+  if (spec.loops.empty())
     table.fail("loops", "no loop", "one or more: loops = [[\"a\", \"b\", \"c\"]]");
-  word.annulus = table.boolean("annulus", false);
-  word.skin = read_region_options(table);
-  for (const LocatedString& inner : table.words("inner")) word.inner.push_back(inner.text);
-  if (word.kind == RegionSpec::Kind::NoSurface) {
+  spec.annulus = table.boolean("annulus", false);
+  spec.skin = read_region_options(table);
+  for (const LocatedString& inner : table.strings("inner")) spec.inner.push_back(inner.text);
+  if (spec.kind == RegionSpec::Kind::NoSurface) {
     refuse(table, "with surface = false",
            {{"name", "none: there is no face"},
             {"annulus", "none: there is no face"},
             {"domain", "none: there is no face"},
             {"edge_length", "none: there is no face"},
             {"inner", "none: there is no face"}});
-    if (word.loops.size() > 1)
-      table.fail("loops", std::to_string(word.loops.size()) + " loops beside surface = false",
+    if (spec.loops.size() > 1)
+      table.fail("loops", std::to_string(spec.loops.size()) + " loops beside surface = false",
                  "one; write a [[face]] for each");
-    return word;
+    return spec;
   }
   if (table.has("name")) {
-    word.name = table.text("name");
-    if (word.name.empty()) table.fail("name", "an empty name", "at least one character");
-    names.add(table, "name", word.name);
+    spec.name = table.text("name");
+    if (spec.name.empty()) table.fail("name", "an empty name", "at least one character");
+    names.add(table, "name", spec.name);
   }
-  if (word.annulus && word.loops.size() != 2)
-    table.fail("annulus", "annulus = true with " + std::to_string(word.loops.size()) + " loops",
+  if (spec.annulus && spec.loops.size() != 2)
+    table.fail("annulus", "annulus = true with " + std::to_string(spec.loops.size()) + " loops",
                "2, its boundary curves");
-  return word;
+  return spec;
 }
 
 /// Reads the keys of [skin] that control how faces are found and joined.
@@ -507,7 +505,7 @@ void read_network(const TomlTable& root, Scene& scene) {
                                                               {"G1", JoinSpec::Kind::Tangent},
                                                               {"G2", JoinSpec::Kind::Curvature},
                                                               {"smooth", JoinSpec::Kind::Smooth}});
-    const auto lines = t.words("curves");
+    const auto lines = t.strings("curves");
     if (lines.empty()) t.fail("curves", "no curves", "names: curves = [\"a\", \"b\"]");
     for (const LocatedString& line : lines)
       network.joins.push_back({line.text, kind, scene.at(line.location)});

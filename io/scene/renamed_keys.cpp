@@ -1,5 +1,4 @@
-#include "batten/io/scene/renamed_keys.h"
-
+// Keys of older versions of Batten, and names that other programs use for the same things.
 #include <toml++/toml.h>
 #include <optional>
 #include <string>
@@ -7,6 +6,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
 namespace {

@@ -1,5 +1,4 @@
-// In-memory description of a scene: which surface to make and what to write. See read_scene.h for
-// reading scenes from files.
+// Scenes: TOML files that describe a surface (curves, loads, constraints) and its output files.
 #pragma once
 
 #include <filesystem>
@@ -19,22 +18,26 @@
 
 namespace batten {
 
-// [[fair]]: fairing stages, applied in order to the lines of a scene (all keys: docs/scenes.md).
+// [[fair]]: fairing stages, applied in order to the curves of a scene (all keys: docs/scenes.md).
 
-/// One [[fair]] stage. FairStage::curves and FairStage::where are set when the scene is faired.
+/// One [[fair]] stage. The members FairStage::curves and FairStage::where are set when the scene is
+/// faired, not when it is read.
 struct SceneFairStage : FairStage {
   std::string name;
   SourceLocation location;
-  std::vector<LocatedString> lines;  ///< names of lines; '*' is a wildcard; empty: all
-  std::optional<bool> fix_ends;      ///< FairOptions::fix_ends; empty: the kind of scene decides
+  /// Names of the curves to fair; '*' is a wildcard; empty: all curves.
+  std::vector<LocatedString> lines;
+  /// FairOptions::fix_ends; empty: true in scenes that make a surface, else false.
+  std::optional<bool> fix_ends;
 };
 
-/// Reads all [[fair]] stages of a scene, in order. Unnamed stages get the names fair-1, fair-2, …
-/// by position. Throws InputError.
+/// Reads all [[fair]] stages of a scene, in order. Unnamed stages are named fair-1, fair-2, … by
+/// position. Throws InputError if a key or value is invalid.
 std::vector<SceneFairStage> read_fair_stages(const TomlTable& root);
 
-/// Calls f(name, value), with a reference to the value, for each parameter of the stages:
-/// STAGE.noise, STAGE.deviation or STAGE.wavelength. Valid values are positive.
+/// Calls f(name, value) for each parameter of the stages, with a reference to its value. The
+/// parameters are named STAGE.noise, STAGE.deviation and STAGE.wavelength; valid values are
+/// positive.
 template <class Stages, class Function>
 void for_each_fair_parameter(Stages& stages, const Function& f) {
   for (auto& stage : stages) {
@@ -47,186 +50,193 @@ void for_each_fair_parameter(Stages& stages, const Function& f) {
   }
 }
 
-/// One line from [[curve]], or all curves of a file from [[curves]].
+/// One curve ([[curve]]), or all curves of a file ([[curves]]).
 struct SceneLine {
-  std::string
-      name;  ///< name of a [[curve]]; empty: a [[curves]], whose curves have their own names
+  std::string name;  ///< name of a [[curve]]; empty for [[curves]], whose names are in the file
   SourceLocation location;
-  std::filesystem::path file;  ///< resolved path; empty: the scene has the points
-  /// Length unit of the file; empty: the scene's or the file's own unit.
+  std::filesystem::path file;  ///< path of the curve file; empty: the scene contains the curve
+  /// Length unit of `file`; empty: the unit declared in the file, or else the unit of the scene.
   std::string unit;
-  std::vector<Vec3> points;                 ///< points, in the scene's unit
-  std::shared_ptr<const InputCurve> curve;  ///< from a shape key: arc, circle, bezier, …
-  std::string copy;                         ///< name of the line that this one copies
-  AffineTransform transform;                ///< transform of the copy
-  /// Indices of corner points; empty: detected automatically.
+  std::vector<Vec3> points;                 ///< points of the curve, in the unit of the scene
+  std::shared_ptr<const InputCurve> curve;  ///< curve of a shape key (arc, bezier, …), or nullptr
+  std::string copy;                         ///< name of the curve to copy; empty: not a copy
+  AffineTransform transform;                ///< transform applied to the copied curve
+  /// 0-based indices of the corner points; empty: corners are detected automatically.
   std::optional<std::vector<int>> corners;
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
-  /// Holes only; false: the curve only trims the surface.
+  /// Holes only. False: the curve trims the surface but does not constrain it.
   bool constrains_surface = true;
-  std::vector<LocatedString> only, skip, inner, holes;  ///< names of curves of a [[curves]]
-  bool creases = false;  ///< CAD files: true: creases inside faces are curves, too
+  /// [[curves]]: names of the curves to read, to skip, and to treat as inner curves or as holes.
+  std::vector<LocatedString> only, skip, inner, holes;
+  bool creases = false;  ///< CAD files only; true: also read creases inside faces as curves
 };
 
 /// [skin]: meshing options, material and boundary conditions of the surface.
 struct SceneSkin {
   SkinOptions options;
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
-  bool isotropic_alpha = true, isotropic_beta = true;  ///< true: the scene gives a single number
+  /// True if the scene gives alpha (beta) as a single number instead of three.
+  bool isotropic_alpha = true, isotropic_beta = true;
   LoadUnits units = LoadUnits::Relative;
   enum class FixedBoundary { Lines, Corners } boundary = FixedBoundary::Lines;
-  /// Shape between the curves. Auto: the recognised primitive or rest shape (rest_shape.h), with
-  /// least bending relative to it. Bending: least bending from a flat rest state. Variation:
-  /// minimum-variation surface [MoretonSequin1992]. Loft: loft across sections.
+  /// Shape of the surface between the curves. Auto: the recognised primitive or rest shape
+  /// (rest_shape.h), with least bending relative to that shape. Bending: least bending relative to
+  /// a plane. Variation: minimum-variation surface [MoretonSequin1992]. Loft: loft across sections.
   enum class Fair { Auto, Bending, Variation, Loft } fair = Fair::Auto;
-  /// True if the surface bends relative to a rest shape.
+  /// True if bending is measured relative to a curved rest shape.
   bool has_rest() const { return fair != Fair::Bending; }
-  /// True if the shape is not the one of least energy.
+  /// True if the final shape is not the shape of least bending energy.
   bool is_faired() const { return fair == Fair::Variation || fair == Fair::Loft; }
-  /// Variation: fraction of the step from the minimum-bending shape, 0 to 1.
+  /// Variation: interpolates from the minimum-bending shape (0) to the minimum-variation shape (1).
   double strength = 1;
-  double max_displacement = 0;  ///< Variation: maximum displacement, scene unit; 0: unlimited
-  /// Loft: lines that are sides of four-sided regions.
+  /// Variation: maximum displacement by fairing, in the unit of the scene; 0: unlimited.
+  double max_displacement = 0;
+  /// Loft: names of the section curves, which are sides of four-sided faces.
   std::vector<LocatedString> sections;
-  /// The value of the key `fair` in the scene.
+  /// The value of `fair` as it is written in the scene, such as "auto".
   std::string fair_name() const;
 };
 
-/// [[target]]: a surface that the shape of the lines is fitted to, instead of minimising bending.
-/// Several targets are combined into one.
+/// [[target]]: a surface to which the shape is fitted; without a target, the bending energy is
+/// minimised. Several [[target]] tables are combined into one target surface.
 struct SceneTarget {
   SourceLocation location;
-  std::filesystem::path file;  ///< a CAD file or a mesh
-  std::string unit;            ///< length unit of a mesh; empty: the scene's
-  /// true: the mesh is a control cage; the target is its Catmull-Clark limit surface.
+  std::filesystem::path file;  ///< the target: a CAD file or a mesh file
+  std::string unit;            ///< length unit of a mesh file; empty: the unit of the scene
+  /// True: the mesh is a control cage, and the target is its Catmull-Clark limit surface.
   bool cage = false;
-  double tolerance = 0;  ///< model units; 0: 1e-4 of the model's size
+  /// Largest accepted distance from the target, model units; 0: 1e-4 of the size of the model.
+  double tolerance = 0;
 };
 
-/// [[constraint]]: acts at the point of the unloaded surface nearest to `at` (Point, Normal,
-/// Tangent), or along a curve (LineNormal).
+/// [[constraint]]: a constraint at the point of the unloaded surface nearest to `at` (Point,
+/// Normal, Tangent), or along a curve (LineNormal).
 struct SceneConstraint {
   enum class Type { Point, Normal, Tangent, LineNormal };
   std::string name;
   SourceLocation location;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
-  Vec3 goal = Vec3::Zero();    ///< Point: prescribed position; else the prescribed direction
-  Vec2 along = Vec2::UnitX();  ///< Tangent: direction in (u, v)
-  /// Point: largest allowed |goal − middle| in each coordinate, model units. Default: no limit.
+  Vec3 goal = Vec3::Zero();    ///< Point: prescribed position; other types: prescribed direction
+  Vec2 along = Vec2::UnitX();  ///< Tangent: parameter direction (u, v) of the tangent vector
+  /// Point: largest permitted |goal − middle| per coordinate, in model units; default: no limit.
   double range = std::numeric_limits<double>::infinity();
-  Vec3 middle = Vec3::Zero();  ///< Point: the position given in the scene
+  Vec3 middle = Vec3::Zero();  ///< Point: value of `goal` in the scene file
   LocatedString line;          ///< LineNormal: name of the curve
-  /// LineNormal: true if the scene gives no direction, so that the tangent planes stay unchanged.
+  /// LineNormal: true if the scene gives no direction; the tangent planes along the curve then stay
+  /// unchanged.
   bool keep_tangent_planes = false;
 };
 
-/// [[load]]: a load and its parameter, a number or a function of time.
+/// [[load]]: a load whose magnitude is a parameter, either a number or a function of time.
 struct SceneLoad : ScalarParameter {
-  SourceLocation name_location;  ///< location of its name in the file
+  SourceLocation name_location;  ///< location of the name in the scene file
   enum class Type {
     Pressure,
     Uniform,
     Gravity,
     Point,
     Line,
-    /// Springs from measured points to the surface; their foot points slide on it.
+    /// Springs from measured points to the surface; their foot points slide on the surface.
     PointCloudSprings,
     AttractorSprings  ///< springs from surface points to points, a curve or a plane
   };
   Type type = Type::Pressure;
-  /// Unit vector; not for Pressure, PointCloudSprings and AttractorSprings.
+  /// Direction of the load, a unit vector; unused by Pressure and by both types of springs.
   Vec3 direction = Vec3::UnitZ();
   Vec3 at = Vec3::Zero();  ///< Point: point of application
   SceneArea area;          ///< Pressure, Uniform: area of application
-  LocatedString line;      ///< Line: name of the line
-  /// PointCloudSprings: file of the points; AttractorSprings: `curve` as a file.
+  LocatedString line;      ///< Line: name of the loaded curve
+  /// PointCloudSprings: file of the measured points; AttractorSprings: `curve` interpreted as a
+  /// file.
   std::filesystem::path file;
-  SourceLocation location;       ///< location of `file` in the scene
-  std::string unit;              ///< unit of the file's numbers; empty: the scene's
-  Load::AttractorSprings pulls;  ///< AttractorSprings: everything except the curve
-  LocatedString curve;           ///< AttractorSprings: name of a line, or of a file
+  SourceLocation location;       ///< location of the file name in the scene
+  std::string unit;              ///< length unit of the file; empty: the unit of the scene
+  Load::AttractorSprings pulls;  ///< AttractorSprings: all settings except the curve
+  LocatedString curve;           ///< AttractorSprings: name of a curve or of a curve file
 };
 
 /// [[stiffness]]: a stiffness field that is added to alpha or beta.
 struct SceneStiffnessField : ScalarParameter {
-  SourceLocation name_location;  ///< location of its name in the file
+  SourceLocation name_location;  ///< location of the name in the scene file
   StiffnessField::Kind kind = StiffnessField::Kind::Bending;
   SceneArea area;
-  /// Direction of the stiffness in (u, v), or name of the line that it follows; empty: isotropic.
+  /// Direction of the additional stiffness: a vector (u, v), or the name of the curve that it
+  /// follows. Empty: isotropic.
   std::optional<std::variant<Vec2, LocatedString>> along;
 };
 
-/// [[offset]]: displaces a line by a parameter.
+/// [[offset]]: displaces a curve by a distance, which is a parameter.
 struct SceneLineOffset : ScalarParameter {
-  SourceLocation name_location;  ///< location of its name in the file
+  SourceLocation name_location;  ///< location of the name in the scene file
   LocatedString line;
-  std::optional<Vec3> direction;  ///< empty: along the surface normal
-  /// Fade length at each end, as a fraction of the line's length. Empty: a quarter at an end that
-  /// lies on a line that does not move, else 0.
+  std::optional<Vec3> direction;  ///< empty: the curve moves along the surface normal
+  /// Length over which the displacement fades to zero at each end, as a fraction of the length of
+  /// the curve. Empty: 0.25 at an end that lies on a curve without offset, otherwise 0.
   std::optional<double> fade;
 };
 
-/// One entry of drives = [...] of a [[parameter]]: driven = offset + factor · of, summed over all
-/// rules that drive the same parameter.
+/// One entry of the list `drives` of a [[parameter]]. The driven parameter is offset + Σ factor ·
+/// of, summed over all rules that drive it.
 struct SceneRule {
-  std::string of, driven;  ///< names of the two parameters
+  std::string of, driven;  ///< names of the driving and of the driven parameter
   SourceLocation location;
   double factor = 1;
-  std::optional<double> offset;  ///< empty: the driven parameter's own value
+  std::optional<double> offset;  ///< empty: the value of the driven parameter in the scene
 };
 
-/// [motion]: density, damping and time integration parameter θ of a motion.
+/// [motion]: density, damping and time integration parameter θ of the dynamic simulation.
 struct SceneMotion {
   double density = 1, damping = 1, theta = 1;
 };
 
-/// [[picture]], and the picture of a [[sweep]].
+/// A [[picture]], or the picture of a [[sweep]].
 struct ScenePicture {
   std::string file;
-  PictureScene look;  ///< view and content; its `regions` are set when the picture is drawn
+  PictureScene look;  ///< view and content; look.regions is set when the picture is drawn
   PictureSize size;
 };
 
-/// [[sweep]]: one picture with one panel per value of a parameter.
+/// [[sweep]]: one sheet of pictures with a panel for each value of a parameter.
 struct SceneSweep {
   std::string parameter;
   std::vector<double> values;
-  int columns = 0;       ///< panels per row; 0: sheet as square as possible
-  ScenePicture picture;  ///< the sheet; each panel's title is look.title and the value
+  int columns = 0;       ///< panels per row; 0: the sheet is as square as possible
+  ScenePicture picture;  ///< the sheet; the title of a panel is look.title and the value
 };
 
-/// How the faces between the curves of a scene are found and joined: keys of [skin], [[face]] and
-/// [[join]].
+/// Settings from [skin], [[face]] and [[join]] for finding and joining the faces between the curves
+/// of a scene.
 struct SceneNetwork {
   SourceLocation location;  ///< location of [skin]
   double tolerance = 0;     ///< gap tolerance, model units; 0: default of NetworkOptions
-  double tangent_angle = NetworkOptions{}.tangent_angle;  ///< NetworkOptions, degrees
-  /// Maximum number of regions at an edge.
+  /// NetworkOptions::tangent_angle, degrees.
+  double tangent_angle = NetworkOptions{}.tangent_angle;
+  /// Maximum number of faces that share an edge.
   int max_faces_per_edge = RegionSearchOptions{}.max_faces_per_edge;
-  double crease_angle = ModelOptions{}.crease_angle_deg;      ///< ModelOptions, degrees
-  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< ModelOptions, degrees
-  /// The lines describe one half: the model is mirrored in the plane through the origin
-  /// perpendicular to this axis, 0, 1, 2 for x, y, z.
+  double crease_angle = ModelOptions{}.crease_angle_deg;      ///< ModelOptions::crease_angle_deg
+  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< ModelOptions::join_tolerance_deg
+  /// Set if the curves describe one half of a symmetric model: the axis (0, 1, 2 for x, y, z)
+  /// perpendicular to the symmetry plane, which passes through the origin.
   std::optional<int> symmetry;
-  bool fair_noisy_lines = true;  ///< true: noisy lines are faired, if there is no [[fair]]
+  bool fair_noisy_lines = true;  ///< true: noisy curves are faired if the scene has no [[fair]]
   std::vector<RegionSpec> regions;
   std::vector<JoinSpec> joins;
 };
 
-/// A parameter that can be set from outside, with its range.
+/// A parameter of a scene that the command line or a program can set, with its permitted range.
 struct Parameter {
   std::string name;
   double value, min, max;
 };
 
-/// Contents of a scene. Names are resolved when the model is made.
+/// Contents of a scene. Names of curves and faces are resolved when the model is made.
 struct Scene {
-  std::filesystem::path file;  ///< empty for a scene created in memory
+  std::filesystem::path file;  ///< path of the scene file; empty: the scene was created in memory
   std::string name = "surface", unit = "mm";
   std::vector<SceneLine> lines;
-  std::vector<SceneFairStage> fairing;  ///< [[fair]]: fairing before skinning
+  std::vector<SceneFairStage> fairing;  ///< [[fair]]: stages that fair the curves before skinning
   SceneNetwork network;
   SceneSkin skin;
   std::vector<SceneTarget> targets;
@@ -234,54 +244,69 @@ struct Scene {
   std::vector<SceneLoad> loads;
   std::vector<SceneStiffnessField> weights;
   std::vector<SceneLineOffset> moves;
-  std::vector<ScalarParameter> sliders;  ///< parameters from [[parameter]]
-  std::vector<SceneRule> rules;          ///< parameters driven by others
+  std::vector<ScalarParameter> sliders;  ///< parameters defined by [[parameter]]
+  std::vector<SceneRule> rules;          ///< rules by which some parameters drive others
   SceneMotion motion;
   std::optional<SceneStress> stress;
-  std::string step, vtu, vtp, calculix;  ///< [output]: file names; empty: not written
+  std::string step, vtu, vtp, calculix;  ///< [output]: names of output files; empty: not written
   enum class StepForm {
-    /// Face; if that exceeds step_tolerance, Exact for a single untrimmed region of up to 10,000
-    /// triangles.
+    /// As Face. If the deviation exceeds step_tolerance, a scene with a single untrimmed face of up
+    /// to 10,000 triangles is written as Exact instead.
     Auto,
-    Face,  ///< one B-spline face per region, within step_tolerance
-    Exact  ///< three faces per triangle
+    Face,  ///< one B-spline face per face of the model, within step_tolerance
+    Exact  ///< three exact bicubic faces per triangle
   } step_form = StepForm::Auto;
-  bool step_lines = false;        ///< true: the STEP file also contains the lines as curves
-  bool step_ap242 = false;        ///< true: AP242 instead of AP214
-  double step_tolerance = 0;      ///< model units; 0: 1e-4 of the region's size
-  std::filesystem::path compare;  ///< [compare]: CAD file to whose faces distances are measured
+  bool step_lines = false;  ///< true: the STEP file also contains the curves of the scene
+  bool step_ap242 = false;  ///< true: STEP AP242; false: AP214
+  /// Largest distance of the STEP faces from the surface, model units; 0: 1e-4 of the size of each
+  /// face.
+  double step_tolerance = 0;
+  std::filesystem::path compare;  ///< [compare]: CAD file to compare with the surface; empty: none
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 
-  /// All parameters: loads, weights, moves and [[parameter]] by name; coordinates of constraints as
-  /// name.x, name.y, name.z; alpha and beta (or alpha_uu, alpha_uv, alpha_vv, beta_uu, beta_uv,
-  /// beta_vv if the scene gives three numbers); STAGE.noise, STAGE.deviation, STAGE.wavelength of
-  /// [[fair]]. The value of a time-dependent parameter is its value at time 0; driven parameters
-  /// follow their rules.
+  /// All parameters with their values and ranges. Loads, stiffness fields, offsets and
+  /// [[parameter]] have the names given in the scene; coordinates of constraints are NAME.x,
+  /// NAME.y, NAME.z. The material has alpha and beta (or alpha_uu, alpha_uv, alpha_vv, beta_uu,
+  /// beta_uv, beta_vv if the scene gives three numbers). Stages of [[fair]] have STAGE.noise,
+  /// STAGE.deviation, STAGE.wavelength. The value of a time-dependent parameter is its value at
+  /// time 0; driven parameters have the values given by their rules.
   std::vector<Parameter> parameters() const;
-  /// The same parameters with their time functions and rules.
+  /// All parameters as in parameters(), with their time functions and rules.
   std::vector<ScalarParameter> named_values() const;
-  /// Sets a parameter; a time-dependent one becomes constant. Throws InputError, beginning with
-  /// `where`, for an unknown name (it suggests the nearest one), a driven parameter, or a value out
-  /// of range. Also throws it for a material that violates material_requirement(), or a direction
-  /// of length 0.
+  /// Sets a parameter; a time-dependent parameter becomes constant. Throws InputError for an
+  /// unknown name (the message suggests the nearest one), a driven parameter, a value out of range,
+  /// a material that violates material_requirement(), and a direction of length 0. Messages begin
+  /// with `where`.
   void set(const std::string& parameter, double value, const std::string& where);
 
-  /// True if anything other than lines acts on the surface.
+  /// True if the scene has loads, constraints, stiffness fields, offsets or [[parameter]], or if
+  /// the boundary is fixed at its corners only.
   bool is_sculpted() const;
 
-  /// The location as "FILE:LINE:COLUMN: ", the prefix of messages.
+  /// The prefix of messages about a location in the scene: "FILE:LINE:COLUMN: ".
   std::string at(const SourceLocation& location) const {
     return format_location(file.string(), location);
   }
 };
 
-/// The condition that a material violates, as text; empty if its energy is positive, so that a
-/// minimum exists.
+/// The requirement that a material violates, as text. Empty if the material is valid: its energy is
+/// positive, so that a minimum exists.
 std::string material_requirement(const SurfaceStiffness& material);
 
-/// True if the line `run` of a layout is the scene's line `line` or a part of it. A line cut at its
-/// corners has parts named "line.1", "line.2", …
+/// True if the curve `run` of a layout is the curve `line` of the scene or a part of it. The parts
+/// of a curve that is cut at its corners are named "line.1", "line.2", …
 bool is_part_of(const std::string& run, const std::string& line);
+
+// Reads scenes from TOML files (all keys: docs/scenes.md). These functions do not read the curve,
+// mesh and CAD files that a scene names.
+
+/// Reads a scene. Throws InputError ("FILE:LINE:COLUMN: found …, expected …; did you mean …?") if
+/// the file is invalid.
+Scene read_scene(const std::filesystem::path& file);
+/// Parses a scene from text. `file` appears in messages, and relative paths are resolved against
+/// its folder. `lines_required` = false accepts an unfinished scene without curves.
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  bool lines_required = true);
 
 }  // namespace batten

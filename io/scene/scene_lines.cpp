@@ -1,160 +1,30 @@
-#include "batten/io/scene/scene_lines.h"
-
+// Reads [[curve]] and [[curves]] of all kinds of scenes.
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/fairing/curves/primitive_curves.h"
+#include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
-namespace {
 
-CharacterLine::Role read_role(const TomlTable& table) {
-  using Role = CharacterLine::Role;
-  return table.choice("role", Role::Outline,
-                      {{"outline", Role::Outline}, {"hole", Role::Hole}, {"inner", Role::Inner}});
-}
-
-CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
-  using MeshAlignment = CharacterLine::MeshAlignment;
-  return table.choice("alignment", MeshAlignment::Auto,
-                      {{"auto", MeshAlignment::Auto},
-                       {"aligned", MeshAlignment::EdgeAligned},
-                       {"embedded", MeshAlignment::Embedded}});
-}
-
-// Reads corners = [3, 7], "none" or "all".
-std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
-  if (!table.has("corners")) return std::nullopt;
-  if (line.points.empty() && line.file.empty())
-    table.fail("corners", "corners for a curve that is not given by points",
-               "'corners' only with 'points' or 'file'");
-  std::vector<int> corners;
-  if (!table.is_array("corners")) {
-    const bool all = table.choice("corners", true, {{"all", true}, {"none", false}});
-    if (all && !line.file.empty())
-      table.fail("corners", "\"all\" for the points of a file", "\"none\" or numbers of points");
-    for (int i = 1; all && i + 1 < isize(line.points); ++i) corners.push_back(i);
-    if (all) corners.push_back(0);
-    return corners;
-  }
-  for (const double number : table.list("corners")) {
-    const bool whole = number == std::floor(number) && number >= 1 && number < 1e9;
-    if (!whole || (line.file.empty() && number > isize(line.points)))
-      table.fail("corners", batten::format_number(number),
-                 line.file.empty() ? "numbers of points, 1 to " + std::to_string(line.points.size())
-                                   : "numbers of points, from 1 on");
-    corners.push_back(static_cast<int>(number) - 1);
-  }
-  return corners;
-}
-
-// Reads the shape of a line; the result is the key that defines it.
-std::string read_shape(const TomlTable& table, const std::filesystem::path& folder,
-                       SceneLine& line) {
-  std::vector<std::string> found;
-  for (const std::string& word : shape_keys())
-    if (table.has(word)) found.push_back(word);
-  if (found.size() != 1)
-    table.fail("name",
-               found.empty() ? "no shape for the curve '" + line.name + "'"
-                             : "more than one shape for the curve '" + line.name + "'",
-               "one of: " + comma_separated(shape_keys()));
-  const std::string key = found.front();
-  if (table.has("unit") && key != "file")
-    table.fail("unit", "a unit beside '" + key + "'",
-               "'unit' only with 'file': all other lengths are in the unit of the scene");
-  if (key == "file") {
-    line.file = folder / table.text("file");
-    if (table.has("unit")) line.unit = read_unit(table, "unit");
-  } else if (key == "points") {
-    line.points = table.points(key);
-    if (line.points.size() < 2)
-      table.fail(key, std::to_string(line.points.size()) + " points", "2 points or more");
-  } else if (key == "copy") {
-    line.copy = table.text("copy");
-    line.transform = read_placement(table);
-  } else {
-    line.curve = read_curve(table, key);
-  }
-  return key;
-}
-
-SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
-  SceneLine line;
-  line.location = table.location();
-  line.name = table.text("name");
-  if (roles) {
-    line.role = read_role(table);
-    line.mesh_alignment = read_mesh_alignment(table);
-    line.constrains_surface = !table.boolean("trim_only", false);
-    if (!line.constrains_surface && line.role != CharacterLine::Role::Hole)
-      table.fail("trim_only", "trim_only = true for a curve that is not a hole",
-                 "role = \"hole\" with it");
-  }
-  line.location = table.location(read_shape(table, folder, line));
-  for (const std::string& key : placement_keys())
-    if (table.has(key) && line.copy.empty())
-      table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"name of a curve\"");
-  line.corners = read_corners(table, line);
-  return line;
-}
-
-SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
-  SceneLine line;
-  line.file = folder / table.text("file");
-  line.location = table.location("file");
-  if (table.has("unit")) line.unit = read_unit(table, "unit");
-  if (roles) {
-    line.role = read_role(table);
-    line.mesh_alignment = read_mesh_alignment(table);
-  }
-  line.only = table.words("only");
-  line.skip = table.words("skip");
-  if (roles) {
-    line.inner = table.words("inner");
-    line.holes = table.words("holes");
-    line.constrains_surface = !table.boolean("trim_only", false);
-    if (!line.constrains_surface && line.holes.empty() && line.role != CharacterLine::Role::Hole)
-      table.fail("trim_only", "trim_only = true without holes",
-                 "'holes', or role = \"hole\", with it");
-  }
-  if (!line.only.empty() && !line.skip.empty())
-    table.fail("skip", "both 'only' and 'skip'", "one of them");
-  return line;
-}
-
-}  // namespace
-
-std::vector<std::string> line_keys(bool roles) {
-  std::vector<std::string> keys = {"name", "unit", "corners"};
-  keys.insert(keys.end(), shape_keys().begin(), shape_keys().end());
-  keys.insert(keys.end(), placement_keys().begin(), placement_keys().end());
-  if (roles) keys.insert(keys.end(), {"role", "alignment", "trim_only"});
+const std::vector<std::string>& shape_keys() {
+  static const std::vector<std::string> keys = {"file",   "points",  "bezier", "arc",
+                                                "circle", "ellipse", "helix",  "rectangle",
+                                                "spline", "copy"};
   return keys;
 }
 
-std::vector<std::string> lines_keys(bool roles) {
-  std::vector<std::string> keys = {"file", "unit", "only", "skip"};
-  if (roles) keys.insert(keys.end(), {"role", "alignment", "inner", "holes", "trim_only"});
-  return keys;
-}
-
-std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
-                                        bool roles, bool required) {
-  std::vector<SceneLine> lines;
-  UniqueNames names("curve name");
-  names.read(root, "curve", line_keys(roles), lines,
-             [&](const TomlTable& t) { return read_line(t, folder, roles); });
-  for (const TomlTable& t : root.tables("curves", lines_keys(roles)))
-    lines.push_back(read_lines(t, folder, roles));
-  if (required && lines.empty()) root.fail("", "no curves", "[[curve]] or [[curves]]");
-  return lines;
-}
-
 namespace {
+
+// Shape keys of curves: arc, circle, ellipse, helix, rectangle, spline; and copies.
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -244,32 +114,28 @@ auto placed_at(const TomlTable& table, const std::string& key, const Make& make)
   }
 }
 
-}  // namespace
-
-const std::vector<std::string>& shape_keys() {
-  static const std::vector<std::string> words = {"file",   "points",  "bezier", "arc",
-                                                 "circle", "ellipse", "helix",  "rectangle",
-                                                 "spline", "copy"};
-  return words;
-}
-
-std::shared_ptr<const InputCurve> read_curve(const TomlTable& table, const std::string& word) {
-  return placed_at(table, word, [&] {
-    return word == "arc"         ? arc(table)
-           : word == "circle"    ? circle(table)
-           : word == "ellipse"   ? ellipse(table)
-           : word == "helix"     ? helix_of(table)
-           : word == "rectangle" ? rectangle_of(table)
-           : word == "spline"    ? spline(table)
-                                 : bezier(table);
+/// Reads the curve of a shape key of this table: arc, circle, ellipse, helix, rectangle, spline or
+/// bezier. Throws InputError with its location.
+std::shared_ptr<const InputCurve> read_shape_curve(const TomlTable& table, const std::string& key) {
+  return placed_at(table, key, [&] {
+    return key == "arc"         ? arc(table)
+           : key == "circle"    ? circle(table)
+           : key == "ellipse"   ? ellipse(table)
+           : key == "helix"     ? helix_of(table)
+           : key == "rectangle" ? rectangle_of(table)
+           : key == "spline"    ? spline(table)
+                                : bezier(table);
   });
 }
 
+/// The keys that transform a copy.
 const std::vector<std::string>& placement_keys() {
-  static const std::vector<std::string> words = {"scale", "rotate", "mirror", "translate"};
-  return words;
+  static const std::vector<std::string> keys = {"scale", "rotate", "mirror", "translate"};
+  return keys;
 }
 
+/// Reads the transform of a copy: scaling first, then rotation, mirroring and translation. Throws
+/// InputError, with the location, also if none of them is given.
 AffineTransform read_placement(const TomlTable& table) {
   AffineTransform transform;
   bool any = false;
@@ -296,6 +162,149 @@ AffineTransform read_placement(const TomlTable& table) {
     table.fail("copy", "a copy in the same place",
                "one or more of: " + comma_separated(placement_keys()));
   return transform;
+}
+
+CharacterLine::Role read_role(const TomlTable& table) {
+  using Role = CharacterLine::Role;
+  return table.choice("role", Role::Outline,
+                      {{"outline", Role::Outline}, {"hole", Role::Hole}, {"inner", Role::Inner}});
+}
+
+CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
+  using MeshAlignment = CharacterLine::MeshAlignment;
+  return table.choice("alignment", MeshAlignment::Auto,
+                      {{"auto", MeshAlignment::Auto},
+                       {"aligned", MeshAlignment::EdgeAligned},
+                       {"embedded", MeshAlignment::Embedded}});
+}
+
+// Reads corners = [3, 7], "none" or "all".
+std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
+  if (!table.has("corners")) return std::nullopt;
+  if (line.points.empty() && line.file.empty())
+    table.fail("corners", "corners for a curve that is not given by points",
+               "'corners' only with 'points' or 'file'");
+  std::vector<int> corners;
+  if (!table.is_array("corners")) {
+    const bool all = table.choice("corners", true, {{"all", true}, {"none", false}});
+    if (all && !line.file.empty())
+      table.fail("corners", "\"all\" for the points of a file", "\"none\" or numbers of points");
+    for (int i = 1; all && i + 1 < isize(line.points); ++i) corners.push_back(i);
+    if (all) corners.push_back(0);
+    return corners;
+  }
+  for (const double number : table.list("corners")) {
+    const bool whole = number == std::floor(number) && number >= 1 && number < 1e9;
+    if (!whole || (line.file.empty() && number > isize(line.points)))
+      table.fail("corners", batten::format_number(number),
+                 line.file.empty() ? "numbers of points, 1 to " + std::to_string(line.points.size())
+                                   : "numbers of points, from 1 on");
+    corners.push_back(static_cast<int>(number) - 1);
+  }
+  return corners;
+}
+
+// Reads the shape of a line; the result is the key that defines it.
+std::string read_shape(const TomlTable& table, const std::filesystem::path& folder,
+                       SceneLine& line) {
+  std::vector<std::string> found;
+  for (const std::string& key : shape_keys())
+    if (table.has(key)) found.push_back(key);
+  if (found.size() != 1)
+    table.fail("name",
+               found.empty() ? "no shape for the curve '" + line.name + "'"
+                             : "more than one shape for the curve '" + line.name + "'",
+               "one of: " + comma_separated(shape_keys()));
+  const std::string key = found.front();
+  if (table.has("unit") && key != "file")
+    table.fail("unit", "a unit beside '" + key + "'",
+               "'unit' only with 'file': all other lengths are in the unit of the scene");
+  if (key == "file") {
+    line.file = folder / table.text("file");
+    if (table.has("unit")) line.unit = read_unit(table, "unit");
+  } else if (key == "points") {
+    line.points = table.points(key);
+    if (line.points.size() < 2)
+      table.fail(key, std::to_string(line.points.size()) + " points", "2 points or more");
+  } else if (key == "copy") {
+    line.copy = table.text("copy");
+    line.transform = read_placement(table);
+  } else {
+    line.curve = read_shape_curve(table, key);
+  }
+  return key;
+}
+
+SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
+  SceneLine line;
+  line.location = table.location();
+  line.name = table.text("name");
+  if (roles) {
+    line.role = read_role(table);
+    line.mesh_alignment = read_mesh_alignment(table);
+    line.constrains_surface = !table.boolean("trim_only", false);
+    if (!line.constrains_surface && line.role != CharacterLine::Role::Hole)
+      table.fail("trim_only", "trim_only = true for a curve that is not a hole",
+                 "role = \"hole\" with it");
+  }
+  line.location = table.location(read_shape(table, folder, line));
+  for (const std::string& key : placement_keys())
+    if (table.has(key) && line.copy.empty())
+      table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"name of a curve\"");
+  line.corners = read_corners(table, line);
+  return line;
+}
+
+SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder, bool roles) {
+  SceneLine line;
+  line.file = folder / table.text("file");
+  line.location = table.location("file");
+  if (table.has("unit")) line.unit = read_unit(table, "unit");
+  if (roles) {
+    line.role = read_role(table);
+    line.mesh_alignment = read_mesh_alignment(table);
+  }
+  line.only = table.strings("only");
+  line.skip = table.strings("skip");
+  if (roles) {
+    line.inner = table.strings("inner");
+    line.holes = table.strings("holes");
+    line.constrains_surface = !table.boolean("trim_only", false);
+    if (!line.constrains_surface && line.holes.empty() && line.role != CharacterLine::Role::Hole)
+      table.fail("trim_only", "trim_only = true without holes",
+                 "'holes', or role = \"hole\", with it");
+  }
+  if (!line.only.empty() && !line.skip.empty())
+    table.fail("skip", "both 'only' and 'skip'", "one of them");
+  return line;
+}
+
+}  // namespace
+
+std::vector<std::string> line_keys(bool roles) {
+  std::vector<std::string> keys = {"name", "unit", "corners"};
+  keys.insert(keys.end(), shape_keys().begin(), shape_keys().end());
+  keys.insert(keys.end(), placement_keys().begin(), placement_keys().end());
+  if (roles) keys.insert(keys.end(), {"role", "alignment", "trim_only"});
+  return keys;
+}
+
+std::vector<std::string> lines_keys(bool roles) {
+  std::vector<std::string> keys = {"file", "unit", "only", "skip"};
+  if (roles) keys.insert(keys.end(), {"role", "alignment", "inner", "holes", "trim_only"});
+  return keys;
+}
+
+std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
+                                        bool roles, bool required) {
+  std::vector<SceneLine> lines;
+  UniqueNames names("curve name");
+  names.read(root, "curve", line_keys(roles), lines,
+             [&](const TomlTable& t) { return read_line(t, folder, roles); });
+  for (const TomlTable& t : root.tables("curves", lines_keys(roles)))
+    lines.push_back(read_lines(t, folder, roles));
+  if (required && lines.empty()) root.fail("", "no curves", "[[curve]] or [[curves]]");
+  return lines;
 }
 
 }  // namespace batten

@@ -34,10 +34,10 @@ const std::vector<std::string>& output_keys() {
 }
 
 std::string read_unit(const TomlTable& table, const std::string& key) {
-  const std::string word = table.text(key);
-  if (std::find(length_units().begin(), length_units().end(), word) == length_units().end())
-    table.fail(key, "the unit '" + word + "'", expected_one_of(word, length_units()));
-  return word;
+  const std::string unit = table.text(key);
+  if (std::find(length_units().begin(), length_units().end(), unit) == length_units().end())
+    table.fail(key, "the unit '" + unit + "'", expected_one_of(unit, length_units()));
+  return unit;
 }
 
 std::string output_file(const TomlTable& table, const std::string& key, UniqueNames& files,
@@ -118,18 +118,18 @@ std::string key_to_toml(std::string_view key) {
 }  // namespace
 
 std::string to_toml(const toml::node& part) {
-  std::string words;
-  const auto add = [&](const std::string& one) { words += (words.empty() ? "" : ", ") + one; };
+  std::string text;
+  const auto add = [&](const std::string& one) { text += (text.empty() ? "" : ", ") + one; };
   if (const toml::table* table = part.as_table()) {
     for (const auto& [key, value] : *table) add(key_to_toml(key.str()) + " = " + to_toml(value));
-    return words.empty() ? "{}" : "{ " + words + " }";
+    return text.empty() ? "{}" : "{ " + text + " }";
   }
   if (const toml::array* list = part.as_array()) {
     for (const toml::node& one : *list) add(to_toml(one));
-    return "[" + words + "]";
+    return "[" + text + "]";
   }
-  part.visit([&](const auto& value) { words = value_to_toml(value); });
-  return words;
+  part.visit([&](const auto& value) { text = value_to_toml(value); });
+  return text;
 }
 
 namespace {

@@ -14,6 +14,8 @@
 
 namespace batten {
 
+struct SceneLine;
+
 /// Checks that names are unique within one kind of object in a scene. `kind` is its name in
 /// messages.
 class UniqueNames {
@@ -92,5 +94,31 @@ void read_selections(const TomlTable& root, const std::filesystem::path& folder,
 /// Reads [[feature]] (a single feature) and [[features]] (several of one kind). `taken`: names
 /// already in use.
 std::vector<FeatureSpec> read_features(const TomlTable& root, UniqueNames& taken);
+
+// Keys of older versions of Batten, and names that other programs use for the same things.
+
+/// Kinds of scenes, which have different keys.
+enum class SceneKind { Surface, Deform, Sequence };
+
+/// Throws InputError "FILE:LINE:COLUMN: found the key 'line' …, expected 'curve'" at the first key
+/// or value of `root`, in the order of the file, that has another name now. Other unknown keys are
+/// left to TomlTable.
+void refuse_renamed_keys(const toml::table& root, SceneKind kind, const std::string& file);
+
+// Reading of [[curve]] and [[curves]].
+
+/// Permitted keys of [[curve]] and [[curves]]; `roles` as in read_scene_lines().
+std::vector<std::string> line_keys(bool roles);
+std::vector<std::string> lines_keys(bool roles);
+
+/// The keys that define the shape of a [[curve]], including files and points; each line has exactly
+/// one.
+const std::vector<std::string>& shape_keys();
+
+/// Reads all lines of a scene. `roles`: true if lines of this kind of scene have a role (outline,
+/// hole, inner) and a mesh alignment. `folder`: base of relative paths. Throws InputError, also if
+/// there is no line although `required` is set.
+std::vector<SceneLine> read_scene_lines(const TomlTable& root, const std::filesystem::path& folder,
+                                        bool roles, bool required = true);
 
 }  // namespace batten

@@ -307,7 +307,7 @@ void read_combinations(const TomlTable& table, SceneStress& stress) {
     sum.name = t.text("name");
     if (std::find(names.begin(), names.end(), sum.name) != names.end())
       t.fail("name", "the name '" + sum.name + "' again", "each case and combination once");
-    const std::vector<LocatedString> cases = t.words("cases");
+    const std::vector<LocatedString> cases = t.strings("cases");
     const std::vector<double> factors = t.list("factors");
     if (cases.empty() || cases.size() != factors.size())
       t.fail("factors", std::to_string(factors.size()) + " factors",
@@ -376,7 +376,7 @@ SceneArea read_area(const TomlTable& table) {
     area.area.where = painted;
   }
   if (table.has("faces")) {
-    area.regions = table.words("faces");
+    area.regions = table.strings("faces");
     if (area.regions.empty())
       table.fail("faces", "no faces", "names: faces = [\"a\", \"b\"]; without the key, all faces");
   }

@@ -1,4 +1,4 @@
-// [stress] of a scene: material, thickness, supports and load cases of its shell.
+// The table [stress] of a scene: material, thickness, supports and load cases of a shell.
 #pragma once
 
 #include <optional>
@@ -12,34 +12,36 @@
 
 namespace batten {
 
-// Areas of a surface.
+// Areas of a surface for loads, stiffness fields and thicknesses.
 
-/// Area in which a load or weight acts: everywhere, near a line, or painted; optionally limited to
-/// some regions.
+/// Area of a surface in which a load or stiffness field acts: everywhere, near a curve, or painted;
+/// optionally restricted to some faces.
 struct SceneArea {
-  Area area;                           ///< the area, without the restriction to regions
-  LocatedString line;                  ///< name of the line of `near`
-  std::vector<LocatedString> regions;  ///< names of regions; empty: all regions
+  Area area;                           ///< the area, without the restriction to faces
+  LocatedString line;                  ///< name of the curve given by the key `near`
+  std::vector<LocatedString> regions;  ///< names of the faces; empty: all faces
 };
 
-/// Reads `near` and `radius`, `paint`, `regions`. Throws InputError with the location.
+/// Reads the keys `near`, `radius`, `paint` and `faces` of a table. Throws InputError, with the
+/// location in the scene, if a value is invalid.
 SceneArea read_area(const TomlTable& table);
 
-/// A material of the built-in table, in SI units; other unit systems are derived from them.
+/// A material of the built-in table, in SI units. Values for other unit systems are converted.
 struct NamedMaterial {
   const char* name;
-  double young, poisson, density;  ///< Pa, 1, kg/m³
+  double young, poisson, density;  ///< Young's modulus in Pa, Poisson's ratio, density in kg/m³
   const char* source;
 };
-/// The materials that `material` of a scene may name.
+/// The built-in materials, which the key `material` of a scene can name.
 const std::vector<NamedMaterial>& named_materials();
 
-/// [stress]: the shell of a scene, for `batten stress` and for CalculiX.
+/// [stress]: properties of the shell for `batten stress` and for CalculiX decks.
 struct SceneStress {
-  /// A thickness that differs from the default.
+  /// A thickness on part of the shell that differs from the default thickness.
   struct Thickness {
-    LocatedString region;  ///< face with this thickness; empty: none
-    SceneArea area;        ///< alternatively: area in which the thickness blends into this value
+    LocatedString region;  ///< name of the face with this thickness; empty: `area` is used
+    /// Alternative to `region`: the area in which the thickness blends into this value.
+    SceneArea area;
     double thickness = 0;
   };
   /// A boundary condition at a curve, a point, a box or an area.
@@ -48,39 +50,40 @@ struct SceneStress {
       Clamped,     ///< no displacement, no rotation about the curve
       Pinned,      ///< no displacement (simply supported)
       Symmetric,   ///< symmetry plane with the normal directions[0]
-      Prescribed,  ///< displacement in `directions`; also the rotation, if `rotation` is set
-      Elastic      ///< springs along x, y, z, or along the normal
+      Prescribed,  ///< prescribed displacement in `directions`, and rotation if `rotation` is set
+      Elastic      ///< springs along x, y and z, or a Winkler foundation along the normal
     };
     Kind kind = Kind::Clamped;
     LocatedString line;
-    std::optional<Vec3> point;  ///< alternative to a curve: the nearest point of the surface
-    std::optional<Box3> box;    ///< limits the curve, the face or the whole model to this box
+    std::optional<Vec3> point;  ///< alternative to a curve: the surface point nearest to this point
+    /// Restricts the support to the part of the curve, face or model in this box.
+    std::optional<Box3> box;
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
-    LocatedString region;         ///< area support: name of the region; empty: all
+    LocatedString region;         ///< name of the face of an area support; empty: all faces
     Vec3 springs = Vec3::Zero();  ///< Elastic: spring stiffness along x, y, z
-    /// Elastic: stiffness per area along the normal (Winkler foundation).
+    /// Elastic: stiffness along the normal per unit area (Winkler foundation).
     double foundation = 0;
     SourceLocation location;
-    std::string description() const;  ///< "clamped rim", "pinned rim in a box"
+    std::string description() const;  ///< description for messages: "clamped rim"
   };
-  /// A load of one load case.
+  /// A load in one load case.
   struct Load {
     enum class Type {
-      Pressure,     ///< `value` per area along the normal
-      AreaForce,    ///< `vector` per area (surface traction)
-      Gravity,      ///< `vector`: the acceleration
-      Hydrostatic,  ///< pressure value · (level − z) below the level
-      Point,        ///< `vector`: the force
-      LineForce,    ///< `vector` per length
-      LineMoment    ///< `value` per length
+      Pressure,     ///< force `value` per unit area along the surface normal
+      AreaForce,    ///< force `vector` per unit area (surface traction)
+      Gravity,      ///< acceleration `vector`
+      Hydrostatic,  ///< pressure `value` · (`level` − z) at points below z = `level`
+      Point,        ///< concentrated force `vector`
+      LineForce,    ///< force `vector` per unit length of the curve
+      LineMoment    ///< moment `value` per unit length of the curve
     };
     Type type = Type::Pressure;
-    std::string load_case;      ///< name of its load case
-    LocatedString region;       ///< empty: all regions
-    std::optional<Box3> box;    ///< limits the load to this box
-    LocatedString line;         ///< LineForce and LineMoment: name of the line
+    std::string load_case;      ///< name of the load case to which the load belongs
+    LocatedString region;       ///< name of the loaded face; empty: all faces
+    std::optional<Box3> box;    ///< restricts the load to the part of the surface in this box
+    LocatedString line;         ///< LineForce and LineMoment: name of the loaded curve
     Vec3 point = Vec3::Zero();  ///< Point: point of application
     double value = 0, level = 0;
     Vec3 vector = Vec3::Zero();
@@ -92,27 +95,29 @@ struct SceneStress {
     std::vector<std::pair<LocatedString, double>> parts;
   };
 
-  std::string material;  ///< name; empty: the constants below are given
+  std::string material;  ///< name of a built-in material; empty: the elastic constants are given
   double young = 0, poisson = 0, density = 0;
-  /// Orthotropic material: Young's modulus perpendicular to `along`, and shear modulus; 0:
-  /// isotropic.
+  /// Orthotropic material: Young's modulus perpendicular to the direction `along`, and shear
+  /// modulus; 0: isotropic material.
   double young_across = 0, shear = 0;
   Vec3 along = Vec3::Zero();
-  double thickness = 0, yield = 0;  ///< yield: yield stress; 0: not given
+  double thickness = 0, yield = 0;  ///< default thickness, and yield stress (0: not given)
   std::vector<Thickness> thicknesses;
   std::vector<Support> supports;
   std::vector<Load> loads;
   std::vector<Combination> combinations;
   std::vector<LocatedString> hinges;
   bool sensitivities = false;
-  int modes = 0, buckling = 0;  ///< number of natural modes, and of buckling factors per load case
+  /// Number of natural modes to compute, and number of buckling load factors per load case.
+  int modes = 0, buckling = 0;
 
-  std::vector<std::string> cases() const;  ///< names of load cases, in order
+  std::vector<std::string> cases() const;  ///< names of the load cases, in order of first use
 };
 
-/// Permitted keys of [stress].
+/// The keys that are permitted in [stress].
 const std::vector<std::string>& stress_keys();
-/// Reads [stress] of a scene with lengths in `unit`. Throws InputError with the location.
+/// Reads the table [stress] of a scene whose length unit is `unit`. Throws InputError, with the
+/// location in the scene, if the table is invalid.
 SceneStress read_stress(const TomlTable& table, const std::string& unit);
 
 }  // namespace batten

@@ -228,15 +228,15 @@ std::string SceneText::value(const SceneTable& table, const std::string& key) co
   return entry ? text_.substr(entry->second.from, entry->second.to - entry->second.from) : "";
 }
 
-std::vector<std::string> SceneText::words(const SceneTable& table, const std::string& key) const {
+std::vector<std::string> SceneText::strings(const SceneTable& table, const std::string& key) const {
   const Parsed parsed(text_, file_);
   const auto value = parsed.node_of(table)[key];
-  std::vector<std::string> words;
-  if (const auto one = value.value<std::string>()) words.push_back(*one);
+  std::vector<std::string> strings;
+  if (const auto one = value.value<std::string>()) strings.push_back(*one);
   if (const toml::array* list = value.as_array())
     for (const toml::node& item : *list)
-      if (const auto word = item.value<std::string>()) words.push_back(*word);
-  return words;
+      if (const auto element = item.value<std::string>()) strings.push_back(*element);
+  return strings;
 }
 
 void SceneText::set(const SceneTable& table, const std::string& key, const std::string& value) {
@@ -372,8 +372,8 @@ void SceneText::set_rotation(const SceneTable& handle, const std::string& number
     set_rotation_component(number.back() - 'x', value, axis, degrees);
   if (rotate.empty() && degrees == 0) return;
   set(handle, "rotate",
-      "{ axis = [" + word(axis.x()) + ", " + word(axis.y()) + ", " + word(axis.z()) +
-          "], angle = " + word(degrees) + " }");
+      "{ axis = [" + toml_value(axis.x()) + ", " + toml_value(axis.y()) + ", " +
+          toml_value(axis.z()) + "], angle = " + toml_value(degrees) + " }");
 }
 
 // A handle's motion is stored in a list and an inline table; both may be missing.
@@ -386,12 +386,12 @@ bool SceneText::set_of_handle(const std::string& handle, const std::string& numb
       continue;
     // Default values are not written.
     if (number == "scale") {
-      if (value != 1 || !this->value(table, number).empty()) set(table, number, word(value));
+      if (value != 1 || !this->value(table, number).empty()) set(table, number, toml_value(value));
     } else if (number.size() == 1) {
       const bool stated = !this->value(table, "translate").empty();
       if (!stated && value == 0) return true;
       if (!stated) set(table, "translate", "[0, 0, 0]");
-      set_item(table, "translate", number[0] - 'x', word(value));
+      set_item(table, "translate", number[0] - 'x', toml_value(value));
     } else {
       set_rotation(table, number, value);
     }
@@ -404,31 +404,31 @@ void SceneText::set_parameter(const std::string& parameter, double value) {
   for (const SceneTable& table : names_)
     if (table.name == parameter && (table.kind == "load" || table.kind == "stiffness" ||
                                     table.kind == "offset" || table.kind == "parameter"))
-      return set(table, "value", word(value));
+      return set(table, "value", toml_value(value));
   const size_t dot = parameter.rfind('.');
   const size_t rotation = parameter.rfind(".rotation.");
-  const size_t last_word = rotation == std::string::npos ? dot : rotation;
+  const size_t name_end = rotation == std::string::npos ? dot : rotation;
   if (dot != std::string::npos &&
-      set_of_handle(parameter.substr(0, last_word), parameter.substr(last_word + 1), value))
+      set_of_handle(parameter.substr(0, name_end), parameter.substr(name_end + 1), value))
     return;
   for (const SceneTable& table : names_) {
     if (dot == std::string::npos || table.name != parameter.substr(0, dot)) continue;
     const std::string last = parameter.substr(dot + 1);
-    if (table.kind == "fair") return set(table, last, word(value));
+    if (table.kind == "fair") return set(table, last, toml_value(value));
     if (table.kind == "constraint")
       return set_item(table, this->value(table, "to").empty() ? "direction" : "to", last[0] - 'x',
-                      word(value));
+                      toml_value(value));
   }
   constexpr const char* three[] = {"_uu", "_uv", "_vv"};
   for (const std::string key : {"alpha", "beta"}) {
-    if (parameter == key) return set({"skin", ""}, key, word(value));
+    if (parameter == key) return set({"skin", ""}, key, toml_value(value));
     for (int i = 0; i < 3; ++i)
-      if (parameter == key + three[i]) return set_item({"skin", ""}, key, i, word(value));
+      if (parameter == key + three[i]) return set_item({"skin", ""}, key, i, toml_value(value));
   }
   throw InputError("found no parameter '" + parameter + "' in the scene");
 }
 
-std::string SceneText::word(double value) {
+std::string SceneText::toml_value(double value) {
   if (!std::isfinite(value))
     throw InputError("found " + batten::format_number(value) + ", expected a finite number");
   char digits[32];
@@ -436,7 +436,7 @@ std::string SceneText::word(double value) {
   return std::string(digits, end);
 }
 
-std::string SceneText::word(const std::string& text) {
+std::string SceneText::toml_value(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
@@ -455,9 +455,9 @@ std::string SceneText::list(const std::vector<std::string>& values) {
 }
 
 std::string SceneText::toml_string_list(const std::vector<std::string>& texts) {
-  std::vector<std::string> words;
-  for (const std::string& text : texts) words.push_back(word(text));
-  return list(words);
+  std::vector<std::string> values;
+  for (const std::string& text : texts) values.push_back(toml_value(text));
+  return list(values);
 }
 
 namespace {

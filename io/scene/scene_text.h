@@ -9,22 +9,23 @@
 
 namespace batten {
 
-/// Identifies one table of a scene. [skin] is {"skin", ""}; the [[load]] named "push" is {"load",
-/// "push"}. Unnamed tables are identified by their position: {"join", "#2"} is the second [[join]].
-/// {} is the top level of the file. A nested table such as [[edit.handle]] combines both names:
-/// {"edit.handle", "edit 1.right"}.
+/// Identifies one table of a scene by its kind and name. [skin] is {"skin", ""}; the [[load]] named
+/// "push" is {"load", "push"}. Unnamed tables are identified by their position: {"join", "#2"} is
+/// the second [[join]]. {} is the top level of the file. A nested table such as [[edit.handle]] is
+/// identified by both names: {"edit.handle", "edit 1.right"}.
 struct SceneTable {
   std::string kind = {}, name = {};
   bool operator==(const SceneTable&) const = default;
 };
 
-/// The text of a scene, with edits that change only the affected characters. Comments, order,
-/// blanks and line ends of everything else stay.
+/// The text of a scene, with edits that change only the affected characters. The comments, order,
+/// white space and line ends of all other text are preserved.
 ///
-/// Values are given as TOML: `"text"`, `[0, 0, 1]`, `{ point = [1, 2, 3] }`. parse_scene() checks
-/// whether a key is valid in its table. An edit that fails throws InputError ("FILE:LINE:COLUMN:
-/// …") and leaves the text unchanged; reasons are a value that is not TOML, or an unknown table or
-/// key. Inline tables, `load = [{ … }]`, can be edited too. Cost: O(bytes) per edit.
+/// Values are given as TOML: `"text"`, `[0, 0, 1]`, `{ point = [1, 2, 3] }`. SceneText does not
+/// check whether a key is valid in its table; parse_scene() does. An edit throws InputError
+/// ("FILE:LINE:COLUMN: …") and leaves the text unchanged if a value is not TOML, or if a table or
+/// key does not exist. Inline tables, `load = [{ … }]`, can also be edited. Cost: O(bytes) per
+/// edit.
 class SceneText {
  public:
   /// `file` is used in messages only. Throws InputError if the text is not TOML.
@@ -32,45 +33,47 @@ class SceneText {
 
   /// The current text.
   const std::string& text() const { return text_; }
-  /// The tables in file order, including nested ones such as [[edit.handle]].
+  /// The tables in file order, including nested tables such as [[edit.handle]].
   const std::vector<SceneTable>& tables() const { return names_; }
-  /// True if the table exists.
+  /// True if the text contains the table.
   bool has(const SceneTable& table) const;
-  /// A key and its value, as in the text.
+  /// A key and its value, both as written in the text.
   using Value = std::pair<std::string, std::string>;
   /// The keys and values of a table, in file order.
   std::vector<Value> values(const SceneTable& table) const;
-  /// The keys and values of all tables, top level first.
+  /// The keys and values of all tables, starting with the top level.
   std::vector<std::pair<SceneTable, std::vector<Value>>> all_values() const;
-  /// A value as in the text; empty if the key does not exist.
+  /// The value of a key, as written in the text; empty if the key does not exist.
   std::string value(const SceneTable& table, const std::string& key) const;
 
-  /// The elements of a list of strings, or a single string; empty for other values.
-  std::vector<std::string> words(const SceneTable& table, const std::string& key) const;
+  /// The strings in the value of a key: a list of strings, or a single string. Empty for values of
+  /// other types.
+  std::vector<std::string> strings(const SceneTable& table, const std::string& key) const;
 
-  /// Replaces the value of a key, or adds the key after the last one of its table. A missing table
-  /// [KIND] is created first.
+  /// Replaces the value of a key. A missing key is added at the end of its table; a missing table
+  /// [KIND] is created.
   void set(const SceneTable& table, const std::string& key, const std::string& value);
-  /// Replaces one element of a list; `item` is 0-based.
+  /// Replaces one element of the list that is the value of a key; `item` is the 0-based index.
   void set_item(const SceneTable& table, const std::string& key, int item,
                 const std::string& value);
   /// Removes a key and its value.
   void erase(const SceneTable& table, const std::string& key);
-  /// Adds a table [[KIND]] after the last one of its kind, or at the end of the file. `table` is
-  /// its text as an inline table: `{ name = "push", type = "point", … }`. An [[edit.handle]] is
-  /// added to the last [[edit]]. The kind "[stress]", with brackets, creates the single table
+  /// Adds a table [[KIND]] after the last table of its kind, or at the end of the file. `table` is
+  /// the new table as an inline table: `{ name = "push", type = "point", … }`. An [[edit.handle]]
+  /// is added to the last [[edit]]. The kind "[stress]", with brackets, creates the single table
   /// [stress]. The result identifies the new table.
   SceneTable add(const std::string& kind, const std::string& table);
   /// Removes a table and the comments directly above it.
   void remove(const SceneTable& table);
-  /// Writes the value of a parameter (Scene::parameters()) at its location in the scene. A
-  /// time-dependent value becomes constant.
+  /// Writes the value of a parameter (see Scene::parameters()) to the key that defines it. A
+  /// time-dependent parameter becomes constant.
   void set_parameter(const std::string& parameter, double value);
 
-  /// TOML text of a number (the shortest that reads back exactly) and of a string (quoted).
-  static std::string word(double value);
-  static std::string word(const std::string& text);
-  /// TOML text of a list of values, and of a list of strings.
+  /// TOML text of a number (the shortest text that is read back as the same number) or of a quoted
+  /// string.
+  static std::string toml_value(double value);
+  static std::string toml_value(const std::string& text);
+  /// TOML text of a list of values given as TOML text, or of a list of strings.
   static std::string list(const std::vector<std::string>& values);
   static std::string toml_string_list(const std::vector<std::string>& texts);
 
@@ -86,21 +89,23 @@ class SceneText {
   std::vector<SceneTable> names_;
 };
 
-// Parts of a scene's text that determine whether an edit requires a new model, a new session, or
-// only new values.
+// Comparison of two versions of a scene: does an edit require a new model, a new session, or only
+// new parameter values?
 
-/// The parts of a scene that determine its results, normalised without comments and layout.
+/// The parts of a scene on which results depend, as text without comments and layout.
 struct SceneDependencies {
-  /// Curves, faces, [skin] and [mesh]: texts with equal `model` have the same model.
+  /// Text of curves, faces, [skin] and [mesh]. Scenes with equal text have the same model.
   std::string model;
-  /// Like `model`, but without [skin] and [mesh].
+  /// Text of curves and faces, that is, `model` without [skin] and [mesh].
   std::string lines;
-  /// Each load, stiffness field, offset, constraint and [[parameter]], by "KIND NAME" and without its value.
-  /// Texts with equal `session_parts` differ at most in the values of parameters.
+  /// Text of each load, stiffness field, offset, constraint and [[parameter]] without its value, by
+  /// "KIND NAME". Scenes with equal `model` and `session_parts` differ only in the values of
+  /// parameters.
   std::map<std::string, std::string> session_parts;
 };
 
-/// Extracts these parts. alpha and beta count as values if they are numbers. Cost: O(bytes).
+/// Extracts the parts on which results depend. The material stiffnesses alpha and beta count as
+/// parameter values if they are single numbers. Cost: O(bytes).
 SceneDependencies scene_dependencies(const SceneText& scene);
 
 }  // namespace batten

@@ -2,7 +2,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/io/sequences/sequence_writer.h"
 

@@ -19,157 +19,165 @@
 
 namespace batten {
 
-/// Frames from a file: [sequence], and further sequences used by steps.
+/// A file of frames: the main sequence ([sequence]), or another sequence that an operation uses.
 struct SequenceSource {
   std::filesystem::path path;
   SourceLocation location;
   SequenceOptions options;
 };
 
-/// [[handle]]: a named part of the mesh that steps move.
+/// [[handle]]: a named part of the mesh that operations move.
 struct SequenceHandle {
   std::string name;
   SourceLocation location;
   std::vector<LocatedString> vertices;
-  LocatedString parent;  ///< parent handle, for filters; empty: the whole mesh
+  LocatedString parent;  ///< handle relative to which filters act; empty: the whole mesh
 };
 
-/// A keyframe of a step: handles moved in one frame.
+/// A keyframe of an operation: the handles that are moved in one frame.
 struct KeyframeSpec {
-  int frame = 1;  ///< 1-based, like all frame numbers in scenes
+  int frame = 1;  ///< frame number, 1-based as in the scene file
   SourceLocation location;
   /// Motion of a handle: rotation by `degrees` about `axis`, then translation.
   struct Move {
     LocatedString handle;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0;
-    std::optional<Vec3> about;  ///< centre of rotation; empty: the handle's centroid in the frame
+    std::optional<Vec3> about;  ///< centre of rotation; empty: centroid of the handle in this frame
     bool free_rotation = false;
   };
   std::vector<Move> moves;
 };
 
-/// Options of foot contact detection.
+/// Options for detecting foot contacts.
 struct FootContactSearch {
-  double max_spread = 0;  ///< model units; 0: a hundredth of the size
+  /// Largest distance between positions of the foot during a contact, model units; 0: 1 % of the
+  /// size of the mesh.
+  double max_spread = 0;
   int frames = 3;
 };
 
-/// One [[operation]]; it operates on the result of the previous step.
+/// One [[operation]], applied to the result of the previous operation.
 struct SequenceOperation {
   std::string name;
   SourceLocation location;
-  std::vector<LocatedString> fixed;  ///< nodes that keep their position in each frame
+  /// Selections of nodes that keep their input position in each frame.
+  std::vector<LocatedString> fixed;
   SequenceEditOptions options;
   std::optional<double> penalty_weight;
   bool preserve_volume = false;
-  /// Prescribed frames: every n-th frame is a keyframe, the others follow.
+  /// Interval n for operations that prescribe all frames: every n-th frame is a keyframe, and the
+  /// frames between keyframes are interpolated.
   int keyframe_interval = 1;
 
-  /// User-defined keyframes.
+  /// Keyframes given in the scene.
   struct Keyframes {
     std::vector<KeyframeSpec> keys;
   };
-  /// Root motion: the sequence is repeated as a cycle and moves along a direction.
+  /// Root motion: repeats a cycle that is animated in place, and moves it along a direction.
   struct RootMotion {
     int cycles = 1;
     Vec3 along = Vec3::UnitX();
-    /// Model units per frame; empty: the speed of the standing foot.
+    /// Speed, model units per frame. Empty: the speed at which the lowest foot moves backwards.
     std::optional<double> speed;
-    std::vector<LocatedString> feet;  ///< feet that determine the speed
+    std::vector<LocatedString> feet;  ///< handles from which the speed is determined
   };
-  /// Foot contacts: planted feet are kept in place, shifted, or put on a terrain.
+  /// Foot contacts: planted feet are fixed, translated, or projected onto a terrain.
   struct FootContacts {
     std::vector<LocatedString> feet;
     FootContactSearch search;
     Vec3 translation = Vec3::Zero();
-    std::filesystem::path terrain;  ///< a mesh; empty: none
+    std::filesystem::path terrain;  ///< mesh file of the terrain; empty: no terrain
     SourceLocation terrain_location;
-    /// Handles that follow the mean of the feet without rotating.
+    /// Handles that follow the mean translation of the feet without rotating.
     std::vector<LocatedString> unrotated;
-    std::optional<double> clearance;  ///< empty: the clearance above the ground is kept
-    double ground = 0;                ///< height of the original ground, along `up`
+    /// Height of the centroid of a foot above the terrain, model units. Empty: the height of the
+    /// foot above `ground` in the input.
+    std::optional<double> clearance;
+    double ground = 0;  ///< height of the ground in the input, along `up`
     bool rotations = false;
   };
-  /// Motion along a path on the ground.
+  /// Moves the sequence to another path on the ground.
   struct Path {
     std::vector<Vec3> through;
     int spans = 0;
     PathLengths lengths = PathLengths::Absolute;
     std::vector<LocatedString> feet;
-    /// Handles that stay on the path, independently of the feet.
+    /// Handles that stay on the path without rotating, independently of the feet.
     std::vector<LocatedString> unrotated;
     FootContactSearch search;
   };
-  /// Low-pass, high-pass or cartoon filter of handle trajectories.
+  /// Low-pass, high-pass or cartoon filter of the trajectories of handles.
   struct Filter {
     enum class Kind { Low, High, Cartoon } kind = Kind::Cartoon;
     std::vector<LocatedString> handles;
     double sigma = 2;  ///< standard deviation of the Gaussian, in frames
     double amount = 1;
-    std::vector<LocatedString> feet;  ///< feet whose contacts are preserved
+    std::vector<LocatedString> feet;  ///< feet whose contacts stay fixed
     FootContactSearch search;
   };
-  /// Transfers motion from another sequence.
+  /// Transfers the motion of handles from another sequence.
   struct Mix {
     SequenceSource source;
-    std::vector<SelectionSpec> selections;  ///< selections on the mesh of the source
+    std::vector<SelectionSpec> selections;  ///< selections on the mesh of `source`
     struct Pair {
-      LocatedString handle;  ///< handle of this sequence
-      LocatedString from;    ///< a selection of the source; empty: nodes with the same numbers
+      LocatedString handle;  ///< name of a handle of the edited sequence
+      LocatedString from;    ///< selection on `source`; empty: the nodes with the same numbers
     };
     std::vector<Pair> pairs;
-    bool rotations = true;  ///< true: transfer rotations; false: positions only
+    bool rotations = true;  ///< true: transfer positions and rotations; false: positions only
     using Align = MotionTransferOptions::Align;
     Align align = Align::All;
   };
-  /// Morphs into another sequence.
+  /// Morphs the sequence into another one.
   struct Morph {
     SequenceSource target;
-    MorphOptions options;  ///< 0-based intervals; last = -1: the last frame
-    /// Positions in the first frame of each interval; empty: both meshes have the same faces.
+    MorphOptions options;  ///< frame intervals are 0-based; last = -1: the last frame
+    /// Corresponding points in the first frames of the two intervals. Empty: both meshes must have
+    /// the same faces.
     std::vector<MorphLandmark> landmarks;
     TargetFitOptions fit;
   };
   std::variant<Keyframes, RootMotion, FootContacts, Path, Filter, Mix, Morph> what;
 };
 
-/// [[picture]]: some frames side by side, or all frames as an animation.
+/// [[picture]]: a sheet of several frames, or an animation.
 struct SequencePicture {
   std::string file, title;
   enum class Show { Before, After, Both } show = Show::Both;
-  int frames = 6;         ///< frames of a sheet; 0: all, as an animation
-  bool together = false;  ///< true: all frames in one picture, at their positions
+  int frames = 6;         ///< number of frames on a sheet; 0: animation of all frames
+  bool together = false;  ///< true: draw all frames in one picture, at their positions
   bool mesh = false;
   double azimuth = -30, elevation = 20, zoom = 1;
-  double seconds = 0.05;  ///< duration of a frame in an animation
+  double seconds = 0.05;  ///< time per frame of an animation, seconds
   PictureSize size;
 };
 
 /// Contents of a sequence scene.
 struct SequenceScene : SceneSelections {
   SequenceSource source;
-  int up = 2;  ///< axis that points upwards, 0 (x) to 2 (z)
+  int up = 2;  ///< upward axis of the sequence: 0, 1, 2 for x, y, z
   std::vector<SequenceHandle> handles;
   std::vector<FeatureSpec> features;
   std::vector<SequenceOperation> steps;
-  std::string frames_out;         ///< path in the output folder, as for SequenceWriter
-  double frames_per_second = 24;  ///< of .glb output, if frames have numbers instead of times
+  std::string frames_out;  ///< output path for SequenceWriter, relative to the output folder
+  /// Frame rate of .glb output if the frames have numbers instead of times.
+  double frames_per_second = 24;
   std::vector<SequencePicture> pictures;
 
-  /// Unit vector of the axis `up`.
+  /// The unit vector along the axis `up`.
   Vec3 upwards() const { return Vec3::Unit(up); }
 };
 
-/// True if a scene edits a sequence: it has [sequence]. Throws InputError if the file cannot be
-/// read or is not TOML.
+/// True if a scene file edits a sequence, that is, contains [sequence]. Throws InputError if the
+/// file cannot be read or is not TOML.
 bool is_sequence_scene(const std::filesystem::path& file);
 
-/// Reads a sequence scene. Throws InputError: "FILE:LINE:COLUMN: found …, expected …; did you mean
-/// …?"
+/// Reads a sequence scene. Throws InputError ("FILE:LINE:COLUMN: found …, expected …; did you mean
+/// …?") if the file is invalid.
 SequenceScene read_sequence_scene(const std::filesystem::path& file);
-/// Parses a sequence scene from text. `file` appears in messages, and paths are relative to its
-/// folder.
+/// Parses a sequence scene from text. `file` appears in messages, and relative paths are resolved
+/// against its folder.
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

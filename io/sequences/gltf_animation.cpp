@@ -6,6 +6,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -189,11 +190,7 @@ VecX GltfAnimation::value_at(const Channel& channel, double time) {
   if (channel.interpolation == Interpolation::Step) return row(k, 1);
   const double length = times[static_cast<size_t>(after)] - times[static_cast<size_t>(k)],
                s = (time - times[static_cast<size_t>(k)]) / length;
-  if (cubic)
-    return (2 * s * s * s - 3 * s * s + 1) * row(k, 1) +
-           length * (s * s * s - 2 * s * s + s) * row(k, 2) +
-           (3 * s * s - 2 * s * s * s) * row(k + 1, 1) +
-           length * (s * s * s - s * s) * row(k + 1, 0);
+  if (cubic) return hermite_value(row(k, 1), row(k, 2), row(k + 1, 1), row(k + 1, 0), length, s);
   if (channel.path != Path::Rotation) return (1 - s) * row(k, 1) + s * row(k + 1, 1);
   return quaternion(row(k, 1)).slerp(s, quaternion(row(k + 1, 1))).coeffs();
 }

@@ -14,8 +14,6 @@
 namespace batten {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr long kMostThings = 1000000000;
 /// Maximum size of an accessor without data (or with sparse data only), whose other numbers are
 /// zero.
@@ -142,13 +140,15 @@ void GltfDocument::fail(const std::string& message) const {
 }
 
 void GltfDocument::read_glb(const std::string& bytes) {
-  const auto word = [&](size_t at) { return load_unsigned<std::uint32_t>(&bytes[at]); };
+  const auto uint32_at = [&](size_t at) { return load_unsigned<std::uint32_t>(&bytes[at]); };
   const std::string size = "found " + std::to_string(bytes.size()) + " bytes, expected ";
   if (bytes.size() < 20) fail(size + "20 of a GLB's head");
-  if (word(4) != 2) fail("found version " + std::to_string(word(4)) + " of GLB, expected 2");
-  if (word(8) != bytes.size()) fail(size + std::to_string(word(8)) + " as the GLB's head says");
+  if (uint32_at(4) != 2)
+    fail("found version " + std::to_string(uint32_at(4)) + " of GLB, expected 2");
+  if (uint32_at(8) != bytes.size())
+    fail(size + std::to_string(uint32_at(8)) + " as the GLB's head says");
   for (size_t at = 12; at + 8 <= bytes.size();) {
-    const size_t length = word(at), kind = word(at + 4);
+    const size_t length = uint32_at(at), kind = uint32_at(at + 4);
     if (length > bytes.size() - at - 8)
       fail(size + std::to_string(at + 8 + length) + " for a part of " + std::to_string(length));
     if (at == 12) {
@@ -208,7 +208,7 @@ int GltfDocument::count(const char* kind) const {
   return isize(*list);
 }
 
-const Json& GltfDocument::item(const char* kind, long index) const {
+const GltfDocument::Json& GltfDocument::item(const char* kind, long index) const {
   if (index < 0 || index >= count(kind))
     fail("found the number " + std::to_string(index) + " for one of " +
          std::to_string(count(kind)) + " " + kind);

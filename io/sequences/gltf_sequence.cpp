@@ -60,13 +60,13 @@ class GltfSurface {
 
 namespace {
 
-using Json = GltfDocument::Json;
+using GltfJson = GltfDocument::Json;
 
 // Primitive modes of glTF.
 constexpr long kTriangles = 4, kStrip = 5, kFan = 6;
 
-const Json& member(const Json& object, const char* key) {
-  static const Json none = Json::object();
+const GltfJson& member(const GltfJson& object, const char* key) {
+  static const GltfJson none = GltfJson::object();
   const auto found = object.find(key);
   return found != object.end() && found->is_object() ? *found : none;
 }
@@ -95,7 +95,7 @@ GltfSurface::GltfSurface(const GltfDocument& document, const GltfNodes& nodes)
 }
 
 const GltfSurface::Skin& GltfSurface::skin(int index) {
-  const Json& json = document_.item("skins", index);
+  const GltfJson& json = document_.item("skins", index);
   Skin& skin = skins_[static_cast<size_t>(index)];
   if (!skin.joints.empty()) return skin;
   const std::string what = "skin " + std::to_string(index);
@@ -116,7 +116,7 @@ const GltfSurface::Skin& GltfSurface::skin(int index) {
 
 void GltfSurface::add(int node) {
   const int index = nodes_.nodes[node].mesh;
-  const Json& mesh = document_.item("meshes", index);
+  const GltfJson& mesh = document_.item("meshes", index);
   if (!mesh.contains("primitives") || !mesh["primitives"].is_array())
     document_.fail("found no primitives in mesh " + std::to_string(index));
   Part part;
@@ -126,18 +126,18 @@ void GltfSurface::add(int node) {
   if (mesh.contains("weights") && mesh["weights"].is_array())
     part.weights = document_.numbers(mesh, "weights", VecX::Zero(isize(mesh["weights"])));
   int number = 0;
-  for (const Json& primitive : mesh["primitives"])
+  for (const GltfJson& primitive : mesh["primitives"])
     add_primitive(primitive, part,
                   "primitive " + std::to_string(number++) + " of mesh " + std::to_string(index));
 }
 
-void GltfSurface::add_primitive(const Json& primitive, Part part, const std::string& what) {
+void GltfSurface::add_primitive(const GltfJson& primitive, Part part, const std::string& what) {
   if (!primitive.is_object()) document_.fail("found another kind of value as " + what);
   const long mode = document_.integer(primitive, "mode", kTriangles);
   if (mode < kTriangles || mode > kFan) return;  // points and lines
-  const Json& attributes = member(primitive, "attributes");
+  const GltfJson& attributes = member(primitive, "attributes");
   const long position = document_.index(attributes, "POSITION");
-  const Json& extensions = member(primitive, "extensions");
+  const GltfJson& extensions = member(primitive, "extensions");
   for (const auto& [name, data] : extensions.items())
     if (name == "KHR_draco_mesh_compression" &&
         (position < 0 || !document_.item("accessors", position).contains("bufferView")))
@@ -146,7 +146,7 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
   if (position < 0) document_.fail("found no POSITION in " + what);
   part.base = points_of(document_, position, -1, what);
   if (primitive.contains("targets"))
-    for (const Json& target : primitive["targets"]) {
+    for (const GltfJson& target : primitive["targets"]) {
       const long accessor = document_.index(target, "POSITION");
       // Read once to validate it.
       if (accessor >= 0) points_of(document_, accessor, part.base.rows(), what);
@@ -162,7 +162,8 @@ void GltfSurface::add_primitive(const Json& primitive, Part part, const std::str
   parts_.push_back(std::move(part));
 }
 
-void GltfSurface::read_joints(const Json& attributes, Part& part, const std::string& what) const {
+void GltfSurface::read_joints(const GltfJson& attributes, Part& part,
+                              const std::string& what) const {
   for (int set = 0;; ++set) {
     const std::string j = "JOINTS_" + std::to_string(set), w = "WEIGHTS_" + std::to_string(set);
     if (!attributes.contains(j) || !attributes.contains(w)) break;
@@ -198,7 +199,7 @@ void GltfSurface::read_joints(const Json& attributes, Part& part, const std::str
   }
 }
 
-std::vector<std::array<int, 3>> GltfSurface::triangles_of(const Json& primitive, int vertices,
+std::vector<std::array<int, 3>> GltfSurface::triangles_of(const GltfJson& primitive, int vertices,
                                                           const std::string& what) const {
   std::vector<int> corners;
   if (primitive.contains("indices")) {

@@ -1,5 +1,4 @@
-#include "batten/io/sequences/numbered_files.h"
-
+// Names of numbered files, and series of them: the names that patterns stand for, and their frames.
 #include <algorithm>
 #include <charconv>
 #include <map>

@@ -1,8 +1,15 @@
-#include "batten/io/sequences/point_cache.h"
-
+// Reads point caches, PC2 and MDD: all positions of a mesh, frame after frame, in single precision.
+// SequenceWriter writes them.
+//
+//   PC2  little-endian: "POINTCACHE2\0", int32 version = 1, int32 points, float start, float rate,
+//        int32 frames; then x y z of each point, frame after frame
+//   MDD  big-endian: int32 frames, int32 points, float time of each frame; then the same
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -11,7 +18,6 @@
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/io/sequences/numbered_files.h"
 #include "batten/io/sequences/sequence_files.h"
 
 namespace batten {
@@ -122,14 +128,13 @@ CacheHeader read_mdd_header(const fs::path& path, std::ifstream& in, std::uintma
   return header;
 }
 
-MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
-                        const SequenceOptions& options, const Progress& progress) {
+MeshSequence read_cache(const fs::path& path, bool is_mdd, const SequenceOptions& options,
+                        const Progress& progress) {
   require_input_file(path, "a point cache");
   progress.update("reading frames", 0);
   std::ifstream in(path, std::ios::binary);
-  const bool big_endian = format == PointCacheFormat::Mdd;
   const CacheHeader header =
-      (big_endian ? read_mdd_header : read_pc2_header)(path, in, input_file_size(path));
+      (is_mdd ? read_mdd_header : read_pc2_header)(path, in, input_file_size(path));
   const FrameRange range = frame_range(options, header.frames, path.string());
   const fs::path mesh = options.mesh.empty() ? mesh_beside(path) : options.mesh;
   MeshSequence sequence;
@@ -150,7 +155,7 @@ MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
     Points& points = sequence.frames.emplace_back(header.points, 3);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       for (Eigen::Index c = 0; c < 3; ++c)
-        points(i, c) = load_float32(&bytes[static_cast<size_t>(12 * i + 4 * c)], big_endian);
+        points(i, c) = load_float32(&bytes[static_cast<size_t>(12 * i + 4 * c)], is_mdd);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       if (!points.row(i).allFinite())
         throw InputError(path.string() + ": frame " + std::to_string(range.first + k + 1) +
@@ -164,59 +169,12 @@ MeshSequence read_cache(const fs::path& path, PointCacheFormat format,
 
 MeshSequence read_pc2_sequence(const fs::path& path, const SequenceOptions& options,
                                const Progress& progress) {
-  return read_cache(path, PointCacheFormat::Pc2, options, progress);
+  return read_cache(path, false, options, progress);
 }
 
 MeshSequence read_mdd_sequence(const fs::path& path, const SequenceOptions& options,
                                const Progress& progress) {
-  return read_cache(path, PointCacheFormat::Mdd, options, progress);
-}
-
-PointCacheWriter::PointCacheWriter(const fs::path& path, PointCacheFormat format, int points,
-                                   const std::vector<double>& times)
-    : file_(path), format_(format), out_(file_.temporary(), std::ios::binary) {
-  const auto frames = static_cast<std::uint32_t>(times.size());
-  if (format == PointCacheFormat::Mdd) {
-    append_uint32(bytes_, frames, true);
-    append_uint32(bytes_, static_cast<std::uint32_t>(points), true);
-    for (const double time : times) append_float32(bytes_, static_cast<float>(time), true);
-  } else {
-    const double rate =
-        frames < 2 ? 1 : (times.back() - times.front()) / static_cast<double>(frames - 1);
-    for (size_t k = 0; k < times.size(); ++k)
-      if (std::abs(times[k] - (times.front() + static_cast<double>(k) * rate)) > 1e-3 * rate)
-        throw InputError(path.string() + ": found the time " + format_number(times[k]) +
-                         " of frame " + std::to_string(k + 1) +
-                         ", expected uniform times (PC2; MDD stores any times)");
-    bytes_ = kMagic;
-    append_uint32(bytes_, 1);
-    append_uint32(bytes_, static_cast<std::uint32_t>(points));
-    append_float32(bytes_, static_cast<float>(times.front()));
-    append_float32(bytes_, static_cast<float>(rate));
-    append_uint32(bytes_, frames);
-  }
-  out_ << bytes_;
-}
-
-void PointCacheWriter::write(const Points& points) {
-  const bool big_endian = format_ == PointCacheFormat::Mdd;
-  bytes_.clear();
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const auto value = static_cast<float>(points(i, c));
-      if (!std::isfinite(value))
-        throw InputError(file_.path().string() + ": a coordinate of node " + std::to_string(i) +
-                         " is too large for single precision");
-      append_float32(bytes_, value, big_endian);
-    }
-  out_ << bytes_;
-  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
-}
-
-void PointCacheWriter::finish() {
-  out_.close();
-  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
-  file_.commit();
+  return read_cache(path, true, options, progress);
 }
 
 }  // namespace batten

@@ -1,87 +1,131 @@
-// Reads deforming meshes: numbered files, point caches, animated glTF scenes, CalculiX results.
+// Reads deforming meshes from numbered files, point caches, animated glTF scenes and CalculiX
+// results.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "batten/core/progress.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 
 namespace batten {
 
-/// Options of read_sequence(). Frames are numbered from 1 in the order of their numbers or times.
+/// Options of read_sequence(). Frames are numbered from 1, in the order of the numbers or times of
+/// the files.
 struct SequenceOptions {
-  /// Mesh file with the faces of a point cache. Empty: the mesh beside the cache with the same
-  /// stem, else the first of the numbered files that begin with its stem, else the only mesh of the
-  /// folder.
+  /// Mesh file that contains the faces of a point cache. Empty: a mesh next to the cache with the
+  /// same stem, else the first of the numbered files whose names begin with this stem, else the
+  /// only mesh in the folder.
   std::filesystem::path mesh;
-  /// First and last frame to read, 1-based; `last` = 0: to the end. Only these frames are held in
-  /// memory. Formats with random access read only these frames.
+  /// First and last frame to read, 1-based; `last` = 0: up to the last frame. Only these frames are
+  /// held in memory; formats with random access read only these frames.
   int first = 1, last = 0;
-  /// True: accept missing numbers in a series of files.
+  /// True: numbers may be missing in a series of files.
   bool allow_gaps = false;
-  /// glTF: the animation, by name or by 1-based number; empty: the first one.
+  /// glTF: name or 1-based number of the animation; empty: the first animation.
   std::string animation;
-  /// glTF: frames per second, from the first key of the animation to the last; 0: one frame per
-  /// key.
+  /// glTF: sampling rate between the first and last key of the animation, frames per second; 0: one
+  /// frame per key.
   double frames_per_second = 24;
-  /// glTF: true merges vertices that coincide in all frames of the whole animation (within 1e-6 of
-  /// the size) into one node, which removes texture and normal seams. False leaves the surface cut
-  /// there.
+  /// glTF. True: vertices that coincide in all frames of the animation (within 1e-6 of the size)
+  /// become one node, which removes texture and normal seams. False: the mesh stays cut along the
+  /// seams.
   bool weld_seams = true;
 };
 
-/// Reads a deforming mesh from `path`, which may be:
+/// Reads a deforming mesh. `path` has one of the following forms:
 ///
-///   walk_*.obj, walk_%04d.obj    numbered files of any format of MeshFile, in the order of
-///                    their numbers, which are the times. A folder stands for the numbered files
+///   walk_*.obj, walk_%04d.obj    numbered files in any format of MeshFile, in the order of their
+///                    numbers, which are also the times. A folder stands for the numbered files
 ///                    in it. A single file stands for all files whose names differ only in the
-///                    last number. A constant stride, such as 0, 10, 20, is no gap
-///   .pvd             ParaView's list of files and times; one part per time
-///   .pc2             point cache, POINTCACHE2 version 1; times from its start and rate
-///   .mdd             NewTek point cache; its own times
+///                    last number. A constant stride, such as 0, 10, 20, is not a gap.
+///   .pvd             ParaView's list of files and times, with one part per time
+///   .pc2             point cache, POINTCACHE2 version 1; times follow from its start and rate
+///   .mdd             NewTek point cache, which contains times
 ///   .gltf .glb       glTF 2.0: all triangles of the default scene as one mesh, with skins, morph
-///                    targets and moving nodes, baked at times in seconds. Without an animation
-///                    it is one frame
+///                    targets and moving nodes, sampled at times in seconds. A file without an
+///                    animation has one frame.
 ///   .frd             CalculiX results: the displaced nodes of each step, with the outer faces of
 ///                    solids and with shells. Only nodes of these faces are kept, ordered by
-///                    number. Step values that do not ascend, as for modes, are replaced by 1, 2, …
+///                    number. Step values that do not increase, as for modes, are replaced by 1,
+///                    2, …
 ///
-/// STL corners that coincide in the first frame are one node in all frames.
+/// STL corners that coincide in the first frame become one node in all frames.
 ///
-/// Throws InputError, which names the file, in these cases:
-/// - the errors of MeshFile and of MeshSequence's check();
-/// - no such files, several series in a folder, or missing numbers (which are listed);
-/// - a frame whose nodes or faces differ from those of the first frame;
-/// - an STL corner that leaves its node by more than 1e-6 of the size;
-/// - a truncated cache, or one whose number of nodes differs from the mesh;
-/// - damaged glTF, or glTF that requires an unknown extension that changes geometry;
-/// - frames that do not exist.
+/// Throws InputError, with the name of the file, if:
+/// - MeshFile::read() or the check() of MeshSequence fails;
+/// - there are no such files, several series in a folder, or missing numbers (which are listed);
+/// - the nodes or faces of a frame differ from those of the first frame;
+/// - an STL corner moves away from its node by more than 1e-6 of the size;
+/// - a cache is truncated, or its number of nodes differs from the mesh;
+/// - glTF data is damaged, or requires an unknown extension that changes the geometry;
+/// - the requested frames do not exist.
 ///
-/// Throws CancelledError if `progress` requests it. Cost: O(frames · size); memory: the frames and
-/// one file.
+/// Throws CancelledError if `progress` requests cancellation. Cost: O(frames · size). Memory: the
+/// frames and one file.
 MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOptions& options = {},
                            const Progress& progress = {});
 
-// The readers of sequences, one per kind of file.
+// Readers of sequences, one per file format.
 
-/// Range of frames to read, 0-based.
+/// A range of frames; `first` is 0-based.
 struct FrameRange {
   int first = 0, count = 0;
-  /// True if the range contains a frame (0-based).
+  /// True if the range contains the given frame (0-based).
   bool has(int frame) const { return frame >= first && frame < first + count; }
 };
 
-/// The frames that the options request, of `all` frames. Throws InputError if they do not exist.
+/// The range of frames that the options request. `all`: total number of frames. `name`: name of the
+/// sequence for messages. Throws InputError if a requested frame does not exist.
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
 
-/// Tolerance, relative to the size, within which points of a frame are merged into one vertex.
+/// Tolerance within which points of a frame are merged into one vertex, relative to the size of the
+/// mesh.
 inline constexpr double kWeldTolerance = 1e-6;
 
-/// Signature of the readers.
+/// Function type of the readers below. The parameters are those of read_sequence().
 using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
                                     const Progress&);
 SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,
     read_gltf_sequence, read_frd_sequence;
+
+// Names and series of numbered files such as walk_0001.obj.
+
+/// A file name with a placeholder for a number: "walk_*.obj", "walk_%04d.obj".
+struct NumberedName {
+  std::filesystem::path folder;
+  std::string prefix, suffix;  ///< parts of the file name before and after the number
+  int digits = 1;              ///< minimum number of digits; shorter numbers are padded with zeros
+
+  /// The file name with its folder and the placeholder *, such as "out/walk_*.obj".
+  std::string pattern() const;
+  /// The path of the file with the given number.
+  std::filesystem::path file(long number) const;
+  /// The number in a file name; empty if the name does not match the pattern.
+  std::optional<long> number_of(const std::string& file_name) const;
+};
+
+/// Parses a path that contains a placeholder *, %d, %4d or %04d; empty if it contains none. When
+/// files are written, * stands for at least four digits. Throws InputError if there are several
+/// placeholders, a placeholder in the folder, or an invalid %.
+std::optional<NumberedName> pattern_of(const std::filesystem::path& path);
+
+/// One file of a series, with its number.
+struct NumberedFile {
+  std::filesystem::path path;
+  long number = 0;
+};
+
+/// The files of a series, in ascending order of their numbers. `path`: a pattern, a folder that
+/// contains a single series of mesh files, or any file of the series. A file without a number in
+/// its name is a series of one file. `name` is set to the name of the series for messages. Throws
+/// InputError if there are no such files, several series, or a number that occurs twice.
+std::vector<NumberedFile> numbered_files(const std::filesystem::path& path, std::string& name);
+
+/// Throws InputError if numbers are missing in a series with constant stride; the message lists the
+/// missing numbers.
+void require_no_gaps(const std::vector<NumberedFile>& files, const std::string& name);
 
 }  // namespace batten

@@ -20,8 +20,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/io/sequences/numbered_files.h"
-#include "batten/io/sequences/point_cache.h"
+#include "batten/io/sequences/sequence_files.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
@@ -192,6 +191,76 @@ std::string GlbWriter::json(const std::vector<Bounds>& bounds) const {
   root["accessors"] = std::move(accessors);
   root["bufferViews"] = std::move(views);
   return root.dump();
+}
+
+// Writes a deforming mesh as a point cache, PC2 or MDD (see point_cache.cpp).
+
+/// File formats of point caches.
+enum class PointCacheFormat { Pc2, Mdd };
+
+/// Writes a point cache frame by frame. Throws FileError like AtomicFile.
+class PointCacheWriter {
+ public:
+  /// Throws InputError if the times of a PC2 are not evenly spaced.
+  PointCacheWriter(const std::filesystem::path& path, PointCacheFormat format, int points,
+                   const std::vector<double>& times);
+  /// Appends a frame. Throws InputError if a coordinate exceeds single precision.
+  void write(const Points& points);
+  /// Completes the file and moves it to its final name.
+  void finish();
+
+ private:
+  AtomicFile file_;
+  PointCacheFormat format_;
+  std::ofstream out_;
+  std::string bytes_;  // buffer for one frame
+};
+
+PointCacheWriter::PointCacheWriter(const std::filesystem::path& path, PointCacheFormat format,
+                                   int points, const std::vector<double>& times)
+    : file_(path), format_(format), out_(file_.temporary(), std::ios::binary) {
+  const auto frames = static_cast<std::uint32_t>(times.size());
+  if (format == PointCacheFormat::Mdd) {
+    append_uint32(bytes_, frames, true);
+    append_uint32(bytes_, static_cast<std::uint32_t>(points), true);
+    for (const double time : times) append_float32(bytes_, static_cast<float>(time), true);
+  } else {
+    const double rate =
+        frames < 2 ? 1 : (times.back() - times.front()) / static_cast<double>(frames - 1);
+    for (size_t k = 0; k < times.size(); ++k)
+      if (std::abs(times[k] - (times.front() + static_cast<double>(k) * rate)) > 1e-3 * rate)
+        throw InputError(path.string() + ": found the time " + format_number(times[k]) +
+                         " of frame " + std::to_string(k + 1) +
+                         ", expected uniform times (PC2; MDD stores any times)");
+    bytes_.assign("POINTCACHE2\0", 12);
+    append_uint32(bytes_, 1);
+    append_uint32(bytes_, static_cast<std::uint32_t>(points));
+    append_float32(bytes_, static_cast<float>(times.front()));
+    append_float32(bytes_, static_cast<float>(rate));
+    append_uint32(bytes_, frames);
+  }
+  out_ << bytes_;
+}
+
+void PointCacheWriter::write(const Points& points) {
+  const bool big_endian = format_ == PointCacheFormat::Mdd;
+  bytes_.clear();
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto value = static_cast<float>(points(i, c));
+      if (!std::isfinite(value))
+        throw InputError(file_.path().string() + ": a coordinate of node " + std::to_string(i) +
+                         " is too large for single precision");
+      append_float32(bytes_, value, big_endian);
+    }
+  out_ << bytes_;
+  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
+}
+
+void PointCacheWriter::finish() {
+  out_.close();
+  if (!out_) throw FileError(file_.path().string() + ": cannot write this file: writing failed");
+  file_.commit();
 }
 
 namespace fs = std::filesystem;

@@ -9,58 +9,59 @@
 
 namespace batten {
 
-/// Writes the frames of one mesh as they arrive, without storing them. The path determines the
+/// Writes the frames of a deforming mesh one by one, without storing them. The path determines the
 /// format:
 ///
 ///   new/walk_*.obj, new/walk_%04d.ply    numbered files: .obj, .off, .ply, .stl, .vtp, .vtu
-///   new              a folder (name without extension), with numbered files frame_*.obj in it
-///   .pvd             ParaView's list of files and times, and numbered .vtp files in a folder
-///                    beside it with the same stem
-///   .pc2 .mdd        point cache in single precision, and the mesh of the first frame as .obj
-///                    beside it. PC2 requires evenly spaced times
-///   .glb             glTF 2.0 in single precision: the first frame, and each other frame as a
-///                    morph target that an animation shows at its time, in seconds
+///   new              a folder (a name without extension) with numbered files frame_*.obj
+///   .pvd             ParaView's list of files and times, and numbered .vtp files in a folder next
+///                    to it with the same stem
+///   .pc2 .mdd        point cache in single precision, and the mesh of the first frame as an .obj
+///                    file next to it. PC2 requires evenly spaced times.
+///   .glb             glTF 2.0 in single precision: the first frame as the mesh, and every other
+///                    frame as a morph target, shown by an animation at its time in seconds
 ///
-/// Files are numbered by the times if all of these are integers from 0 to 999,999, so that a
-/// numbered series keeps its numbers; otherwise 1, 2, … Formats without polygons (STL, GLB) get the
-/// same triangulation in every frame, computed from the points of `shells`.
+/// If all times are integers from 0 to 999,999, files are numbered by their times, so that a
+/// numbered series keeps its numbers; otherwise files are numbered 1, 2, … In formats without
+/// polygons (STL, GLB) all frames have the same triangulation, computed from `shells.points`.
 ///
-/// Each numbered file is written atomically with its frame, a single file when everything is
-/// complete. The folder of the path is created if it is missing, but not its parents.
+/// Each numbered file is written atomically by write(), a single file by finish(). The folder of
+/// the path is created if it is missing, but its parent folders are not.
 class SequenceWriter {
  public:
-  /// Throws InputError if frames cannot be written to this path: an unsupported extension, or the
-  /// name of a mesh file without a placeholder for a number.
+  /// Throws InputError if frames cannot be written to this path, because the extension is not
+  /// supported or the name of a mesh file has no placeholder for a number.
   static void check_name(const std::filesystem::path& path);
-  /// Opens the output; only the header of a temporary file may be written. `times`: ascending, one
-  /// per frame. Throws InputError for missing or not ascending times, a name rejected by
-  /// check_name(), PC2 with uneven times, or a GLB above 4 GB. Also throws the exceptions of
-  /// AtomicFile.
+  /// Opens the output. At most the header of a temporary file is written. `times`: one time per
+  /// frame, ascending. Throws InputError if times are missing or not ascending, check_name()
+  /// rejects the path, the times of a PC2 file are uneven, or a GLB file would exceed 4 GB. Throws
+  /// FileError if a file cannot be created.
   SequenceWriter(const std::filesystem::path& path, const ShellMesh& shells,
                  std::vector<double> times);
   ~SequenceWriter();
   SequenceWriter(const SequenceWriter&) = delete;
   SequenceWriter& operator=(const SequenceWriter&) = delete;
 
-  /// Number of frames.
+  /// Number of frames, equal to the number of times.
   int frame_count() const;
-  /// The file of a frame (0-based): its numbered file, or the single file.
+  /// The file that contains a frame (0-based): a numbered file, or the single file.
   std::filesystem::path file(int frame) const;
-  /// True if the numbered file of this frame exists, so that an interrupted run can resume without
-  /// it. Always false for single files. The caller must make sure that the file belongs to the same
-  /// run.
+  /// True if the numbered file of a frame exists, so that an interrupted run can skip this frame.
+  /// Always false for formats with a single file. The caller must make sure that the existing file
+  /// belongs to the same run.
   bool has(int frame) const;
-  /// Writes a frame (n×3). Frames must come in ascending order. With numbered files, some may be
-  /// omitted until finish(), for example if several processes share the work.
+  /// Writes a frame (n×3). Frames must be written in ascending order. Numbered files may be
+  /// omitted, for example if several processes share the work; all must exist when finish() is
+  /// called.
   ///
   /// Throws InputError for a wrong number of points, and for coordinates that are not finite or too
-  /// large for the format. Also throws the exceptions of AtomicFile, and std::logic_error for
-  /// frames out of order.
+  /// large for the format. Throws FileError if a file cannot be written, and std::logic_error for
+  /// frames that are out of order.
   void write(int frame, const Points& points);
-  /// Completes the single file, or writes the list of files. Throws std::logic_error if frames are
-  /// missing.
+  /// Completes the single file, or writes the list of files (.pvd). Throws std::logic_error if
+  /// frames are missing.
   void finish();
-  /// All files that exist after finish(), for reports.
+  /// All files that exist after finish(), for example for reports.
   std::vector<std::filesystem::path> files() const;
 
  private:

@@ -116,26 +116,26 @@ std::string operation_name(const OperationObject& operation) {
 
 /// Parses an operation without edit data: parameter values, solves, time steps, undo. nullopt for
 /// other names.
-std::optional<Operation> simple_operation_of(const std::string& word,
+std::optional<Operation> simple_operation_of(const std::string& operation_kind,
                                              const OperationObject& operation) {
   using Kind = Operation::Kind;
-  if (word == "set") {
+  if (operation_kind == "set") {
     const LogObject o = operation.with({"parameter", "value"});
     return Operation{Kind::Set, o.integer("parameter", 0), o.number("value"), nullptr};
   }
-  if (word == "update") {
+  if (operation_kind == "update") {
     const LogObject o = operation.with({"iterations", "tolerance"});
     return Operation{Kind::SolvePreview, o.integer("iterations", 0), o.number("tolerance"),
                      nullptr};
   }
-  if (word == "time")
+  if (operation_kind == "time")
     return Operation{Kind::Time, 0, operation.with({"value"}).number("value"), nullptr};
   for (const auto& [kind, name] : {std::pair{Kind::SolveToEquilibrium, "solve"},
                                    {Kind::Step, "step"},
                                    {Kind::StopMotion, "stop_motion"},
                                    {Kind::Undo, "undo"},
                                    {Kind::Redo, "redo"}})
-    if (word == name) {
+    if (operation_kind == name) {
       operation.with({});
       return Operation{kind, 0, 0, nullptr};
     }
@@ -173,22 +173,24 @@ Refinement refinement_of(const OperationObject& operation) {
 }
 
 /// Parses an edit. nullopt for other names.
-std::optional<Operation::Edit> edit_of(const std::string& word, const OperationObject& operation) {
-  if (word == "add") return addition_of(operation);
-  if (word == "change") return Operation::Change{constraint_of(operation.with({"constraint"}))};
-  if (word == "remove") return Operation::Remove{operation.with({"name"}).text("name")};
-  if (word == "set_curve") {
+std::optional<Operation::Edit> edit_of(const std::string& operation_kind,
+                                       const OperationObject& operation) {
+  if (operation_kind == "add") return addition_of(operation);
+  if (operation_kind == "change")
+    return Operation::Change{constraint_of(operation.with({"constraint"}))};
+  if (operation_kind == "remove") return Operation::Remove{operation.with({"name"}).text("name")};
+  if (operation_kind == "set_curve") {
     const LogObject o = operation.with({"name", "geometry"});
     return Operation::SetLine{o.text("name"), curve_of(o, "geometry")};
   }
-  if (word == "refine") return refinement_of(operation);
-  if (word == "start_motion") {
+  if (operation_kind == "refine") return refinement_of(operation);
+  if (operation_kind == "start_motion") {
     const LogObject o = operation.with({"dt", "density", "damping", "theta"});
     return Motion{o.number("dt"), o.number("density"), o.number("damping"), o.number("theta")};
   }
-  if (word == "add_parameter")
+  if (operation_kind == "add_parameter")
     return Operation::AddParameter{parameter_of(operation.with({"parameter"}))};
-  if (word == "drive") {
+  if (operation_kind == "drive") {
     const LogObject o = operation.with({"name", "terms", "offset"});
     return Operation::SetRule{o.text("name"), terms_of(o, "terms"), o.number("offset")};
   }
@@ -198,15 +200,15 @@ std::optional<Operation::Edit> edit_of(const std::string& word, const OperationO
 /// Parses any operation.
 Operation operation_of(const LogJson& json, const std::string& where) {
   const OperationObject operation{json, where};
-  const std::string word = operation_name(operation);
-  if (const auto plain = simple_operation_of(word, operation)) return *plain;
-  if (auto edit = edit_of(word, operation))
+  const std::string name = operation_name(operation);
+  if (const auto plain = simple_operation_of(name, operation)) return *plain;
+  if (auto edit = edit_of(name, operation))
     return {Operation::Kind::Edit, 0, 0, std::make_shared<const Operation::Edit>(std::move(*edit))};
-  const std::vector<std::string> words = {
+  const std::vector<std::string> names = {
       "add_parameter", "drive", "time", "set",    "solve",  "update",    "step",   "stop_motion",
       "undo",          "redo",  "add",  "change", "remove", "set_curve", "refine", "start_motion"};
-  throw InputError(where + "found \"do\": \"" + word + "\", expected " +
-                   expected_one_of(word, words));
+  throw InputError(where + "found \"do\": \"" + name + "\", expected " +
+                   expected_one_of(name, names));
 }
 
 constexpr int kVersion = 2;

@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// Writes the operations recorded by a session, for replay (SculptingSession::record(), recorded(),
-/// apply()):
+/// Writes the operations that a session has recorded. SculptingSession::apply() replays them; see
+/// also SculptingSession::record() and recorded(). Example of a log:
 ///
 ///   {"batten":"session","version":2}
 ///   {"do":"set","parameter":3,"value":0.25}
@@ -18,20 +18,20 @@ namespace batten {
 ///   {"do":"add","load":{"name":"swell","type":"pressure"},"parameters":[{"name":"swell","max":9}]}
 ///   {"do":"update","iterations":4,"tolerance":1e-06}
 ///
-/// Numbers are written with full precision, so they are read back exactly. A replay on a session
-/// made from the same input is therefore bit-identical. Parameters are 0-based, in the order of the
-/// session. Added curves must be piecewise cubic and C1; they are written by their nodes.
+/// Numbers are written with full precision and are read back exactly. A replay in a session that is
+/// created from the same input is therefore bit-identical. Parameters are identified by 0-based
+/// indices, in the order of the session. An added curve is written as a list of its nodes.
 ///
-/// Throws InputError: a non-finite number, a curve that is not piecewise cubic and C1, a file that
-/// cannot be written. The file is written atomically.
+/// The file is written atomically. Throws InputError if a number is not finite, an added curve is
+/// not piecewise cubic and C1, or the file cannot be written.
 void write_session_log(const std::filesystem::path& file, const std::vector<Operation>& operations);
-/// The same log as a string. Throws InputError as write_session_log().
+/// The log as a string. Throws InputError as write_session_log() does.
 std::string session_log_text(const std::vector<Operation>& operations);
 
-/// Reads a log. Throws InputError: "FILE:LINE: found …, expected …", also for another version of
-/// the format.
+/// Reads a log. Throws InputError ("FILE:LINE: found …, expected …") if the log is invalid or has
+/// another format version.
 std::vector<Operation> read_session_log(const std::filesystem::path& file);
-/// Parses a log from a string; `file` is used in messages only.
+/// Parses a log from a string. `file` is used in messages only.
 std::vector<Operation> parse_session_log(const std::string& text,
                                          const std::filesystem::path& file);
 

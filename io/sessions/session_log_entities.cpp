@@ -316,10 +316,10 @@ LineOffset offset_of(const LogObject& parent) {
 
 LogJson json_of(const CharacterLine& line) {
   LogJson json = {{"name", line.name}};
-  for (const auto& [role, word] : kRoles)
-    if (role == line.role) json["role"] = word;
-  for (const auto& [mesh_alignment, word] : kMeshAlignments)
-    if (mesh_alignment == line.mesh_alignment) json["alignment"] = word;
+  for (const auto& [role, name] : kRoles)
+    if (role == line.role) json["role"] = name;
+  for (const auto& [mesh_alignment, name] : kMeshAlignments)
+    if (mesh_alignment == line.mesh_alignment) json["alignment"] = name;
   json["geometry"] = json_of(nodes_of(line));
   return json;
 }
@@ -329,13 +329,13 @@ CharacterLine character_line_of(const LogObject& parent) {
   CharacterLine line;
   line.name = o.text("name");
   const auto choose = [&](const std::string& key, const auto& table, auto& slot) {
-    std::vector<std::string> words;
+    std::vector<std::string> names;
     const std::string found = o.text(key);
-    for (const auto& [value, word] : table) {
-      words.emplace_back(word);
-      if (found == word) return void(slot = value);
+    for (const auto& [value, name] : table) {
+      names.emplace_back(name);
+      if (found == name) return void(slot = value);
     }
-    o.fail("the " + key + " '" + found + "'", expected_one_of(found, words));
+    o.fail("the " + key + " '" + found + "'", expected_one_of(found, names));
   };
   choose("role", kRoles, line.role);
   choose("alignment", kMeshAlignments, line.mesh_alignment);

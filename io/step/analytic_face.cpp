@@ -15,6 +15,8 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
+#include "batten/fem/curves/bspline.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/trim.h"
 #include "batten/io/cad/occ_settings.h"
@@ -425,20 +427,17 @@ double nearest_period(double angle, double near) {
 Handle(Geom2d_BSplineCurve)
     hermite_spline(const std::vector<double>& t, const std::vector<Vec2>& uv,
                    const std::vector<Vec2>& slopes) {
-  const int n = isize(t);
-  TColgp_Array1OfPnt2d poles(1, 2 * n);
-  TColStd_Array1OfReal knots(1, n);
-  TColStd_Array1OfInteger times(1, n);
-  times.Init(2);
-  times(1) = times(n) = 4;
-  for (int i = 0; i < n; ++i) {
-    knots(i + 1) = t[i];
-    const double before = i > 0 ? t[i] - t[i - 1] : 0, after = i + 1 < n ? t[i + 1] - t[i] : 0;
+  CubicSpline spline;
+  spline.knots = t;
+  spline.multiplicities.assign(t.size(), 2);
+  spline.multiplicities.front() = spline.multiplicities.back() = 4;
+  for (size_t i = 0; i < t.size(); ++i) {
+    const double before = i > 0 ? t[i] - t[i - 1] : 0,
+                 after = i + 1 < t.size() ? t[i + 1] - t[i] : 0;
     const Vec2 low = uv[i] - before / 3 * slopes[i], high = uv[i] + after / 3 * slopes[i];
-    poles(2 * i + 1) = {low.x(), low.y()};
-    poles(2 * i + 2) = {high.x(), high.y()};
+    spline.poles.insert(spline.poles.end(), {{low.x(), low.y(), 0}, {high.x(), high.y(), 0}});
   }
-  return new Geom2d_BSplineCurve(poles, knots, times, 3);
+  return to_flat_occ(spline);
 }
 
 }  // namespace
@@ -594,9 +593,7 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::pcurve(const Geom_Curve& curve, dou
       const double length = t[i + 1] - t[i];
       bool far = false;
       for (const double s : {0.25, 0.5, 0.75}) {
-        const Vec2 cubic = (1 + 2 * s) * (1 - s) * (1 - s) * uv[i] +
-                           s * s * (3 - 2 * s) * uv[i + 1] +
-                           length * s * (1 - s) * ((1 - s) * d[i] - s * d[i + 1]);
+        const Vec2 cubic = hermite_value(uv[i], d[i], uv[i + 1], d[i + 1], length, s);
         const Vec2 exact = parameters(at(t[i] + s * length), cubic);
         far = far || (position(cubic) - position(exact)).norm() > tolerance;
       }

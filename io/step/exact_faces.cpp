@@ -11,6 +11,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/fem/curves/bspline.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -72,21 +73,13 @@ Handle(Geom2d_BSplineCurve) parameter_line(const gp_Pnt2d& from, const gp_Pnt2d&
   return new Geom2d_BSplineCurve(poles, unit_knots(), end_knots(2), 1);
 }
 
-using Cubic = Eigen::Matrix<double, 4, 3>;  // Bézier points
+using Cubic = BezierCubic<Vec3>;
 
 /// The restriction of a cubic to [from, to].
 Cubic part_of(const Cubic& whole, double from, double to) {
   if (from == 0 && to == 1) return whole;
-  Cubic part;
-  for (int i = 0; i < 4; ++i) {
-    Cubic b = whole;
-    for (int level = 0; level < 3; ++level) {
-      const double t = level < i ? to : from;
-      for (int k = 0; k + level < 3; ++k) b.row(k) = (1 - t) * b.row(k) + t * b.row(k + 1);
-    }
-    part.row(i) = b.row(0);
-  }
-  return part;
+  return {{whole.blossom(from, from, from), whole.blossom(to, from, from),
+           whole.blossom(to, to, from), whole.blossom(to, to, to)}};
 }
 
 /// Makes the CAD faces of model faces; each shared vertex and edge is made once.
@@ -129,22 +122,21 @@ class FacesMaker {
     return result;
   }
 
-  /// The cubic edge with these Bézier points, parametrised over [0, 1] from `a` to `b`.
-  TopoDS_Edge edge(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Cubic& points) {
-    TColgp_Array1OfPnt poles(1, 4);
+  /// The edge along a cubic, parametrised over [0, 1] from `a` to `b`.
+  TopoDS_Edge edge(const TopoDS_Vertex& a, const TopoDS_Vertex& b, const Cubic& cubic) {
     double length = 0;
-    for (int i = 0; i < 4; ++i) {
-      poles(i + 1) = to_occ(points.row(i));
-      if (i > 0) length += (points.row(i) - points.row(i - 1)).norm();
-    }
+    for (size_t i = 1; i < 4; ++i) length += (cubic.b[i] - cubic.b[i - 1]).norm();
     if (!(length > 1e-9 * size_))
-      throw InputError("STEP: an element edge at (" + format_number(points(0, 0)) + ", " +
-                       format_number(points(0, 1)) + ", " + format_number(points(0, 2)) +
+      throw InputError("STEP: an element edge at (" + format_number(cubic.b[0].x()) + ", " +
+                       format_number(cubic.b[0].y()) + ", " + format_number(cubic.b[0].z()) +
                        ") has length " + format_number(length) +
                        "; expected a surface without collapsed edges");
+    CubicSpline spline;
+    spline.knots = {0, 1};
+    spline.multiplicities = {4, 4};
+    spline.poles.assign(cubic.b.begin(), cubic.b.end());
     TopoDS_Edge result;
-    builder_.MakeEdge(result, new Geom_BSplineCurve(poles, unit_knots(), end_knots(4), 3),
-                      tolerance());
+    builder_.MakeEdge(result, to_occ(spline), tolerance());
     builder_.Add(result, a.Oriented(TopAbs_FORWARD));
     builder_.Add(result, b.Oriented(TopAbs_REVERSED));
     builder_.Range(result, 0, 1);
@@ -163,23 +155,21 @@ class FacesMaker {
     std::array<TopoDS_Edge, 3> spoke;  // from corner i to the centroid
     for (int i = 0; i < 3; ++i) {
       const Ordinates& b = net[(i + 2) % 3];  // in which corner i is V_j
-      Cubic points;
-      points << b.row(kJ), b.row(kJJC), b.row(kJCC), b.row(kC);
-      spoke[i] = edge(vertices_[corner[i]], centroid, points);
+      spoke[i] =
+          edge(vertices_[corner[i]], centroid, {{b.row(kJ), b.row(kJJC), b.row(kJCC), b.row(kC)}});
     }
     for (int s = 0; s < 3; ++s) {
       const int j = (s + 1) % 3, k = (s + 2) % 3, e = mesh.edges_of(t)[s];
       const bool along = mesh.edge_sign(t, s) > 0;  // mesh edges start at the lower vertex index
-      Cubic points;
-      points << net[s].row(kJ), net[s].row(kJJK), net[s].row(kJKK), net[s].row(kK);
-      if (!along) points = points.colwise().reverse().eval();
+      Cubic cubic{{net[s].row(kJ), net[s].row(kJJK), net[s].row(kJKK), net[s].row(kK)}};
+      if (!along) std::reverse(cubic.b.begin(), cubic.b.end());
       const auto line = numbers.on_lines.find(e);
       const SideSubdivision pieces =
           line != numbers.on_lines.end()
               ? line->second
               : SideSubdivision{
                     {corner[along ? j : k], corner[along ? k : j]}, {numbers.edges[e]}, {0, 1}};
-      add_face(net[s], side_edges(pieces, points, along), spoke[k], spoke[j]);
+      add_face(net[s], side_edges(pieces, cubic, along), spoke[k], spoke[j]);
     }
   }
 
@@ -189,18 +179,18 @@ class FacesMaker {
     double from, to;  // parameter s at its start and end
   };
 
-  /// The edges from V_j to V_k. `points`: of the whole side, from the lower vertex index; `along`:
+  /// The edges from V_j to V_k. `cubic`: the whole side, from the lower vertex index; `along`:
   /// true if that vertex is V_j.
-  std::vector<SideEdge> side_edges(const SideSubdivision& pieces, const Cubic& points, bool along) {
+  std::vector<SideEdge> side_edges(const SideSubdivision& pieces, const Cubic& cubic, bool along) {
     std::vector<SideEdge> side;
     for (size_t i = 0; i < pieces.edges.size(); ++i) {
       const int start = pieces.vertices[i], end = pieces.vertices[i + 1];
       double from = pieces.fractions[i], to = pieces.fractions[i + 1];
       MadeEdge& made = edges_[pieces.edges[i]];
       if (made.edge.IsNull()) {
-        const Cubic part = part_of(points, from, to);
-        if (vertices_[start].IsNull()) vertices_[start] = vertex(part.row(0));
-        if (vertices_[end].IsNull()) vertices_[end] = vertex(part.row(3));
+        const Cubic part = part_of(cubic, from, to);
+        if (vertices_[start].IsNull()) vertices_[start] = vertex(part.b[0]);
+        if (vertices_[end].IsNull()) vertices_[end] = vertex(part.b[3]);
         made.start = start;
         made.edge = edge(vertices_[start], vertices_[end], part);
       }

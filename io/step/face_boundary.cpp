@@ -126,9 +126,7 @@ std::vector<double> crossings(const FaceBoundarySegment& segment, double u) {
   std::vector<double> found;
   const auto arcs = planar_cubics(segment.pcurve);
   for (size_t k = 0; k < arcs.size(); ++k) {
-    BernsteinCubic distance;
-    for (size_t i = 0; i < 4; ++i) distance.b[i] = arcs[k].b[i].x() - u;
-    for (const double s : distance.zeros())
+    for (const double s : BernsteinCubic::coordinate(arcs[k], 0, u).zeros())
       found.push_back(segment.pcurve.parameters()[k] + s * segment.pcurve.mesh().length(k));
   }
   return found;

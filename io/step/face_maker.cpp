@@ -17,8 +17,8 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/fem/curves/bspline.h"
 #include "batten/fem/curves/hermite_curve.h"
-#include "batten/fem/curves/spline_axis.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -52,30 +52,6 @@ std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const SplineAxis&
     times(i) = !axis.periodic() && (i == 1 || i == n) ? 4 : 1;
   }
   return {values, times};
-}
-std::pair<TColStd_Array1OfReal, TColStd_Array1OfInteger> knots(const CubicSpline& spline) {
-  const int n = isize(spline.knots);
-  TColStd_Array1OfReal values(1, n);
-  TColStd_Array1OfInteger times(1, n);
-  for (int i = 1; i <= n; ++i) {
-    values(i) = spline.knots[i - 1];
-    times(i) = spline.multiplicities[i - 1];
-  }
-  return {values, times};
-}
-
-Handle(Geom_BSplineCurve) curve_of(const CubicSpline& spline) {
-  TColgp_Array1OfPnt poles(1, isize(spline.poles));
-  for (int i = 1; i <= poles.Length(); ++i) poles(i) = to_occ(spline.poles[i - 1]);
-  const auto [t, times] = knots(spline);
-  return new Geom_BSplineCurve(poles, t, times, 3);
-}
-Handle(Geom2d_BSplineCurve) to_flat_occ(const CubicSpline& spline) {
-  TColgp_Array1OfPnt2d poles(1, isize(spline.poles));
-  for (int i = 1; i <= poles.Length(); ++i)
-    poles(i) = {spline.poles[i - 1].x(), spline.poles[i - 1].y()};
-  const auto [t, times] = knots(spline);
-  return new Geom2d_BSplineCurve(poles, t, times, 3);
 }
 
 /// The same spline reparametrised to [first, last].
@@ -272,7 +248,7 @@ TopoDS_Edge FaceMaker::edge(const FaceBoundarySegment& segment, const TopoDS_Ver
   };
   Handle(Geom2d_BSplineCurve) own_pcurve;
   if (result->IsNull()) {
-    Handle(Geom_BSplineCurve) curve = curve_of(along(segment.curve));
+    Handle(Geom_BSplineCurve) curve = to_occ(along(segment.curve));
     if (!segment.shared && analytic_) {
       own_pcurve = pcurve(*curve, curve->FirstParameter(), curve->LastParameter());
       curve = curve_on_surface(surface_, own_pcurve, 0.3 * coincidence_, gp_Pnt());
@@ -550,7 +526,7 @@ TopoDS_Edge FaceMaker::analytic_seam(const TopoDS_Vertex& a, const TopoDS_Vertex
         x.row(k) = from_occ(on_line) + (1 - s) * off_p + s * off_q;
         slopes.row(k) = from_occ(slope.XYZ()) + (off_q - off_p) / (to - low);
       }
-      line = curve_of(cubic_splines("", HermiteCurve(t, x, slopes)).front());
+      line = to_occ(cubic_splines("", HermiteCurve(t, x, slopes)).front());
     }
   } else {
     tolerance = 0;

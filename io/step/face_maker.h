@@ -18,8 +18,8 @@
 #include "batten/core/geometry.h"
 #include "batten/fem/curves/bicubic_patch.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/io/cad/cad_format.h"
 #include "batten/io/cad/cad_parts.h"
-#include "batten/io/cad/step_options.h"
 #include "batten/io/step/analytic_face.h"
 #include "batten/io/step/face_boundary.h"
 

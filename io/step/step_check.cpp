@@ -32,8 +32,8 @@
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_writer.h"
+#include "batten/io/cad/continuity_report.h"
 #include "batten/io/cad/occ_settings.h"
-#include "batten/io/cad/shape_continuity.h"
 #include "batten/io/files/input_file.h"
 
 namespace batten {

@@ -1,5 +1,4 @@
-// Writes surfaces, deformed shell meshes and time series as VTK files, for ParaView and other
-// programs.
+// Writes surfaces, deformed shell meshes and time series as VTK files, for example for ParaView.
 #pragma once
 
 #include <filesystem>
@@ -17,21 +16,21 @@ class vtkPolyData;
 
 namespace batten {
 
-/// A curve of a model with several faces.
+/// A curve of a model, as it is written to VTK files.
 struct VtkLine {
   std::string name;
-  /// ModelJoin::Kind as a number: 0 free edge, 1 crease, 2 smooth, 3 branching (non-manifold); -1
-  /// for a curve inside a face.
+  /// ModelJoin::Kind as a number: 0 free edge, 1 crease, 2 smooth edge, 3 non-manifold edge; -1:
+  /// curve inside a face.
   int join = -1;
-  double angle_deg = 0;  ///< largest angle between the surface normals across the curve, degrees
+  double angle_deg = 0;  ///< largest angle between the normals of the adjacent faces, degrees
 };
 
-/// Lists the curves of a network that the model's faces use: boundary curves first, then inner
-/// curves.
+/// Lists the curves of a network that bound or cross faces of the model: boundary curves first,
+/// then curves inside faces.
 std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model);
 
-/// An additional point data array: name, number of components, and a function that evaluates it at
-/// a location in a face's mesh. The function is called from several threads.
+/// An additional array of point data: its name, the number of its components, and a function that
+/// evaluates it at a location in the mesh of a face. The function is called from several threads.
 struct VtkField {
   std::string name;
   int components = 1;
@@ -40,53 +39,53 @@ struct VtkField {
 
 /// Options of to_poly_data(), write_vtp() and write_vtu().
 struct VtkOptions {
-  /// Reference surfaces from which displacements are measured: none, or one per face, on the same
-  /// mesh.
+  /// Reference surfaces for the array Displacement, one per face, on the mesh of that face. Empty:
+  /// no displacements.
   std::vector<const Surface*> references;
-  /// Number of facets along each element edge; in a face with embedded curves, along each edge of
-  /// its quadratic_elements(). VTP only. 0: 4, or fewer to keep the total at 400,000 facets or
-  /// less.
+  /// VTP only: number of facets along each element edge (in a face with embedded curves, along each
+  /// edge of its quadratic_elements()). 0: four, or fewer if there would be more than 400,000
+  /// facets.
   int facets_per_edge = 0;
-  bool curvatures = true;  ///< write the curvature arrays
+  bool curvatures = true;  ///< true: write the arrays of curvatures
   std::vector<VtkField> fields = {};
-  /// The curves of a model. Each is written once, from the first face that has a curve of its name.
-  /// Empty: all curves of each face are written.
+  /// The curves to write. Each curve is written once, from the first face that has a curve with
+  /// this name. Empty: all curves of each face are written.
   std::vector<VtkLine> lines = {};
 };
 
-/// Converts faces to facets, and their curves to polylines through the same points.
-/// Facets end exactly at embedded boundaries (skinning/facets/facets.h). Faces that share such a
-/// curve have the same points on it.
+/// Converts faces to flat facets, and their curves to polylines through facet vertices. Facets end
+/// exactly at embedded boundary curves (skinning/facets/facets.h). Faces that share such a curve
+/// have coincident points on it.
 ///
-///   point data  Normals (unit, exact, x_u × x_v; zero where the surface is singular),
-///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures), uv (u, v, 0),
-///               Displacement (with references), and options.fields
-///   cell data   Face (index), Triangle (element of the face, -1 on curves), Curve (index, -1 on
-///               facets); with options.lines also Join (VtkLine::join) and Join_angle (degrees),
-///               both -1 on facets
-///   field data  Face_names, Curve_names (text; edge-aligned and embedded curves, face after face;
-///               or those of options.lines)
+///   point data  Normals (exact unit normals x_u × x_v; zero where the surface is singular),
+///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures()), uv (u, v, 0),
+///               Displacement (if there are references), and the arrays of options.fields
+///   cell data   Face (index), Triangle (index of the element in its face; -1 on curves), Curve
+///               (index; -1 on facets); if options.lines is set, also Join (VtkLine::join) and
+///               Join_angle (degrees), both -1 on facets
+///   field data  Face_names and Curve_names (text). Curve_names contains the edge-aligned and
+///               embedded curves of each face in turn, or the names of options.lines.
 ///
-/// Along a shared curve, each face has its own coincident points, because normals, curvatures and
-/// u, v belong to the face.
+/// The faces have separate, coincident points along a shared curve, because normals, curvatures and
+/// u, v differ between faces.
 ///
-/// Cells are in VTK's order: first the curves, then the facets. Coordinates are doubles. O(facets).
-/// Throws InputError: no face, references that do not match, and the errors of facets().
+/// Cells have VTK's order: curves, then facets. Coordinates are doubles. O(facets). Throws
+/// InputError if there is no face, a reference does not match its face, or facets() fails.
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options = {});
 
-/// Writes to_poly_data() as a .vtp file: XML, binary appended, compressed, written atomically. The
-/// output is reproducible bit by bit. Throws InputError as to_poly_data() does, and if the file
-/// cannot be written.
+/// Writes the result of to_poly_data() to a .vtp file (XML with compressed, appended binary data).
+/// The file is written atomically, and the same input always gives the same bytes. Throws
+/// InputError as to_poly_data() does, and if the file cannot be written.
 void write_vtp(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
-/// Writes the finite elements as a .vtu file. Each element becomes a VTK_QUADRATIC_TRIANGLE, in
-/// order. Its nodes are the vertices, then the surface points at the parametric midpoints of the
-/// edges 12, 23, 31. Each element edge on a curve becomes a VTK_QUADRATIC_EDGE. The data arrays are
-/// those of to_poly_data(). In a face with embedded curves, the elements are its
-/// quadratic_elements(), and Triangle is the mesh element at their centre. Throws InputError as
-/// write_vtp().
+/// Writes the finite elements of the faces to a .vtu file. Each element becomes a
+/// VTK_QUADRATIC_TRIANGLE, in the order of the mesh. Its nodes are the vertices 1, 2, 3, then the
+/// surface points at the parametric midpoints of the edges 12, 23, 31. Each element edge on a curve
+/// becomes a VTK_QUADRATIC_EDGE. The data arrays are those of to_poly_data(). A face with embedded
+/// curves is written as its quadratic_elements(); the array Triangle then contains the mesh element
+/// at the centre of each of them. Throws InputError as write_vtp() does.
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
@@ -99,27 +98,28 @@ class vtkXMLWriter;
 
 namespace batten {
 
-/// Writes `data` with the given writer: binary appended, compressed, atomically. Throws InputError
-/// if the file cannot be written.
+/// Writes `data` with the given writer, atomically, as XML with compressed, appended binary data.
+/// Throws InputError if the file cannot be written.
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
 
 // Time series of VTK files.
 
-/// One file of a series, with its parameter value or time, which ParaView shows as its time.
+/// One file of a series, and its value (a time or a parameter value), which ParaView shows as the
+/// time.
 struct SeriesFile {
   double value = 0;
-  std::string file;  ///< path relative to the .pvd file
+  std::string file;  ///< path relative to the folder of the .pvd file
 };
 
-/// Writes a .pvd file, with which ParaView opens and plays the series. Values are written with full
-/// precision. The file is written atomically. Throws InputError: no files, values that are not
-/// finite or not strictly monotonic (ParaView would merge or reorder them), a file that cannot be
-/// written.
+/// Writes a .pvd file, which lists the files and values of a series; ParaView opens it as an
+/// animation. Values are written with full precision. The file is written atomically. Throws
+/// InputError if there are no files, if values are not finite or not strictly monotonic (ParaView
+/// would merge or reorder them), or if the file cannot be written.
 void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files);
 
 }  // namespace batten
 
-// Writes deformed shell meshes.
+// VTK files of deformed shell meshes.
 
 template <class T>
 class vtkSmartPointer;
@@ -127,20 +127,20 @@ class vtkPolyData;
 
 namespace batten {
 
-/// Result of a deformation for each of the n nodes.
+/// Data of a deformation for each of the n nodes of a mesh.
 struct DeformedData {
-  Points displacement;       ///< displacement of each node, n×3
-  std::vector<int> feature;  ///< index into feature_names for each node; -1 for none
+  Points displacement;       ///< displacement vector of each node, n×3
+  std::vector<int> feature;  ///< index into feature_names of each node; -1: no feature
   std::vector<std::string> feature_names;
 };
 
-/// Converts the shell elements to VTK polygons, in double precision. A second-order element becomes
-/// a polygon through all its nodes, in cyclic order.
+/// Converts shell elements to VTK polygons with node positions `points`, in double precision. A
+/// second-order element becomes a polygon through all its nodes, in cyclic order.
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
 
-/// Writes the mesh with its nodes at `shells.points` as a .vtp file, with point data Displacement
-/// and Feature and field data Feature_names. The file is written atomically. Throws InputError if
-/// it cannot be written.
+/// Writes a mesh with the node positions `shells.points` to a .vtp file, with the point data
+/// Displacement and Feature and the field data Feature_names. The file is written atomically.
+/// Throws InputError if the file cannot be written.
 void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
                         const DeformedData& data);
 

@@ -1,4 +1,4 @@
-// Non-shell elements of a mesh that follow the shells during an edit.
+// Nodes of non-shell elements, which follow the shells during an edit.
 #pragma once
 
 #include <span>
@@ -10,36 +10,39 @@
 
 namespace batten {
 
-/// How the attached elements moved between two shapes. Lengths are in model units.
+/// Measures of the motion of attached elements between two shapes. Lengths are in model units.
 struct AttachedMotion {
-  int connections = 0;               ///< connections(): rigid elements, bushes and bolts
-  double max_rigid_error = 0;        ///< largest distance of their nodes from a rigid-body motion
-  std::string worst_connection;      ///< the connection with that error; empty: all errors are 0
-  int moved_nodes = 0;               ///< nodes outside shells and connections that moved
+  int connections = 0;  ///< number of connections, see AttachedNodes::connections()
+  /// Largest distance of a node of a connection from its position under the best-fitting rigid-body
+  /// motion of the connection.
+  double max_rigid_error = 0;
+  std::string worst_connection;  ///< connection with that error; empty: all errors are 0
+  int moved_nodes = 0;           ///< number of moved nodes that belong to no shell or connection
   std::vector<int> inverted_solids;  ///< indices of solid elements that the motion inverted
 };
 
-/// The non-shell elements of a mesh: determines which of them stay rigid while the shells deform,
-/// and moves the nodes that belong to no shell.
+/// The nodes of non-shell elements of a mesh. The class determines which elements stay rigid while
+/// the shells deform, and moves the nodes that belong to no shell.
 class AttachedNodes {
  public:
-  /// Keeps references to `elements` and `mesh`. Vertex numbers of the mesh are node numbers of the
-  /// elements, as prepare() creates them. O(elements).
+  /// Keeps references to `elements` and `mesh`. The node numbers of the elements must be the vertex
+  /// numbers of the mesh, as in the result of prepare(). O(elements).
   AttachedNodes(std::span<const NonShellElement> elements, const TriangleMesh& mesh,
                 const AttachmentOptions& options = {});
 
-  /// Rigid elements, bushes and bolts, as rigid features of the deformation; see the free function
-  /// connections().
+  /// The connections (rigid elements, bushes and bolts) as form features of the deformation; see
+  /// the free function connections().
   const std::vector<FormFeature>& connections() const { return connections_; }
-  /// Adds the connections to a problem: appends them to its features, and extends its region of
-  /// interest, if it has one, by the nodes of connections that start in the region or in a handle.
+  /// Appends the connections to the features of a problem. If the problem has a region of interest,
+  /// extends it by the nodes of connections that have a node in the region or in a handle.
   void add_to(DeformProblem& problem) const;
   /// Moves the nodes that belong neither to shells nor to connections, by propagate_to_attached().
-  /// `before`, `after`: positions of all vertices (n×3). `features`: parts that moved rigidly,
-  /// connections included. Throws NoSolutionError.
+  /// `before`: positions of all vertices before the deformation (n×3). `after`: deformed positions,
+  /// in which these nodes are updated. `features`: features that moved rigidly, including
+  /// connections. Throws NoSolutionError if a factorization fails.
   void propagate(const Points& before, Points& after,
                  const std::vector<FormFeature>& features) const;
-  /// Measures how the attached elements moved between two shapes (n×3 each).
+  /// Measures the motion of the attached elements between two shapes (n×3 each).
   AttachedMotion motion(const Points& before, const Points& after) const;
 
  private:

@@ -12,113 +12,118 @@
 
 namespace batten {
 
-// Estimate of the deformed shape, as guidance for FormFeatureDeformer.
+// Estimate of the deformed shape that guides a FormFeatureDeformer.
 
-/// A shape that another deformer computed for the same edit without features. It provides the
-/// rotation of the surface where the rotations of the handles alone do not determine it.
+/// Estimate of the deformed shape, computed by another deformer for the same edit without features.
+/// It provides surface rotations that cannot be interpolated from the handle rotations, such as
+/// those caused by translating a handle.
 struct ShapeEstimate {
-  Points positions;         ///< n×3
-  std::vector<char> known;  ///< per vertex: nonzero if its position is valid; empty: all are
+  Points positions;         ///< estimated vertex positions, n×3
+  std::vector<char> known;  ///< per vertex: nonzero if the position is valid; empty: all are valid
   enum class Use {
-    /// Only the rotations of features are used; the rotation field is harmonic between them,
-    /// handles and fixed vertices, and rotates the curvature of the rest shape.
+    /// Only the feature rotations are used. The rotation field interpolates the rotations of
+    /// features, handles and fixed vertices harmonically, and rotates the curvature of the
+    /// undeformed mesh.
     Rotations,
-    Shape  ///< curvature is that of the estimate: without features the result is the estimate
+    Shape  ///< the curvature of the estimate is kept; without features the result is the estimate
   } use = Use::Rotations;
-  /// Rotation of each feature; none: that of the harmonic field. Features that share vertices must
-  /// have the same rotation. Features with TranslationOnly or with handle or fixed vertices ignore
-  /// these rotations.
+  /// Rotation of each feature; an empty entry means the rotation of the harmonic field. Features
+  /// that share vertices must have the same rotation. The rotation is ignored for features of kind
+  /// TranslationOnly, and for features that contain handle vertices or fixed vertices.
   std::vector<std::optional<Mat3>> feature_rotations;
 };
 
 struct FormFeatureData;
 
-/// Form-feature preserving deformation [Masuda2006]. Mean-curvature vectors δ_i = L(p_i⁰) are kept
-/// in the least-squares sense and rotate with a smooth field of rotations. Handles, fixed vertices
-/// and form features are satisfied exactly:
+/// Form-feature preserving deformation [Masuda2006]. The mean-curvature vectors δ_i = L(p_i⁰) of
+/// the undeformed mesh are kept in the least-squares sense and rotate with a smooth rotation field.
+/// The constraints of handles, fixed vertices and form features are satisfied exactly:
 ///
 ///     min ½ |A p - b|²   subject to   C p = d
 ///
 ///     rows of A p = b:   w_i L(p_i) = w_i R(q_i) s δ_i,   L(p_i) = (L_c p)_i / (2 A_i)
-///     w_i = √A_i (or 1)
-///     s   = scale of the feature or handle that vertex i belongs to, otherwise 1
+///     w_i = √A_i, or 1 for Weighting::Uniform
+///     s   = scale of the feature or handle to which vertex i belongs, otherwise 1
 ///
-/// L_c, A_i: see mesh/differential_operators.h, of the undeformed mesh. The logarithms q_i of the
-/// rotations form a harmonic field. It has q = 0 on fixed vertices and on features that keep their
-/// direction, the rotation of the handle on handles, and one q per free feature. The field is
-/// linear in the handle rotations, so the weights of each handle are computed once and an edit
+/// The cotangent Laplacian L_c and the mixed areas A_i of the undeformed mesh are defined in
+/// mesh/differential_operators.h. The rotation vectors q_i of the rotations R(q_i) form a harmonic
+/// field. It is 0 on fixed vertices and on features of kind TranslationOnly, equals the rotation
+/// vector of the handle on handles, and has a single value per free feature. Since the field is
+/// linear in the handle rotations, the weights of each handle are computed only once, and an edit
 /// needs no solve for rotations.
 ///
-/// Hard constraints are eliminated (AffineReduction): a feature of any size leaves three unknowns,
-/// its translation. x, y and z share one factorization. Point constraints (on a plane, on a line)
-/// couple x, y and z. There are few of them; they are imposed by a Schur complement on that factor
-/// and a final projection, exactly to rounding.
+/// Hard constraints are eliminated (AffineReduction): a feature of any size has only three
+/// unknowns, its translation. x, y and z share one factorization. Point constraints couple x, y and
+/// z; they are imposed exactly to rounding, by a Schur complement and a final projection.
 ///
-/// Redundant constraints are dropped. Features that share vertices merge, features that touch a
-/// handle move with it, features that touch the fixed region stay. If that is impossible, a
-/// ConflictError names the contradicting constraints. It is never thrown at construction, since it
-/// depends on the edit.
+/// Redundant constraints are dropped. Features that share vertices move as one feature, features
+/// that share vertices with a handle move with the handle, and features with a fixed vertex do not
+/// move. If constraints contradict each other, deform() throws a ConflictError that names them. The
+/// constructor cannot detect contradictions, since they depend on the edit.
 ///
 /// Cost: one sparse Cholesky factorization at construction. An edit costs one pair of triangular
 /// solves and a few sparse products, without allocation. Memory: the factor, and one number per
-/// participating vertex and handle. A soft linear constraint over k vertices adds k² matrix
-/// entries, so means of hundreds of vertices should be features or point constraints.
+/// moving vertex and handle. A soft linear constraint on k vertices adds k² matrix entries; use a
+/// feature or a point constraint for the mean of hundreds of vertices.
 class FormFeatureDeformer {
  public:
-  /// Throws InputError (see check() in deform_problem.h; a chain with coincident neighbours) or
-  /// NoSolutionError (the factorization fails).
+  /// Throws InputError if check() rejects the problem (deform_problem.h) or consecutive vertices of
+  /// a character chain coincide, and NoSolutionError if the factorization fails.
   FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem);
   ~FormFeatureDeformer();
   FormFeatureDeformer(FormFeatureDeformer&&) noexcept;
   FormFeatureDeformer& operator=(FormFeatureDeformer&&) noexcept;
 
-  /// Positions of all vertices after the edit, which is always applied to the undeformed mesh.
-  /// Throws InputError (missing or non-finite numbers, a scale not above 0) or ConflictError;
-  /// positions() is then unchanged.
+  /// Applies an edit to the undeformed mesh (not to the result of the previous edit), and returns
+  /// the positions of all vertices. Throws InputError if numbers are missing or not finite or a
+  /// scale is not above 0, and ConflictError if constraints contradict each other. positions() is
+  /// then unchanged.
   const Points& deform(const DeformEdit& edit);
-  /// The same, guided by an estimate V' of the shape. The rotations of its features replace those
-  /// of the field, which costs a factorization of the Laplacian. With Use::Shape, the rows are
-  /// A p = s A V' wherever the estimate is known ([Hu2012], eq. 5, with the right-hand side of the
-  /// estimate). Also throws InputError if sizes do not match or numbers are not finite, and
-  /// NoSolutionError.
+  /// Applies an edit, guided by an estimate of the deformed shape with positions V'. The feature
+  /// rotations of the estimate replace those of the harmonic field, which costs a factorization of
+  /// the Laplacian for each new set of rotated features. With Use::Shape, the equations are A p = s
+  /// A V' at all vertices whose estimate is known ([Hu2012], eq. 5, with the right-hand side of the
+  /// estimate). Throws the exceptions of the other overload, InputError if sizes of the estimate do
+  /// not match or numbers are not finite, and NoSolutionError if the factorization fails.
   const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
-  /// Performs one step of iterative refinement after deform(), for example when the mouse is
-  /// released. It recovers the accuracy that the normal equations lose, since they square the
-  /// condition number (refine_least_squares). Costs about as much as deform(). Returns the largest
-  /// change of a coordinate relative to the mesh size. Throws InputError if there was no successful
-  /// deform() before.
+  /// Performs one step of iterative refinement after deform(), for example when the user releases
+  /// the mouse. The step corrects rounding errors of the normal equations, which square the
+  /// condition number (see refine_least_squares()). Costs about as much as deform(). Returns the
+  /// largest change of a coordinate, relative to the mesh size. Throws InputError if no call of
+  /// deform() has succeeded before.
   double correct();
 
   const Points& positions() const;
-  /// Rotation vectors of the field of the last edit, n×3.
+  /// Rotation field of the last edit: one rotation vector per vertex, n×3.
   Points rotation_logs() const;
-  /// Largest constraint violation of positions(), see the free function hard_residual(). It is
-  /// measured with the problem as stated, not with the rows of the solver.
+  /// Largest violation of a hard constraint by positions(), relative to the mesh size; see the free
+  /// function hard_residual(). It is computed from the constraints of the problem, independently of
+  /// the equations of the solver.
   double hard_residual() const;
 
   const TriangleMesh& mesh() const;
   const DeformProblem& problem() const;
-  /// Notes in plain sentences about parts of the mesh without constraints, which stay.
+  /// Messages for the user about parts of the mesh that do not move, because they have no
+  /// constraints.
   const std::vector<std::string>& notes() const;
 
-  /// Sizes of the linear system, for reports.
+  /// Sizes of the linear system, for reports. Numbers of equations and unknowns are per coordinate.
   struct Counts {
-    int moving = 0;            ///< vertices whose positions are solved for
-    int unknowns = 0;          ///< free unknowns per coordinate after the reduction
-    int soft_equations = 0;    ///< rows of A, per coordinate
-    int hard_constraints = 0;  ///< rows of C, per coordinate, features included
-    /// Rows of C that belong to features, per coordinate.
-    int feature_constraints = 0;
-    int redundant_count = 0;  ///< redundant rows of C
-    int point_equations = 0;  ///< equations of point constraints
+    int moving = 0;               ///< number of vertices whose positions are unknown
+    int unknowns = 0;             ///< free unknowns after elimination of the hard constraints
+    int soft_equations = 0;       ///< number of least-squares equations A p = b
+    int hard_constraints = 0;     ///< number of hard constraints C p = d, including features
+    int feature_constraints = 0;  ///< number of hard constraints of features
+    int redundant_count = 0;      ///< number of redundant hard constraints
+    int point_equations = 0;      ///< number of equations of point constraints, in total
     /// Number of nonzeros of the Cholesky factor.
     long factor_entries = 0;
   };
   Counts counts() const;
 
-  /// The problem of an edit as explicit matrices, for verification. Minimise ½|A x - b|² over the
-  /// positions x (k×3) of the k `vertices`, relative to `origin`, subject to `constraints`.
-  /// Redundant constraints are omitted.
+  /// Explicit matrices of an edit, for verification. The problem is to minimise ½|A x - b|² subject
+  /// to `constraints`. The unknowns x (k×3) are the positions of the k `vertices` relative to
+  /// `origin`. Redundant constraints are omitted.
   struct ProblemMatrices {
     std::vector<int> vertices;
     Vec3 origin;
@@ -132,10 +137,11 @@ class FormFeatureDeformer {
   std::unique_ptr<FormFeatureData> data_;
 };
 
-/// Largest violation of the hard constraints of a problem at positions p (n×3), relative to the
-/// mesh size. `logs`: logarithms of the rotation field (n×3). Covers vertices that are fixed or
-/// outside the region, handles, features (compared with their best-fitting similarity of the
-/// prescribed scale), point constraints and hard linear constraints.
+/// Largest violation of the hard constraints of a problem at the vertex positions p (n×3), relative
+/// to the mesh size. `logs`: rotation vectors of the rotation field (n×3). The constraints are
+/// those of vertices that are fixed or outside the region of interest, handles, features (compared
+/// with their best-fitting similarity of the prescribed scale), point constraints and hard linear
+/// constraints.
 double hard_residual(const TriangleMesh& mesh, const DeformProblem& problem, const DeformEdit& edit,
                      const Points& p, const Points& logs);
 

@@ -17,45 +17,50 @@ namespace batten {
 struct FeatureRelation {
   enum class Kind {
     Parallel,  ///< the features rotate equally
-    Coaxial,   ///< parallel, and the centres keep their relative position along the common axis
-    /// The vector between two centres keeps its length and rotates with the first feature.
+    Coaxial,   ///< equal rotations, and the centres keep their distances along the common axis
+    /// The vectors from the centre of the first feature to the other centres keep their lengths and
+    /// rotate with the first feature.
     Distance,
     Spacing,   ///< evenly spaced centres stay evenly spaced
     Symmetric  ///< two centres stay mirror images with respect to a plane
   };
   std::string name;
   Kind kind = Kind::Parallel;
-  /// Indices of features: two for Symmetric, three or more in their order for Spacing, otherwise
-  /// two or more.
+  /// Indices of the related features: two for Kind::Symmetric, three or more in the order along the
+  /// row for Kind::Spacing, otherwise two or more.
   std::vector<int> features;
-  /// Coaxial: the first feature, if it is a hole. The centres must be on its axis, to 1e-3 of their
-  /// distance or of its radius. Empty: not checked.
+  /// For Kind::Coaxial: measure of the first feature, if it is a hole. The other centres must lie
+  /// on the axis of this hole; the tolerance is 1e-3 of their distance from the hole, or of its
+  /// radius if that is larger. Empty: the axis is not checked.
   std::optional<HoleMeasure> hole;
-  /// Symmetric: normal of the plane (any length above 0), and a point of it.
+  /// For Kind::Symmetric: normal of the symmetry plane (of any length above 0), and a point on it.
   std::optional<std::pair<Vec3, Vec3>> plane;
 };
 
-/// The constraints that preserve relations; members of a DeformProblem and of its DeformEdit.
+/// Constraints that preserve a relation, to be appended to the members with the same names of a
+/// DeformProblem and of its DeformEdit.
 struct RelationConstraints {
   std::vector<std::vector<int>> shared_rotations;  ///< groups of features that rotate equally
-  std::vector<LinearConstraint> rows;              ///< hard constraints of centres
+  std::vector<LinearConstraint> rows;              ///< hard constraints on the centres of features
   std::vector<PointConstraint> point_constraints;
-  std::vector<Vec3> constraint_origins;  ///< one for each of `point_constraints`
+  std::vector<Vec3> constraint_origins;  ///< one for each entry of `point_constraints`
 };
 
-/// The constraints of a relation:
+/// Constraints that preserve a relation between features with the centres c_i (undeformed: c_i⁰).
+/// R_0 is the rotation of the first feature.
 ///
 ///     Parallel   one rotation for all features
-///     Coaxial    the same, and c_i - c_0 = R_0 (c_i⁰ - c_0⁰)
+///     Coaxial    one rotation for all features, and c_i - c_0 = R_0 (c_i⁰ - c_0⁰)
 ///     Distance   c_i - c_0 = R_0 (c_i⁰ - c_0⁰)
 ///     Spacing    c_{i+1} - 2 c_i + c_{i-1} = R_0 (c_{i+1}⁰ - 2 c_i⁰ + c_{i-1}⁰)
-///     Symmetric  (c_0 + c_1) / 2 is on the plane, c_1 - c_0 is along its normal
+///     Symmetric  (c_0 + c_1) / 2 is on the plane, c_1 - c_0 is along the normal of the plane
 ///
-/// `features`: all features of the problem. `centres`: the centre c of each, with coefficients that
-/// sum to 1, such as the mean of its vertices or of the loop of a hole. `points`: undeformed
-/// vertices (n×3). Throws InputError, naming the relation: too few or too many features, an index
-/// out of range, no plane, or features that do not satisfy the relation to 1e-3 of the distance of
-/// their centres. O(vertices of the centres).
+/// `features`: all features of the problem. `centres`: centre of each feature, for example the mean
+/// of the vertices of the feature or of the loop of a hole; the coefficients must sum to 1.
+/// `points`: undeformed vertex positions (n×3). Throws InputError if there are too few or too many
+/// features, an index is out of range, the plane is missing, or the undeformed features deviate
+/// from the relation by more than 1e-3 of the distance between their centres. The message names the
+/// relation. O(vertices of the centres).
 RelationConstraints relation_constraints(const FeatureRelation& relation,
                                          std::span<const FormFeature> features,
                                          std::span<const VertexCombination> centres,

@@ -12,58 +12,64 @@
 
 namespace batten {
 
-/// How rotations are determined where no handle prescribes them. Features and curvature rotate
-/// accordingly.
+/// How the rotations of features and of the surface are determined if no handle prescribes them.
 enum class RotationMode {
-  Estimated,  ///< features rotate as the sheet at their location, deformed without them
-  Dual,       ///< from a preliminary shape computed with dual Laplacian vectors
-  /// From a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large rotations.
+  /// Features rotate like the surface at their locations, in a preliminary shape without features.
+  Estimated,
+  Dual,  ///< rotations of a preliminary shape by DualLaplacianDeformer
+  /// Rotations of a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large
+  /// rotations.
   Nonlinear,
-  Harmonic  ///< handle rotations, interpolated harmonically
+  Harmonic  ///< harmonic interpolation of the handle rotations
 };
 
-/// A rotation that is prescribed for a feature instead of being estimated.
+/// Rotation prescribed for a feature, which replaces the estimated rotation.
 struct PrescribedRotation {
   int feature = 0;  ///< index into DeformProblem::features
   Mat3 rotation = Mat3::Identity();
 };
 
-/// Estimates how the sheet, and with it the form features of a problem, rotate in an edit.
-/// Factorizations are kept, so that other values of the same edit cost solves only: one solve and
-/// O(n) work (n vertices) for RotationMode::Estimated, some iterations for Dual and Nonlinear.
+/// Estimates the rotations of the surface and of the form features in an edit. Factorizations are
+/// kept, so further edits of the same problem need no factorization: RotationMode::Estimated costs
+/// one solve and O(n) work for n vertices, Dual and Nonlinear cost some iterations.
 ///
-/// The rotation of a feature is the first of these: the prescribed one; no rotation if its kind is
-/// TranslationOnly; that of its handle; no rotation if it has a fixed vertex; the area-weighted mean
-/// rotation of its faces in the preliminary shape (mean_rotation()). Features that share vertices or
-/// a group of DeformProblem::shared_rotations have a common rotation. Source: [Hu2012], eq. 11.
+/// The rotation of a feature is the first that applies: the prescribed rotation; no rotation if the
+/// feature is of kind TranslationOnly; the rotation of a handle that shares vertices with the
+/// feature; no rotation if the feature has a fixed vertex; the area-weighted mean rotation of the
+/// faces of the feature in the preliminary shape (mean_rotation()). Features that share vertices or
+/// belong to the same group of DeformProblem::shared_rotations have a common rotation. Reference:
+/// [Hu2012], eq. 11.
 class FeatureRotationEstimator {
  public:
-  /// Keeps references to all arguments. `prepared`: the polygons of the mesh, for the dual mode.
-  /// `mesh`: the mesh before the edit. `problem` must have passed check(); its linear constraints
-  /// may change later, as they do not take part in the estimate.
+  /// Keeps references to `prepared`, `mesh` and `problem`. `prepared`: provides the polygons of the
+  /// mesh for RotationMode::Dual. `mesh`: the mesh before the edit. `problem` must be valid, see
+  /// check() in deform_problem.h. The linear constraints of the problem are ignored, so they may
+  /// change later.
   FeatureRotationEstimator(const PreparedMesh& prepared, const TriangleMesh& mesh,
                            const DeformProblem& problem, RotationMode mode);
   ~FeatureRotationEstimator();
   FeatureRotationEstimator(const FeatureRotationEstimator&) = delete;
   FeatureRotationEstimator& operator=(const FeatureRotationEstimator&) = delete;
 
-  /// Estimates the deformed shape, with a rotation per feature. Empty if no rotation is prescribed
-  /// and nothing has to be estimated: in the harmonic mode, or if no handle moves. Of several
-  /// rotations that are prescribed for features with a common rotation the last one applies.
-  /// Throws InputError (a feature index out of range) and what the deformers throw.
+  /// Estimates the deformed shape and the rotation of each feature. The result is empty if no
+  /// rotation is prescribed and nothing must be estimated: for RotationMode::Harmonic, or if no
+  /// handle moves. If several rotations are prescribed for features with a common rotation, the
+  /// last one applies. Throws InputError if a feature index is out of range, and the exceptions of
+  /// the deformers.
   std::optional<ShapeEstimate> estimate(const DeformEdit& edit,
                                         std::span<const PrescribedRotation> prescribed = {});
 
-  /// Updates the rotations of the first `count` features to the mean rotation of the two adjacent
-  /// rings of faces, in the shape `positions` computed with the current estimate. Unchanged are
-  /// features with a prescribed rotation, without adjacent faces, or in parts held by connections
-  /// only (which would oscillate). The result is the largest change in degrees; a few iterations
-  /// converge.
+  /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the two
+  /// adjacent rings of faces. `positions`: shape computed with the current estimate. The rotation
+  /// of a feature is not changed if it is prescribed, if the feature has no adjacent faces, or if
+  /// it lies in a part of the mesh that is constrained by connections only, whose rotation would
+  /// oscillate. Returns the largest change of a rotation in degrees. A few updates, each followed
+  /// by a new deformation, converge.
   double update_from_adjacent_faces(const DeformEdit& edit,
                                     std::span<const PrescribedRotation> prescribed, int count,
                                     const Points& positions, ShapeEstimate& estimate);
 
-  /// Number of iterations of the last estimate() in the dual or nonlinear mode, otherwise 0.
+  /// Number of iterations of the last estimate(); 0 for RotationMode::Estimated and Harmonic.
   int iterations() const { return iterations_; }
   /// False if the iterations of the last estimate() did not converge.
   bool converged() const { return converged_; }

@@ -1,4 +1,4 @@
-// One edit of a mesh with form features, factored once and solved repeatedly.
+// Editor for a mesh with form features: one edit, factored once and solved repeatedly.
 #pragma once
 
 #include <memory>
@@ -15,35 +15,36 @@ namespace batten {
 /// Options of MeshEditor.
 struct MeshEditorOptions {
   RotationMode rotation_mode = RotationMode::Estimated;
-  /// True: features that are not scaled keep the position that they would have without any scaling,
-  /// so that scaling one feature moves no other.
+  /// True: the centre of every feature keeps the position that it would have without scaled
+  /// features, so that scaling one feature does not move the others.
   bool keep_centres = true;
-  /// Centres of the features, in their order, for `keep_centres`; connections of attached nodes have
-  /// none. Empty: the mean of the vertices of each feature.
+  /// Centre of each feature, used by `keep_centres`, without entries for the connections of
+  /// attached nodes. Empty: each centre is the mean of the vertices of the feature.
   std::vector<VertexCombination> centres;
 };
 
 /// Statistics of MeshEditor::solve_to_equilibrium(). Times are in seconds.
 struct MeshEditStatistics {
   FormFeatureDeformer::Counts counts;
-  double largest_displacement = 0;  ///< of a vertex, model units
-  double hard_residual = 0;         ///< see FormFeatureDeformer::hard_residual()
-  double last_correction = 0;       ///< see FormFeatureDeformer::correct()
-  int iterations = 0;               ///< iterations of the rotation estimate; 0: not used
-  bool converged = true;            ///< the rotation estimate converged
+  double largest_displacement = 0;  ///< largest displacement of a vertex, model units
+  double hard_residual = 0;         ///< result of FormFeatureDeformer::hard_residual()
+  double last_correction = 0;       ///< result of FormFeatureDeformer::correct()
+  int iterations = 0;               ///< iterations of the rotation estimate; 0: no iteration
+  bool converged = true;            ///< false: the rotation estimate did not converge
   double setup_seconds = 0, edit_seconds = 0;
 };
 
-/// One edit of a mesh: FormFeatureDeformer with estimated rotations of features, centres that
-/// scaling does not move, and attached nodes. It is factored once; after that:
+/// Editor for one edit of a mesh. It combines a FormFeatureDeformer with estimated feature
+/// rotations, feature centres that do not move when features are scaled, and attached nodes. The
+/// system is factored once. There are two kinds of solution:
 ///
-///     solve_preview()          a pair of triangular solves and O(n) work: features rotate like the
-///                              adjacent sheet in the previous solution. Repeated calls with the
-///                              same values converge; see is_at_rest()
+///     solve_preview()          costs a pair of triangular solves and O(n) work. Features rotate
+///                              like the adjacent faces in the previous solution. Repeated calls
+///                              with the same edit converge; see is_at_rest()
 ///     solve_to_equilibrium()   iterates until the rotations change by less than 0.05 degrees, at
-///                              most 20 times, and corrects rounding
+///                              most 20 times, and corrects rounding errors
 ///
-/// solve_to_equilibrium() gives bit-identical results, whatever was solved before.
+/// The result of solve_to_equilibrium() does not depend on previous solutions.
 ///
 ///     const PreparedMesh prepared = prepare(shells);
 ///     DeformProblem problem = …;                         // features, handles, fixed vertices
@@ -55,44 +56,47 @@ struct MeshEditStatistics {
 class MeshEditor {
  public:
   /// Keeps references to `prepared` and `attached`. `before`: positions of all vertices before the
-  /// edit (n×3), such as the result of the previous edit. `attached`: nodes of other elements; its
-  /// add_to() must have been called for the problem, last of all, so that connections are its last
-  /// features. nullptr: none. Throws InputError (see check() in deform_problem.h; a wrong number of
-  /// centres) and NoSolutionError.
+  /// edit (n×3), for example the result of the previous edit. `attached`: nodes of other elements;
+  /// nullptr: none. Call attached->add_to(problem) after all other features have been added, so
+  /// that the connections are the last features. Throws InputError if check() rejects the problem
+  /// (deform_problem.h) or the number of centres is wrong, and NoSolutionError if a factorization
+  /// fails.
   MeshEditor(const PreparedMesh& prepared, const Points& before, DeformProblem problem,
              MeshEditorOptions options = {}, const AttachedNodes* attached = nullptr);
   ~MeshEditor();
   MeshEditor(const MeshEditor&) = delete;
   MeshEditor& operator=(const MeshEditor&) = delete;
 
-  /// Sets the values of the edit, and rotations that are prescribed for features. Call it before
-  /// the first solution. Throws NoSolutionError if a factorization fails; wrong values are reported
-  /// by the next solution.
+  /// Sets the edit and the prescribed rotations of features. Call this function before the first
+  /// solution. Throws NoSolutionError if a factorization fails. Invalid values are detected by the
+  /// next solution, which throws InputError.
   void set(DeformEdit edit, std::vector<PrescribedRotation> prescribed = {});
 
-  /// The shape during a drag, without the nodes that attached nodes move. Throws the exceptions of
-  /// solve_to_equilibrium(); the shape is then unchanged.
+  /// Computes the shape during a drag. Attached nodes outside connections are not moved. Throws the
+  /// exceptions of solve_to_equilibrium(); the shape is then unchanged.
   const Points& solve_preview();
-  /// True if features rotated by less than 0.05 degrees in the last solution.
+  /// True if the feature rotations changed by less than 0.05 degrees in the last solve_preview().
   bool is_at_rest() const { return at_rest_; }
-  /// The converged shape: all vertices, attached nodes included. Coordinates that changed by
-  /// rounding only keep their bits. Throws InputError (see check() in deform_problem.h; a feature of
-  /// a prescribed rotation out of range), ConflictError, NoSolutionError; the shape is then
-  /// unchanged.
+  /// Computes the converged positions of all vertices, including attached nodes. Coordinates that
+  /// differ from those before the edit only by rounding errors are reset to them. Throws InputError
+  /// if check() rejects the edit (deform_problem.h) or the feature of a prescribed rotation is out
+  /// of range, ConflictError if constraints contradict each other, and NoSolutionError if a
+  /// factorization fails; the shape is then unchanged.
   const Points& solve_to_equilibrium();
   /// Statistics of the last solve_to_equilibrium().
   const MeshEditStatistics& statistics() const { return statistics_; }
 
   /// The mesh before the edit.
   const TriangleMesh& mesh() const { return mesh_; }
-  /// The shape of the last solution; initially that before the edit.
+  /// The shape of the last solution; initially the shape before the edit.
   const Points& shape() const { return shape_; }
-  /// The problem. After a solution with scaled features, its last linear constraints are those of
-  /// the centres.
+  /// The deformation problem. After a solution with scaled features, its last linear constraints
+  /// keep the centres of the features.
   const DeformProblem& problem() const { return problem_; }
-  /// The values of the edit.
+  /// The current edit.
   const DeformEdit& edit() const { return edit_; }
-  /// Notes in plain sentences about parts of the mesh that nothing moves or fixes.
+  /// Messages for the user about parts of the mesh that do not move, because they have no
+  /// constraints.
   const std::vector<std::string>& notes() const { return deformer_->notes(); }
 
  private:

@@ -1,15 +1,109 @@
 #include "batten/mesh/features/feature_cut.h"
 
 #include <algorithm>
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/mesh/features/minimum_cut.h"
 #include "batten/mesh/selection.h"
 
 namespace batten {
 namespace {
+
+// An undirected edge of the dual graph; a and b are its nodes.
+struct DualEdge {
+  int a, b;
+  double capacity;
+};
+
+// Nodes on the source side of the minimum cut: one flag per node. The smallest such set is taken,
+// the nodes reachable from the source through residual capacity.
+std::vector<char> source_side(int nodes, int source, int sink,
+                              const std::vector<DualEdge>& graph_edges) {
+  using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
+  using Amount = std::int64_t;
+  struct Node {
+    boost::default_color_type color = boost::white_color;
+    Amount distance = 0;
+    Traits::edge_descriptor predecessor;
+  };
+  struct Edge {
+    Amount capacity = 0, residual = 0;
+    Traits::edge_descriptor reverse;
+  };
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, Node, Edge>;
+
+  double sum = 0;
+  for (const DualEdge& graph_edge : graph_edges) sum += graph_edge.capacity;
+  const double unit = sum > 0 ? 0x1p52 / sum : 0;
+  Graph graph(nodes);
+  for (const DualEdge& graph_edge : graph_edges) {
+    const auto there = add_edge(graph_edge.a, graph_edge.b, graph).first;
+    const auto back = add_edge(graph_edge.b, graph_edge.a, graph).first;
+    graph[there].capacity = graph[back].capacity = std::llround(graph_edge.capacity * unit);
+    graph[there].reverse = back;
+    graph[back].reverse = there;
+  }
+  boykov_kolmogorov_max_flow(graph, get(&Edge::capacity, graph), get(&Edge::residual, graph),
+                             get(&Edge::reverse, graph), get(&Node::predecessor, graph),
+                             get(&Node::color, graph), get(&Node::distance, graph),
+                             get(boost::vertex_index, graph), source, sink);
+  std::vector<char> reached(nodes, 0);
+  std::vector<int> stack = {source};
+  reached[source] = 1;
+  while (!stack.empty()) {
+    const int node = stack.back();
+    stack.pop_back();
+    for (auto [edge, end] = out_edges(node, graph); edge != end; ++edge) {
+      const int other = static_cast<int>(target(*edge, graph));
+      if (graph[*edge].residual > 0 && !reached[other]) {
+        reached[other] = 1;
+        stack.push_back(other);
+      }
+    }
+  }
+  return reached;
+}
+
+// d = η (1 - cos a) of an edge, with the η of its kind.
+double bending(const TriangleMesh& mesh, const MeshTopology::Edge& e, const CutOptions& options) {
+  const Vec3 left = mesh.area_vector(e.left), right = mesh.area_vector(e.right);
+  const double norms = left.norm() * right.norm();
+  if (!(norms > 0)) return 0;
+  // Concave if the opposite vertex of the right triangle lies above the plane of the left one.
+  const auto& corners = mesh.topology().triangles()[e.right];
+  const int opposite_vertex = *std::find_if(corners.begin(), corners.end(),
+                                            [&](int v) { return v != e.low && v != e.high; });
+  const bool concave = left.dot(mesh.point(opposite_vertex) - mesh.point(e.low)) > 0;
+  return (concave ? options.concave : options.convex) * (1 - left.dot(right) / norms);
+}
+
+// Cost of each of the given edges, which must have two triangles.
+std::vector<double> cut_capacities(const TriangleMesh& mesh, const std::vector<int>& edges,
+                                   const CutOptions& options) {
+  std::vector<double> bends, capacities;
+  double sum = 0;
+  for (const int i : edges) {
+    const auto& e = mesh.topology().edges()[i];
+    capacities.push_back((mesh.point(e.high) - mesh.point(e.low)).norm());
+    bends.push_back(bending(mesh, e, options));
+    sum += bends.back();
+  }
+  constexpr double tenth_of_a_degree = 1.523e-6;  // 1 - cos
+  const double mean = std::max(sum / static_cast<double>(edges.size()), tenth_of_a_degree);
+  for (size_t i = 0; i < edges.size(); ++i) capacities[i] /= 1 + bends[i] / mean;
+  return capacities;
+}
+
+void check_weights(const CutOptions& options) {
+  for (const double eta : {options.concave, options.convex})
+    if (!(eta >= 0) || !std::isfinite(eta))
+      throw InputError("found the bend weight " + format_number(eta) + ", expected 0 or more");
+}
 
 constexpr int kBandPart = 0;  // part_ of triangles in the band; the parts beside it are 1, 2, …;
                               // -1: other components of the mesh
@@ -18,7 +112,7 @@ class FeatureCutter {
  public:
   FeatureCutter(const TriangleMesh& mesh, const std::vector<int>& band, const CutOptions& options)
       : mesh_(mesh), topology_(mesh.topology()), options_(options) {
-    check(options);
+    check_weights(options);
     mark_band(band);
     find_parts();
     feature_part_ = options.feature_vertex < 0 ? smaller_part() : part_with(options.feature_vertex);
@@ -215,7 +309,7 @@ std::vector<int> marked(const TriangleMesh& mesh, const std::vector<int>& inside
 
 FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
                       const std::vector<int>& outside, const CutOptions& options) {
-  check(options);
+  check_weights(options);
   check_stroke(mesh, "the stroke inside", inside);
   check_stroke(mesh, "the stroke outside", outside);
   const MeshTopology& topology = mesh.topology();
@@ -252,7 +346,7 @@ FeatureCut stroke_cut(const TriangleMesh& mesh, const std::vector<int>& inside,
 namespace {
 
 // A side of a triangle: the edge opposite to `corner`.
-struct Side {
+struct ChainSide {
   int triangle, corner;
 };
 
@@ -262,14 +356,14 @@ class BorderWalk {
       : topology_(topology), inside_(inside), taken_(3 * inside.size(), 0) {}
 
   std::vector<BorderChain> chains() {
-    std::vector<Side> sides;
+    std::vector<ChainSide> sides;
     for (int t = 0; t < topology_.triangle_count(); ++t)
       for (int c = 0; c < 3; ++c)
         if (on_border({t, c})) sides.push_back({t, c});
     std::vector<BorderChain> result;
-    for (const Side& side : sides)  // open chains from their first side
+    for (const ChainSide& side : sides)  // open chains from their first side
       if (!taken(side) && previous(side).triangle < 0) result.push_back(walk(side));
-    for (const Side& side : sides)
+    for (const ChainSide& side : sides)
       if (!taken(side)) result.push_back(walk(side));
     for (BorderChain& chain : result)
       if (chain.closed) {
@@ -282,17 +376,21 @@ class BorderWalk {
   }
 
  private:
-  char& taken(const Side& s) { return taken_[3 * s.triangle + s.corner]; }
+  char& taken(const ChainSide& s) { return taken_[3 * s.triangle + s.corner]; }
 
   // Sides belong to triangles inside and are traversed in the direction of the triangles outside.
-  bool on_border(const Side& s) const {
+  bool on_border(const ChainSide& s) const {
     if (!inside_[s.triangle]) return false;
     const int other = topology_.across(s.triangle, s.corner);
     return other >= 0 && !inside_[other];
   }
 
-  int first(const Side& s) const { return topology_.triangles()[s.triangle][(s.corner + 2) % 3]; }
-  int last(const Side& s) const { return topology_.triangles()[s.triangle][(s.corner + 1) % 3]; }
+  int first(const ChainSide& s) const {
+    return topology_.triangles()[s.triangle][(s.corner + 2) % 3];
+  }
+  int last(const ChainSide& s) const {
+    return topology_.triangles()[s.triangle][(s.corner + 1) % 3];
+  }
 
   int corner_of(int triangle, int vertex) const {
     const auto& t = topology_.triangles()[triangle];
@@ -303,24 +401,24 @@ class BorderWalk {
   // result has triangle -1 if the mesh ends before that. `step`: offset from the corner at the
   // vertex to the corner opposite to the exit side. 1 rotates around the last vertex, 2 around the
   // first.
-  Side pivot(const Side& s, int vertex, int step) const {
+  ChainSide pivot(const ChainSide& s, int vertex, int step) const {
     for (int t = s.triangle;;) {
-      const Side exit{t, (corner_of(t, vertex) + step) % 3};
+      const ChainSide exit{t, (corner_of(t, vertex) + step) % 3};
       const int other = topology_.across(exit.triangle, exit.corner);
       if (other < 0) return {-1, -1};
       if (!inside_[other]) return exit;
       t = other;
     }
   }
-  Side next(const Side& s) const { return pivot(s, last(s), 1); }
-  Side previous(const Side& s) const { return pivot(s, first(s), 2); }
+  ChainSide next(const ChainSide& s) const { return pivot(s, last(s), 1); }
+  ChainSide previous(const ChainSide& s) const { return pivot(s, first(s), 2); }
 
-  BorderChain walk(Side side) {
+  BorderChain walk(ChainSide side) {
     BorderChain chain;
     for (;;) {
       taken(side) = 1;
       chain.vertices.push_back(first(side));
-      const Side following = next(side);
+      const ChainSide following = next(side);
       if (following.triangle < 0) {
         chain.vertices.push_back(last(side));
         chain.closed = false;

@@ -73,32 +73,10 @@ const ArapOptions& checked(const ArapOptions& options) {
 
 }  // namespace
 
-struct ArapDeformer::Data {
-  ArapOptions options;
-  LocalGlobalSolver solver;
-};
-
 ArapDeformer::ArapDeformer(const TriangleMesh& mesh, std::vector<int> fixed,
                            std::vector<Handle> handles, const ArapOptions& options)
-    : data_(new Data{checked(options),
-                     LocalGlobalSolver(mesh, handle_problem(std::move(fixed), std::move(handles)),
-                                       rows_of(mesh, options.smoothing), "ARAP deformer")}) {}
-ArapDeformer::~ArapDeformer() = default;
-ArapDeformer::ArapDeformer(ArapDeformer&&) noexcept = default;
-ArapDeformer& ArapDeformer::operator=(ArapDeformer&&) noexcept = default;
-
-const Points& ArapDeformer::deform(std::span<const HandleTransform> moves) {
-  return data_->solver.deform(moves, nullptr, data_->options.max_iterations,
-                              data_->options.tolerance);
-}
-const Points& ArapDeformer::deform(std::span<const HandleTransform> moves, const Points& guess) {
-  return data_->solver.deform(moves, &guess, data_->options.max_iterations,
-                              data_->options.tolerance);
-}
-const Points& ArapDeformer::positions() const { return data_->solver.positions(); }
-const IterationReport& ArapDeformer::report() const { return data_->solver.report(); }
-const std::vector<Mat3>& ArapDeformer::vertex_rotations() const {
-  return data_->solver.rotations();
-}
+    : IterativeDeformer(mesh, std::move(fixed), std::move(handles),
+                        rows_of(mesh, checked(options).smoothing), "ARAP deformer",
+                        options.max_iterations, options.tolerance) {}
 
 }  // namespace batten

@@ -61,39 +61,14 @@ DualLaplacianEnergyOptions row_options(const DualLaplacianOptions& options) {
 
 }  // namespace
 
-struct DualLaplacianDeformer::Data {
-  DualLaplacianOptions options;
-  LocalGlobalSolver solver;
-};
-
 DualLaplacianDeformer::DualLaplacianDeformer(const TriangleMesh& mesh,
                                              std::vector<std::vector<int>> faces,
                                              std::vector<int> fixed, std::vector<Handle> handles,
                                              const DualLaplacianOptions& options)
-    : data_(new Data{
-          checked(options),
-          LocalGlobalSolver(mesh, handle_problem(std::move(fixed), std::move(handles)),
-                            dual_laplacian_energy(mesh, faces.empty() ? faces_of(mesh) : faces,
-                                                  row_options(options)),
-                            "dual Laplacian deformer")}) {}
-DualLaplacianDeformer::~DualLaplacianDeformer() = default;
-DualLaplacianDeformer::DualLaplacianDeformer(DualLaplacianDeformer&&) noexcept = default;
-DualLaplacianDeformer& DualLaplacianDeformer::operator=(DualLaplacianDeformer&&) noexcept = default;
-
-const Points& DualLaplacianDeformer::deform(std::span<const HandleTransform> moves) {
-  return data_->solver.deform(moves, nullptr, data_->options.max_iterations,
-                              data_->options.tolerance);
-}
-const Points& DualLaplacianDeformer::deform(std::span<const HandleTransform> moves,
-                                            const Points& guess) {
-  return data_->solver.deform(moves, &guess, data_->options.max_iterations,
-                              data_->options.tolerance);
-}
-const Points& DualLaplacianDeformer::positions() const { return data_->solver.positions(); }
-const IterationReport& DualLaplacianDeformer::report() const { return data_->solver.report(); }
-const std::vector<Mat3>& DualLaplacianDeformer::face_rotations() const {
-  return data_->solver.rotations();
-}
+    : IterativeDeformer(mesh, std::move(fixed), std::move(handles),
+                        dual_laplacian_energy(mesh, faces.empty() ? faces_of(mesh) : faces,
+                                              row_options(checked(options))),
+                        "dual Laplacian deformer", options.max_iterations, options.tolerance) {}
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Restores the shape of feature regions in the result of any deformer [Hu2012].
+// Restoration of the shape of feature regions in the result of any deformer [Hu2012].
 #pragma once
 
 #include <memory>
@@ -19,64 +19,68 @@ struct FeatureRegion {
   std::string name;
   /// Triangle indices; if empty, the triangles with at least one corner in `vertices`.
   std::vector<int> faces;
-  std::vector<int> vertices;          ///< vertex indices; ignored if `faces` is not empty
-  std::optional<Mat3> rotation = {};  ///< rotation set by the user; none: fitted to the estimate
-  double scale = 1;                   ///< scale of the region, above 0
+  std::vector<int> vertices;          ///< vertex indices; ignored unless `faces` is empty
+  std::optional<Mat3> rotation = {};  ///< prescribed rotation; empty: fitted to the estimate
+  double scale = 1;                   ///< scale factor of the region, above 0
 };
 
-/// How FeatureRegionDeformer keeps feature regions. Equation numbers refer to that class.
+/// Options of FeatureRegionDeformer. Equation numbers are those in the comment of that class.
 struct FeatureRegionOptions {
   enum class Kind {
-    Soft,  ///< rows (6) with `weight`: regions keep their shape approximately and join softly
-    Hard   ///< p = s R' p⁰ + t holds exactly and is eliminated: three unknowns per region
+    Soft,  ///< penalty term (6): regions keep their shape approximately
+    Hard   ///< regions keep their shape exactly, p = s R' p⁰ + t, with three unknowns per region
   } kind = Kind::Hard;
   enum class Rhs {
-    Estimate,  ///< L V', the Laplacian vectors of the estimate
-    Original   ///< L V, as in the paper: they do not rotate and resist large bends
+    Estimate,  ///< Laplacian vectors of the estimate
+    Original   ///< those of the undeformed mesh, as in [Hu2012]; they resist large bending
   } rhs = Rhs::Estimate;
   enum class Mean {
-    Squared,  ///< mean_rotation: min Σ A_f ‖R' - R_f‖²
-    Robust    ///< median_rotation: min Σ A_f ‖R' - R_f‖, equation (10)
+    Squared,  ///< mean_rotation(), which minimises Σ A_f ‖R' - R_f‖²
+    Robust    ///< median_rotation(), which minimises Σ A_f ‖R' - R_f‖ ([Hu2012], eq. 10)
   } mean = Mean::Squared;
-  double weight = 2e7;  ///< weight of soft regions in (6), dimensionless
+  double weight = 2e7;  ///< weight of the penalty term (6) of soft regions, dimensionless
 };
 
-/// Connected components (along edges) of the vertices whose mask is not 0. Each is ascending; they
-/// are sorted by their lowest vertices. Throws InputError if the size of the mask differs from the
-/// vertex count. O(mesh).
+/// Components of the vertices whose `mask` is nonzero, connected along edges. The vertices of each
+/// component are ascending; the components are sorted by their lowest-numbered vertices. Throws
+/// InputError if the size of the mask differs from the number of vertices. O(edges).
 std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
                                                  const std::vector<char>& mask);
 
-/// The triangles of a region, ascending. Throws InputError, naming the region: indices out of
-/// range, or no triangles.
+/// The triangles of a feature region, ascending. Throws InputError if an index is out of range or
+/// the region has no triangles; the message names the region.
 std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region);
 
-/// Deformation that keeps feature regions rigid [Hu2012]. An estimate V' of the deformed mesh, from
-/// any deformer, determines the rotation of each region. The mesh is then solved for again with
-/// every region kept rigid:
+/// Deformation that keeps feature regions rigid [Hu2012]. An estimate V' of the deformed vertex
+/// positions, from any deformer, determines the rotation of each region. The positions p are then
+/// computed again, with rigid regions:
 ///
 ///     min ½ Σ_i A_i |L(p_i) - l_i|²                                                  (5)
 ///       + ½ weight/size² Σ_regions Σ_f A_f Σ_e |e - s R e⁰|² / Σ_e |e⁰|²             (6), soft
 ///     L(p_i) = (L_c p)_i / (2 A_i),   l_i = L(p'_i) of the estimate, or L(p_i⁰)
 ///
-/// Fixed vertices and handles are satisfied exactly. L_c, A_i: see mesh/differential_operators.h.
-/// A_f is the area of a face, e its edges, size the size of the mesh. R is R', one rotation per
-/// region (11): the mean over its faces of the rotations R_f from the mesh to V' (see
-/// rotation_of_face()). For hard regions, (6) is replaced by p_i - p_r = s R' (p_i⁰ - p_r⁰) for all
-/// vertices of the faces of the region.
+/// Fixed vertices and handles are satisfied exactly. The cotangent Laplacian L_c and the mixed
+/// areas A_i are defined in mesh/differential_operators.h. A_f is the area of a face f, e are its
+/// edges, s is the scale of its region, p⁰ and e⁰ are undeformed values, and size is the mesh size.
+/// The rotation R in (6) is R', one per region: the mean of the rotations R_f of the faces of the
+/// region from the undeformed mesh to V' (see rotation_of_face(); [Hu2012], eq. 11). For hard
+/// regions, (6) is replaced by the constraints p_i - p_r = s R' (p_i⁰ - p_r⁰) for all vertices i of
+/// the region, where r is a reference vertex of the region.
 ///
-/// R' is taken from the first of these sources: the user; a constraint on a vertex of the region (a
-/// fixed vertex: no rotation; a handle: its rotation, and its scale for s); the estimate. Hard
-/// regions that share vertices rotate together: with the rotation that the user set for any of
-/// them, or with the mean over all their faces.
+/// R' is the first that applies: the prescribed rotation of the region; the rotation of a handle
+/// that shares vertices with the region; no rotation if the region has a fixed vertex; the mean of
+/// the R_f. A handle that shares vertices with the region also determines s. Hard regions that
+/// share vertices have a common rotation: the one prescribed for any of them, or the mean over the
+/// faces of all of them.
 ///
 /// One Cholesky factorization serves any number of edits, rotations and scales. An edit costs one
-/// solve for x, y and z, and the fitting of rotations.
+/// solve for x, y and z, and the computation of the rotations.
 class FeatureRegionDeformer {
  public:
-  /// Throws InputError (see faces_of() and check() in deform_problem.h; missing or repeated names;
-  /// a matrix that is not a rotation to 1e-9; a scale or weight not above 0) or NoSolutionError
-  /// (the factorization fails).
+  /// `fixed`, `handles`: vertices as in DeformProblem. Throws InputError if faces_of() or check()
+  /// (deform_problem.h) does, a name is missing or repeated, a prescribed rotation is not a
+  /// rotation matrix to 1e-9, or a scale or weight is not above 0. Throws NoSolutionError if the
+  /// factorization fails.
   FeatureRegionDeformer(const TriangleMesh& mesh, std::vector<FeatureRegion> regions,
                         std::vector<int> fixed, std::vector<Handle> handles,
                         const FeatureRegionOptions& options = {});
@@ -84,31 +88,33 @@ class FeatureRegionDeformer {
   FeatureRegionDeformer(FeatureRegionDeformer&&) noexcept;
   FeatureRegionDeformer& operator=(FeatureRegionDeformer&&) noexcept;
 
-  /// Computes the final positions of all vertices. `estimate`: n×3, from any deformer with the same
-  /// moves. `moves`: one per handle. Throws InputError (moves; a wrong number of points or values
-  /// that are not finite) or ConflictError (hard regions whose common vertices or constraints
-  /// require different positions).
+  /// Computes the deformed positions of all vertices. `moves`: one transformation per handle.
+  /// `estimate`: vertex positions (n×3) that any deformer computed for the same moves. Throws
+  /// InputError if the moves are invalid, the number of points is wrong or a value is not finite,
+  /// and ConflictError if hard regions or constraints require different positions of a common
+  /// vertex.
   const Points& deform(const Points& estimate, std::span<const HandleTransform> moves);
-  /// Computes the preliminary result: (6) with the individual R_f of each face, which bends regions
-  /// like the estimate. For Kind::Hard the first call builds a soft system with its own
-  /// factorization.
+  /// Computes a preliminary result, in which (6) contains the rotation R_f of each face instead of
+  /// R', so that regions bend as in the estimate. For Kind::Hard, the first call factors an
+  /// additional system with soft regions. Parameters and exceptions are those of deform().
   const Points& deform_per_face(const Points& estimate, std::span<const HandleTransform> moves);
 
-  /// Sets the rotation of a region, or none to fit it to the estimate. Does not refactor.
+  /// Prescribes the rotation of a region; empty: the rotation is fitted to the estimate. No new
+  /// factorization is needed.
   void set_rotation(int region, const std::optional<Mat3>& rotation);
-  /// Sets the scale of a region, above 0. Does not refactor.
+  /// Sets the scale factor of a region, above 0. No new factorization is needed.
   void set_scale(int region, double scale);
 
   const Points& positions() const;
-  /// R' of each region in the last deform().
+  /// Rotation R' of each region in the last call of deform().
   const std::vector<Mat3>& region_rotations() const;
-  /// Scale s of each region in the last deform().
+  /// Scale factor s of each region in the last call of deform().
   const std::vector<double>& region_scales() const;
-  /// R_f of the faces of a region, in the order of faces().
+  /// Rotation R_f of each face of a region, in the order of faces().
   const std::vector<Mat3>& face_rotations(int region) const;
   /// Triangles of a region, ascending.
   const std::vector<int>& faces(int region) const;
-  /// All corners of the faces of a region: the vertices that a hard region keeps.
+  /// All vertices of the triangles of a region.
   const std::vector<int>& vertices(int region) const;
   const std::vector<FeatureRegion>& regions() const;
   /// Number of free unknowns per coordinate.

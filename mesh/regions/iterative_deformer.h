@@ -1,42 +1,56 @@
-// Common interface of the iterative deformers.
+// Common base class of the iterative mesh deformers.
 #pragma once
 
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "batten/mesh/deform/deform_problem.h"
+#include "batten/mesh/regions/local_global_iteration.h"
+#include "batten/mesh/triangle_mesh.h"
 
 namespace batten {
 
-/// Convergence of an iterative deformer in the last edit.
-struct IterationReport {
-  int iterations = 0;
-  /// Largest displacement of a vertex in the last iteration, relative to the mesh size.
-  double last_change = 0;
-  bool converged = false;  ///< last_change fell below the tolerance within max_iterations
-  /// Energy after each iteration, in model units. It never increases except by rounding (1e-12 of
-  /// the first value).
-  std::vector<double> energies;
-};
+struct ArapEnergy;
+class LocalGlobalSolver;
 
-/// Computes the shape of a mesh iteratively for given transformations of its handles.
+/// Base class of the deformers that compute the shape of a mesh iteratively from the
+/// transformations of its handles. Each derived class minimises a different energy.
 class IterativeDeformer {
  public:
-  virtual ~IterativeDeformer() = default;
+  virtual ~IterativeDeformer();
+  IterativeDeformer(IterativeDeformer&&) noexcept;
+  IterativeDeformer& operator=(IterativeDeformer&&) noexcept;
 
-  /// Positions of all vertices after the moves; one move per handle. The iteration starts from the
-  /// rest shape with interpolated handle rotations (see each class), not from the last result:
-  /// equal moves give bit-identical results. Throws InputError (missing or non-finite numbers, a
-  /// scale not above 0), ConflictError (a vertex constrained to two different positions) or
-  /// NoSolutionError (positions that are not finite).
-  virtual const Points& deform(std::span<const HandleTransform> moves) = 0;
-  /// The same, starting from an initial guess (n×3) for the free vertices: another estimate, or the
-  /// previous result during a drag. Throws InputError if the number of points is wrong or one is
-  /// not finite.
-  virtual const Points& deform(std::span<const HandleTransform> moves, const Points& guess) = 0;
+  /// Computes the positions of all vertices. `moves`: one transformation per handle. The iteration
+  /// starts from the undeformed shape with interpolated handle rotations (see the derived classes),
+  /// not from the previous result, so equal moves give bit-identical results. Throws InputError if
+  /// numbers are missing or not finite or a scale is not above 0, ConflictError if a vertex is
+  /// constrained to two different positions, and NoSolutionError if a computed position is not
+  /// finite.
+  const Points& deform(std::span<const HandleTransform> moves);
+  /// Computes the positions of all vertices, starting from an initial guess (n×3) of the positions
+  /// of the free vertices, for example the previous result during a drag. Also throws InputError if
+  /// the guess has a wrong number of points or a coordinate that is not finite.
+  const Points& deform(std::span<const HandleTransform> moves, const Points& guess);
 
-  virtual const Points& positions() const = 0;
-  virtual const IterationReport& report() const = 0;
+  const Points& positions() const;
+  const IterationReport& report() const;
+
+ protected:
+  /// `name`: first words of error messages. Throws InputError if check() rejects the constraints
+  /// (deform_problem.h), and NoSolutionError if the factorization fails.
+  IterativeDeformer(const TriangleMesh& mesh, std::vector<int> fixed, std::vector<Handle> handles,
+                    ArapEnergy energy, const std::string& name, int max_iterations,
+                    double tolerance);
+  /// Rotation of each cell (a vertex or face, depending on the energy) after the last edit.
+  const std::vector<Mat3>& rotations() const;
+
+ private:
+  std::unique_ptr<LocalGlobalSolver> solver_;
+  int max_iterations_;
+  double tolerance_;
 };
 
 }  // namespace batten

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/mesh/deform/deform_system.h"
 #include "batten/mesh/rotation_fitting.h"
@@ -29,13 +27,6 @@ void group_by_owner(int owners, std::vector<int>& start, std::vector<int>& item,
 }
 
 }  // namespace
-
-DeformProblem handle_problem(std::vector<int> fixed, std::vector<Handle> handles) {
-  DeformProblem problem;
-  problem.fixed = std::move(fixed);
-  problem.handles = std::move(handles);
-  return problem;
-}
 
 LocalGlobalSolver::Constraints LocalGlobalSolver::collect_constraints(const MeshTopology& topology,
                                                                       const DeformProblem& given,
@@ -80,17 +71,16 @@ LocalGlobalSolver::Constraints LocalGlobalSolver::collect_constraints(const Mesh
 }
 
 LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem problem,
-                                     ArapEnergy rows, const std::string& error_prefix)
-    : LocalGlobalSolver(mesh, problem, rows, error_prefix,
+                                     ArapEnergy rows, const std::string& name)
+    : LocalGlobalSolver(mesh, problem, rows, name,
                         collect_constraints(mesh.topology(), problem, rows)) {}
 
 LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem problem,
-                                     ArapEnergy rows, const std::string& error_prefix,
+                                     ArapEnergy rows, const std::string& name,
                                      Constraints constraints)
-    : problem_(std::move(problem)),
+    : LocalGlobalIteration(mesh.size(), name),
+      problem_(std::move(problem)),
       rows_(std::move(rows)),
-      error_prefix_(error_prefix),
-      size_(mesh.size()),
       origin_(mesh.triangle_count() > 0 ? Vec3(mesh.box().center()) : Vec3(Vec3::Zero())),
       points_(mesh.points()),
       constrained_vertex_(std::move(constraints.vertex)),
@@ -101,19 +91,18 @@ LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem pro
   if (positions_.free_count() > 0) {
     const SparseMatrix N = normal_matrix(B_, reduced);
     factor_.analyze(N);
-    if (!factor_.factorize(N)) throw NoSolutionError(error_prefix_ + ": " + factor_.message());
+    if (!factor_.factorize(N)) throw NoSolutionError(name_ + ": " + factor_.message());
   }
   rhs_ = MatX::Zero(isize(constraints.rows.constraints()), 3);
   gather_cells();
   colour_cells();
-  spread_rotations();
+  compute_handle_weights();
   find_coincident_vertices(mesh.topology());
   const long count = rows_.A.rows();
-  y_ = load_ = accelerated_ = MatX::Zero(positions_.free_count(), 3);
-  if (!rows_.links.empty())
-    rotations_before_ = rotations_ = accelerated_ = MatX::Zero(3L * cell_count(), 3);
+  resize(positions_.free_count(),
+         rows_.links.empty() ? positions_.free_count() : 3L * cell_count());
+  if (!rows_.links.empty()) rotations_before_ = rotations_ = MatX::Zero(3L * cell_count(), 3);
   now_ = constrained_part_ = residual_ = RowPoints::Zero(count, 3);
-  accelerator_.resize(accelerated_.rows());
   covariances_.assign(element_count(), Mat3::Zero());
   G_.assign(cell_count(), Mat3::Identity());
   G_before_ = G_;
@@ -171,7 +160,7 @@ void LocalGlobalSolver::colour_cells() {
 
 // Interpolation weights of the handles: 1 on the own vertices of a handle, 0 on all other
 // constrained ones, min |A q|² elsewhere.
-void LocalGlobalSolver::spread_rotations() {
+void LocalGlobalSolver::compute_handle_weights() {
   const auto handles = static_cast<long>(problem_.handles.size());
   MatX indicator = MatX::Zero(rhs_.rows(), handles);
   for (size_t k = 0; k < constrained_handle_.size(); ++k)
@@ -209,12 +198,10 @@ void LocalGlobalSolver::start(const Points* guess) {
     p_.row(constrained_vertex_[k]) = rhs_.row(static_cast<long>(k));
   const auto& free = positions_.free_dofs();
   for (size_t k = 0; k < free.size(); ++k) y_.row(static_cast<long>(k)) = p_.row(free[k]);
-  parallel_for_each<kChunk>(cell_count(), [&](int c) {
-    Vec3 log = Vec3::Zero();
-    for (size_t h = 0; h < edit_.handles.size(); ++h)
-      log += weights_(c, static_cast<long>(h)) * edit_.handles[h].rotation_vector;
-    G_[c] = rotation_matrix(log);
-  });
+  rotation_vectors_.clear();
+  for (const HandleTransform& move : edit_.handles)
+    rotation_vectors_.push_back(move.rotation_vector);
+  interpolate_rotations(weights_, rotation_vectors_, G_);
   if (!guess) return;
   evaluate_rows();
   local_step();
@@ -323,13 +310,10 @@ void LocalGlobalSolver::global_step() {
     for (long c = first; c < last; ++c) {
       Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
       for (SparseMatrix::InnerIterator b(B_, c); b; ++b) sum += b.value() * residual_.row(b.row());
-      load_.row(c) = sum;
+      next_.row(c) = sum;
     }
   });
-  if (B_.cols() > 0) factor_.solve_in_place(load_);
-  if (!load_.allFinite()) throw NoSolutionError(error_prefix_ + ": positions are not finite");
-  report_.last_change =
-      size_ > 0 && B_.cols() > 0 ? (load_ - y_).rowwise().norm().maxCoeff() / size_ : 0;
+  if (B_.cols() > 0) factor_.solve_in_place(next_);
 }
 
 double LocalGlobalSolver::update_rotations() {
@@ -341,40 +325,25 @@ double LocalGlobalSolver::update_rotations() {
   return energy();
 }
 
-double LocalGlobalSolver::iterate_with_links(double energy_before) {
+double LocalGlobalSolver::iterate(double energy_before) {
+  if (rows_.links.empty()) return LocalGlobalIteration::iterate(energy_before);
   const auto iteration = [&] {
     for (int c = 0; c < cell_count(); ++c) rotations_before_.middleRows<3>(3L * c) = G_[c];
-    global_step();
-    y_.swap(load_);
+    solve_unknowns();
+    y_.swap(next_);
     return update_rotations();
   };
   double now = iteration();
   if (!(now <= energy_before)) {  // the accelerated rotations increased the energy
-    G_ = G_before_;
+    restore_rotations();
     accelerator_.reset();
     now = iteration();
   }
   for (int c = 0; c < cell_count(); ++c) rotations_.middleRows<3>(3L * c) = G_[c];
-  G_before_ = G_;
+  store_rotations();
   if (accelerator_.accelerate(rotations_before_, rotations_, accelerated_))
     parallel_for_each<kChunk>(
         cell_count(), [&](int c) { G_[c] = nearest_rotation(accelerated_.middleRows<3>(3L * c)); });
-  return now;
-}
-
-double LocalGlobalSolver::iterate(double energy_before) {
-  if (!rows_.links.empty()) return iterate_with_links(energy_before);
-  global_step();
-  const bool accelerated = accelerator_.accelerate(y_, load_, accelerated_);
-  G_before_ = G_;
-  y_.swap(accelerated ? accelerated_ : load_);
-  double now = update_rotations();
-  if (accelerated && !(now <= energy_before)) {
-    G_ = G_before_;
-    y_.swap(load_);
-    accelerator_.reset();
-    now = update_rotations();
-  }
   return now;
 }
 
@@ -383,26 +352,15 @@ const Points& LocalGlobalSolver::deform(std::span<const HandleTransform> moves, 
   edit_.handles.assign(moves.begin(), moves.end());
   check(problem_, edit_);
   if (guess && (guess->rows() != points_.rows() || !guess->allFinite()))
-    throw InputError(error_prefix_ + ": the initial guess has " + std::to_string(guess->rows()) +
+    throw InputError(name_ + ": the initial guess has " + std::to_string(guess->rows()) +
                      " points, expected " + std::to_string(points_.rows()) + " finite ones");
   set_constraint_rhs();
   start(guess);
-  accelerator_.reset();
-  report_.energies.clear();
+  begin();
   report_.energies.reserve(max_iterations);
-  report_.converged = false;
-  for (report_.iterations = 0; report_.iterations < max_iterations && !report_.converged;) {
-    report_.energies.push_back(iterate(report_.energies.empty()
-                                           ? std::numeric_limits<double>::infinity()
-                                           : report_.energies.back()));
-    if (++report_.iterations == 1)
-      accelerator_.reset();  // the initial rotations are not those of
-                             // a previous iteration
-    report_.converged = report_.last_change < tolerance;
-  }
-  if (!rows_.links.empty())
-    G_ = G_before_;  // the rotations that belong to the positions, not the
-                     // accelerated ones
+  run(max_iterations, tolerance);
+  // The rotations that belong to the positions, not the accelerated ones.
+  if (!rows_.links.empty()) restore_rotations();
   result_ = p_.rowwise() + origin_.transpose();
   // Constrained vertices are exactly at their prescribed positions, to the last bit.
   for (size_t k = 0; k < constrained_vertex_.size(); ++k) {

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
-#include "batten/core/anderson_accelerator.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/regions/iterative_deformer.h"
+#include "batten/mesh/regions/local_global_iteration.h"
 
 namespace batten {
 
@@ -39,32 +38,27 @@ struct ArapEnergy {
   bool fits_scale = false;
 };
 
-/// A DeformProblem with fixed vertices and handles only.
-DeformProblem handle_problem(std::vector<int> fixed, std::vector<Handle> handles);
-
-/// Minimises E by local/global alternation: over G with p fixed, cell by cell, then over p with G
-/// fixed, one solve with the factor of AᵀA. Both steps are exact minimisations of the same energy,
-/// so it cannot increase. Iterates are combined by Anderson acceleration
-/// (core/anderson_accelerator.h) if that lowers the energy; otherwise the plain step is taken.
-/// Linked cells are processed colour by colour. Each one therefore uses the newest rotations of its
-/// neighbours, and results do not depend on the number of threads.
+/// Minimises E by LocalGlobalIteration: over G with p fixed, cell by cell, then over p with G
+/// fixed, one solve with the factor of AᵀA. Linked cells are processed colour by colour. Each one
+/// therefore uses the newest rotations of its neighbours, and results do not depend on the number
+/// of threads.
 ///
 /// Initial rotations: the logarithms of the handle rotations, interpolated by min |A q|² with the
 /// same factor.
-class LocalGlobalSolver {
+class LocalGlobalSolver final : private LocalGlobalIteration {
  public:
   /// Eliminates the fixed vertices and handles of `constraints`. Parts that no row connects to any
   /// of them stay. Throws InputError (see check() in deform_problem.h) or NoSolutionError, whose
-  /// message begins with `error_prefix`.
+  /// message begins with `name`.
   LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem constraints, ArapEnergy rows,
-                    const std::string& error_prefix);
+                    const std::string& name);
 
   /// Minimises E for given handle transformations. `guess`: initial positions (n×3), or null for
   /// the rest shape with interpolated rotations.
   const Points& deform(std::span<const HandleTransform> moves, const Points* guess,
                        int max_iterations, double tolerance);
   const Points& positions() const { return result_; }
-  const IterationReport& report() const { return report_; }
+  using LocalGlobalIteration::report;
   const std::vector<Mat3>& rotations() const { return G_; }
   int unknowns() const { return positions_.free_count(); }
 
@@ -77,22 +71,19 @@ class LocalGlobalSolver {
   static Constraints collect_constraints(const MeshTopology& topology, const DeformProblem& problem,
                                          const ArapEnergy& rows);
   LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem problem, ArapEnergy rows,
-                    const std::string& error_prefix, Constraints constraints);
+                    const std::string& name, Constraints constraints);
   void find_coincident_vertices(const MeshTopology& topology);
   void gather_cells();
   void colour_cells();
-  void spread_rotations();
+  void compute_handle_weights();
   void set_constraint_rhs();
   void start(const Points* guess);
-  void global_step();
-  /// One iteration to the next y_ and G_. Returns the new energy, which is not above the previous
-  /// one.
-  double iterate(double energy_before);
-  /// Iteration with links: here rotations depend on each other, so they are accelerated instead of
-  /// positions.
-  double iterate_with_links(double energy_before);
-  /// Sets positions from y_, evaluates the rows and fits the rotations. Returns the energy.
-  double update_rotations();
+  void global_step() override;
+  double update_rotations() override;
+  void store_rotations() override { G_before_ = G_; }
+  void restore_rotations() override { G_ = G_before_; }
+  /// With links, rotations depend on each other, so they are accelerated instead of positions.
+  double iterate(double energy_before) override;
   void evaluate_rows();
   void local_step();
   Mat3 cell_covariance(int cell) const;
@@ -107,8 +98,6 @@ class LocalGlobalSolver {
   DeformProblem problem_;
   DeformEdit edit_;
   ArapEnergy rows_;
-  std::string error_prefix_;
-  double size_;
   Vec3 origin_;
   Points points_;  // of the undeformed mesh
   std::vector<std::pair<int, int>>
@@ -125,15 +114,14 @@ class LocalGlobalSolver {
   std::vector<int> colour_start_, coloured_;  // cells by colour; empty without links
   std::vector<double> base_square_;           // Σ |b|² per element
 
-  MatX rhs_, y_, load_, accelerated_;  // load_: right-hand side, then the solution
-  MatX rotations_before_, rotations_;  // with links: G_ before and after an iteration
-  AndersonAccelerator accelerator_{0.1};
+  MatX rhs_;                                      // of the constraints
+  MatX rotations_before_, rotations_;             // with links: G_ before and after an iteration
+  std::vector<Vec3> rotation_vectors_;            // of the handles
   RowPoints now_, constrained_part_, residual_;   // A p, A d0, target of the free unknowns
   std::vector<Mat3> covariances_, G_, G_before_;  // per element Σ (A p) bᵀ; per cell
   std::vector<double> energy_parts_;              // partial energies, one per chunk
   RowPoints p_;                                   // relative to origin_
   Points result_;
-  IterationReport report_;
 };
 
 }  // namespace batten

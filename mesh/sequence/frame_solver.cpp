@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "batten/constraints/schur_complement_constraints.h"
-#include "batten/core/anderson_accelerator.h"
 #include "batten/core/errors.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/differential_operators.h"
-#include "batten/mesh/regions/iterative_deformer.h"
+#include "batten/mesh/regions/local_global_iteration.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/frame_constraints.h"
 #include "batten/mesh/sequence/frame_unknowns.h"
@@ -21,7 +19,7 @@ namespace batten {
 
 // Implementation of FrameSolver: the linear system and the state of the current frame.
 
-struct FrameSolverData {
+struct FrameSolverData final : public LocalGlobalIteration {
   FrameSolverData(const TriangleMesh& mesh, FrameConstraints given, const FrameOptions& opts);
 
   // Set-up, once per solver.
@@ -33,9 +31,10 @@ struct FrameSolverData {
   void couple_point_constraints();
 
   // Start of a frame.
-  void begin(const Points& frame, const FrameTargets& given);
+  void begin_frame(const Points& frame, const FrameTargets& given);
   void start_from_handles();
   void start_from(const Points& start);
+  void start_from_rotations(const std::vector<Mat3>& rotations);
   // Sets parts with free rotation to the mean rotation of their nodes, then sets the offsets of all
   // parts.
   void init_part_rotations();
@@ -52,24 +51,20 @@ struct FrameSolverData {
   // Exact minimum over the rotation of a part, with its centre and surroundings fixed.
   void fit_part_rotation(size_t k);
   Vec3 target(const FrameUnknowns::PenalizedNode& d) const;
-  void rotate_penalized_handles();
-  /// Sets positions from y, then fits the rotations. Returns the energy.
-  double update_rotations();
+  void global_step() override;
+  double update_rotations() override;
+  void store_rotations() override;
+  void restore_rotations() override;
   void assign_part_rotations();
-  /// Best positions for the current rotations, stored in `rhs`.
-  void global_step();
   // Corrects the volume along z = K⁻¹ ∂V. ∂V is taken at the previous shape, so that the converged
   // shape minimises E among shapes of this volume. In the first iteration it is taken at the result
   // of the linear step.
   void restore_volume();
-  /// One iteration. Returns the energy, which is not above the previous one.
-  double iterate(double before);
-  void iterations(int most);
+  void iterations(int most) { run(most, options.tolerance); }
   void finish() { shape.positions = now; }
 
   FrameConstraints constraints;
   FrameOptions options;
-  double size;
   NodeGraph graph;
   FrameUnknowns unknowns;
   SparseCholesky factor;
@@ -82,8 +77,7 @@ struct FrameSolverData {
 
   FrameTargets targets;
   RowPoints rest, now, offset, loads, gradient;  // per node
-  MatX y, rhs, accelerated, volume_direction;    // per unknown
-  AndersonAccelerator accelerator{0.1};
+  MatX volume_direction;                         // per unknown
   std::vector<Mat3> part_rotations, handle_rotations;
   std::vector<Mat3> rotations_before, part_rotations_before, handle_rotations_before;
   std::vector<Vec3> part_rest, part_position, handle_rest;
@@ -91,10 +85,9 @@ struct FrameSolverData {
   std::vector<double> chunk_sums;
   bool begun = false;
   FrameShape shape;
-  IterationReport report;
 };
 
-void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
+void FrameSolverData::begin_frame(const Points& frame, const FrameTargets& given) {
   if (frame.rows() != graph.nodes || !frame.allFinite())
     throw InputError("found a frame of " + std::to_string(frame.rows()) + " nodes, expected " +
                      std::to_string(graph.nodes) + " with finite coordinates");
@@ -116,7 +109,7 @@ void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
     const Vec3 p = rest.row(s.node).transpose();
     const double apart =
         (targets.handles[s.one].motion(p) - targets.handles[s.other].motion(p)).norm();
-    if (apart > 1e-9 * size && !constraints.penalty_weight)
+    if (apart > 1e-9 * size_ && !constraints.penalty_weight)
       throw ConflictError(
           {{{constraints.handles[s.one].name, constraints.handles[s.other].name}, apart}});
   }
@@ -135,15 +128,14 @@ void FrameSolverData::begin(const Points& frame, const FrameTargets& given) {
   }
   volume = constraints.preserve_volume ? enclosed_volume(triangles, rest) : 0;
   set_point_constraints();
-  report = {};
-  accelerator.reset();
+  begin();
   begun = true;
 }
 
 void FrameSolverData::start_from_handles() {
   spread_rotations(handle_weights, targets.handles, shape.rotations);
   init_part_rotations();
-  y.setZero();
+  y_.setZero();
 }
 
 void FrameSolverData::init_part_rotations() {
@@ -166,12 +158,21 @@ void FrameSolverData::start_from(const Points& start) {
   std::fill(shape.rotations.begin(), shape.rotations.end(), Mat3::Identity());
   local_step(graph, rest, at, {}, shape.rotations, chunk_sums);
   for (int v = 0; v < graph.nodes; ++v)
-    if (const int a = unknowns.unknown_of_node[v]; a >= 0) y.row(a) = at.row(v) - rest.row(v);
+    if (const int a = unknowns.unknown_of_node[v]; a >= 0) y_.row(a) = at.row(v) - rest.row(v);
   for (size_t k = 0; k < unknowns.parts.size(); ++k)
     if (const int a = unknowns.parts[k].unknown; a >= 0)
-      y.row(a) = (centre_of(unknowns.parts[k].nodes, at) - part_rest[k]).transpose();
+      y_.row(a) = (centre_of(unknowns.parts[k].nodes, at) - part_rest[k]).transpose();
   update_positions();
   init_part_rotations();
+}
+
+void FrameSolverData::start_from_rotations(const std::vector<Mat3>& rotations) {
+  shape.rotations = rotations;
+  init_part_rotations();
+  y_.setZero();
+  solve_unknowns();
+  y_.swap(next_);
+  update_positions();
 }
 
 FrameSolver::FrameSolver(const TriangleMesh& mesh, FrameConstraints constraints,
@@ -182,14 +183,14 @@ FrameSolver::FrameSolver(FrameSolver&&) noexcept = default;
 FrameSolver& FrameSolver::operator=(FrameSolver&&) noexcept = default;
 
 void FrameSolver::alternate(const Points& frame, const FrameTargets& targets) {
-  data_->begin(frame, targets);
+  data_->begin_frame(frame, targets);
   data_->start_from_handles();
   data_->iterations(data_->options.max_iterations);
   data_->finish();
 }
 
 void FrameSolver::alternate(const Points& frame, const FrameTargets& targets, const Points& start) {
-  data_->begin(frame, targets);
+  data_->begin_frame(frame, targets);
   data_->start_from(start);
   data_->iterations(data_->options.max_iterations);
   data_->finish();
@@ -198,9 +199,9 @@ void FrameSolver::alternate(const Points& frame, const FrameTargets& targets, co
 bool FrameSolver::iterate(int iterations) {
   if (!data_->begun)
     throw InputError("iterate() without a frame: call alternate() or reconstruct() first");
-  data_->iterations(data_->report.iterations + iterations);
+  data_->iterations(data_->report().iterations + iterations);
   data_->finish();
-  return data_->report.converged;
+  return data_->report().converged;
 }
 
 void FrameSolver::reconstruct(const Points& frame, const FrameTargets& targets,
@@ -208,13 +209,8 @@ void FrameSolver::reconstruct(const Points& frame, const FrameTargets& targets,
   if (isize(rotations) != data_->graph.nodes)
     throw InputError("found " + std::to_string(rotations.size()) + " rotations, expected " +
                      std::to_string(data_->graph.nodes));
-  data_->begin(frame, targets);
-  data_->shape.rotations = rotations;
-  data_->init_part_rotations();
-  data_->y.setZero();
-  data_->global_step();
-  data_->y.swap(data_->rhs);
-  data_->update_positions();
+  data_->begin_frame(frame, targets);
+  data_->start_from_rotations(rotations);
   if (iterations > 0) {
     data_->update_rotations();
     data_->iterations(iterations);
@@ -223,7 +219,7 @@ void FrameSolver::reconstruct(const Points& frame, const FrameTargets& targets,
 }
 
 const FrameShape& FrameSolver::result() const { return data_->shape; }
-const IterationReport& FrameSolver::report() const { return data_->report; }
+const IterationReport& FrameSolver::report() const { return data_->report(); }
 int FrameSolver::unknowns() const { return data_->unknowns.count; }
 long FrameSolver::factor_entries() const {
   return data_->unknowns.count > 0 ? data_->factor.factor_entries() : 0;
@@ -258,9 +254,9 @@ void check_constraints(const FrameConstraints& constraints, int nodes) {
 
 FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints given,
                                  const FrameOptions& opts)
-    : constraints(std::move(given)),
+    : LocalGlobalIteration(mesh.size(), "deformation of frames"),
+      constraints(std::move(given)),
       options(opts),
-      size(mesh.size()),
       graph(node_graph(mesh.topology(), edge_weights(mesh, opts.weights))),
       unknowns((check_constraints(constraints, graph.nodes), frame_unknowns(graph, constraints))) {
   if (constraints.preserve_volume) set_triangles(mesh);
@@ -269,8 +265,9 @@ FrameSolverData::FrameSolverData(const TriangleMesh& mesh, FrameConstraints give
   couple_point_constraints();
   const int n = graph.nodes;
   rest.setZero(n, 3), now.setZero(n, 3), offset.setZero(n, 3), loads.setZero(n, 3);
-  y = rhs = accelerated = MatX::Zero(unknowns.count, 3);
-  accelerator.resize(unknowns.count);
+  resize(unknowns.count, unknowns.count);
+  // Positions of constant volume do not minimise the energy, so they are not accelerated.
+  accelerates_ = !constraints.preserve_volume;
   shape.positions.setZero(n, 3);
   shape.rotations.assign(n, Mat3::Identity());
   part_rotations.assign(unknowns.parts.size(), Mat3::Identity());
@@ -382,11 +379,11 @@ void FrameSolverData::update_positions() {
   for (int v = 0; v < graph.nodes; ++v) {
     const int a = unknowns.unknown_of_node[v];
     now.row(v) = rest.row(v) + offset.row(v);
-    if (a >= 0) now.row(v) += y.row(a);
+    if (a >= 0) now.row(v) += y_.row(a);
   }
   for (size_t k = 0; k < unknowns.parts.size(); ++k)
     if (const int a = unknowns.parts[k].unknown; a >= 0)
-      part_position[k] = part_rest[k] + y.row(a).transpose();
+      part_position[k] = part_rest[k] + y_.row(a).transpose();
 }
 
 void FrameSolverData::fit_part_rotation(size_t k) {
@@ -413,7 +410,7 @@ void FrameSolverData::fit_part_rotation(size_t k) {
   for (const int v : part.nodes) {
     const int a = unknowns.unknown_of_node[v];
     now.row(v) = rest.row(v) + offset.row(v);
-    if (a >= 0) now.row(v) += y.row(a);
+    if (a >= 0) now.row(v) += y_.row(a);
   }
 }
 
@@ -425,19 +422,11 @@ Vec3 FrameSolverData::target(const FrameUnknowns::PenalizedNode& d) const {
          handle_rotations[d.handle] * (p - handle_rest[d.handle]);
 }
 
-void FrameSolverData::rotate_penalized_handles() {
-  if (!constraints.penalty_weight) return;
-  for (size_t h = 0; h < constraints.handles.size(); ++h) {
-    if (!targets.handles[h].free_rotation) continue;
-    const Vec3 c = targets.handles[h].motion(handle_rest[h]);
-    handle_rotations[h] = best_rotation(constraints.handles[h].vertices, rest, handle_rest[h], now,
-                                        c, handle_rotations[h]);
-  }
-}
-
 double FrameSolverData::update_rotations() {
   update_positions();
-  rotate_penalized_handles();
+  if (constraints.penalty_weight)
+    fit_free_handles(constraints.handles, targets.handles, rest, handle_rest, now,
+                     handle_rotations);
   for (size_t k = 0; k < unknowns.parts.size(); ++k)
     if (rotates_freely(k)) fit_part_rotation(k);
   assign_part_rotations();
@@ -464,22 +453,19 @@ void FrameSolverData::global_step() {
   for (const auto& d : unknowns.penalized_nodes)
     loads.row(d.node) +=
         half_penalty_weight() * (target(d).transpose() - rest.row(d.node) - offset.row(d.node));
-  rhs.setZero();
+  next_.setZero();
   for (int v = 0; v < graph.nodes; ++v)
-    if (const int a = unknowns.unknown_of_node[v]; a >= 0) rhs.row(a) += loads.row(v);
-  if (unknowns.count > 0) factor.solve_in_place(rhs);
+    if (const int a = unknowns.unknown_of_node[v]; a >= 0) next_.row(a) += loads.row(v);
+  if (unknowns.count > 0) factor.solve_in_place(next_);
   if (!constraint_origins.empty()) {
     set_point_constraints();
-    constraint_origins.apply(rhs, point_equation_rhs);
+    constraint_origins.apply(next_, point_equation_rhs);
   }
   if (constraints.preserve_volume) restore_volume();
-  if (!rhs.allFinite()) throw NoSolutionError("deformation of frames: positions are not finite");
-  report.last_change =
-      size > 0 && unknowns.count > 0 ? (rhs - y).rowwise().norm().maxCoeff() / size : 0;
 }
 
 void FrameSolverData::restore_volume() {
-  if (report.iterations == 0) update_positions_at(rhs);
+  if (report_.iterations == 0) update_positions_at(next_);
   volume_gradient(triangles, now, gradient);
   volume_direction.setZero(unknowns.count, 3);
   for (int v = 0; v < graph.nodes; ++v)
@@ -487,7 +473,7 @@ void FrameSolverData::restore_volume() {
       volume_direction.row(a) += gradient.row(v);
   if (unknowns.count > 0) factor.solve_in_place(volume_direction);
   for (int step = 0; step < 5; ++step) {
-    update_positions_at(rhs);
+    update_positions_at(next_);
     volume_gradient(triangles, now, gradient);
     double slope = 0;
     for (int v = 0; v < graph.nodes; ++v)
@@ -495,47 +481,27 @@ void FrameSolverData::restore_volume() {
         slope += gradient.row(v).dot(volume_direction.row(a));
     const double volume_error = volume - enclosed_volume(triangles, now);
     if (!(slope > 0) || std::abs(volume_error) < 1e-15 * std::abs(volume)) return;
-    rhs += volume_error / slope * volume_direction;
+    next_ += volume_error / slope * volume_direction;
   }
 }
 
 void FrameSolverData::update_positions_at(MatX& other) {
-  y.swap(other);
+  y_.swap(other);
   update_positions();
-  y.swap(other);
+  y_.swap(other);
 }
 
-double FrameSolverData::iterate(double before) {
-  global_step();
-  const bool accelerate =
-      !constraints.preserve_volume && accelerator.accelerate(y, rhs, accelerated);
+void FrameSolverData::store_rotations() {
   rotations_before = shape.rotations;
   part_rotations_before = part_rotations;
   handle_rotations_before = handle_rotations;
-  y.swap(accelerate ? accelerated : rhs);
-  double energy = update_rotations();
-  if (accelerate && !(energy <= before)) {
-    shape.rotations = rotations_before;
-    part_rotations = part_rotations_before;
-    handle_rotations = handle_rotations_before;
-    for (size_t k = 0; k < unknowns.parts.size(); ++k) set_offsets(k);
-    y.swap(rhs);
-    accelerator.reset();
-    energy = update_rotations();
-  }
-  return energy;
 }
 
-void FrameSolverData::iterations(int most) {
-  while (report.iterations < most && !report.converged) {
-    report.energies.push_back(iterate(report.energies.empty()
-                                          ? std::numeric_limits<double>::infinity()
-                                          : report.energies.back()));
-    if (++report.iterations == 1)
-      accelerator.reset();  // the initial rotations are not those of a
-                            // previous iteration
-    report.converged = report.last_change < options.tolerance;
-  }
+void FrameSolverData::restore_rotations() {
+  shape.rotations = rotations_before;
+  part_rotations = part_rotations_before;
+  handle_rotations = handle_rotations_before;
+  for (size_t k = 0; k < unknowns.parts.size(); ++k) set_offsets(k);
 }
 
 }  // namespace batten

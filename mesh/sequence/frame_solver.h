@@ -5,62 +5,65 @@
 #include <string>
 #include <vector>
 
-#include "batten/mesh/regions/iterative_deformer.h"
+#include "batten/mesh/regions/local_global_iteration.h"
 #include "batten/mesh/sequence/frame_constraints.h"
 
 namespace batten {
 
 struct FrameSolverData;
 
-/// ARAP deformation of single frames. Let p be the positions of a frame and v those after the edit.
-/// The energy
+/// ARAP deformation of single frames of a sequence. Let p_i be the node positions of a frame and
+/// v_i the positions after the edit. The energy
 ///
 ///     E = Σ_i Σ_{j∈N(i)} w_ij |(v_j - v_i) - R_i (p_j - p_i)|²  (+ λ Σ_{handles} |v_h - u_h|²)
 ///
-/// is minimised by local/global alternation. The local step fits the rotations,
-/// R_i = nearest_rotation(Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ). The global step solves a linear system
-/// for the positions. Its matrix depends only on w_ij and on the set of constrained nodes, so it is
-/// factored once for all iterations and frames. E never increases. Iterates are combined by
-/// Anderson acceleration if that lowers E. One-rings consist of edges between nodes, so patches
-/// that meet are connected and non-manifold edges do no harm.
+/// is minimised by LocalGlobalIteration. N(i) is the one-ring of node i, w_ij are the weights of
+/// FrameOptions, λ is the penalty weight and u_h the target of a handle node. The local step fits
+/// the rotations, R_i = nearest_rotation(Σ_j w_ij (v_j - v_i)(p_j - p_i)ᵀ). The global step solves
+/// a linear system for the positions. Its matrix depends only on w_ij and on the set of constrained
+/// nodes, so it is factored once for all iterations and frames. E never increases. One-rings
+/// consist of edges between nodes, so patches that meet are connected and non-manifold edges do no
+/// harm.
 ///
-/// A feature is one rigid part. Its rotation is the exact minimum over all edges that leave it, and
-/// its centre gives three unknowns. Handles with free rotation find their rotation in the same way.
-/// Features that share nodes are one part. Features that share nodes with a handle move with it;
-/// those with a fixed node stay. Parts of the mesh without constraints stay.
+/// A feature moves as one rigid body. Its rotation minimises the energy of all edges between the
+/// feature and other nodes, and its centre adds three unknowns. The rotations of handles with free
+/// rotation are computed in the same way. Features that share nodes move as one body. Features that
+/// share nodes with a handle move with the handle, and features with a fixed node do not move.
+/// Parts of the mesh without constraints do not move.
 ///
-/// `preserve_volume`: after each global step, one Lagrange multiplier along the volume gradient is
-/// determined by Newton's method. E may increase until the volume is reached.
+/// If FrameConstraints::preserve_volume is set, Newton's method determines one Lagrange multiplier
+/// along the volume gradient after each global step. E may increase until the volume is reached.
 ///
 /// Cost: one factorization at construction; 2 to 3 ms per iteration for 10,000 nodes. Memory: the
-/// factor, some 50 numbers per node. A solver must not be used by several threads at once; it uses
-/// several threads itself. Sources: [Xu2007], eq. 1 to 3; [SorkineAlexa2007].
+/// factor and about 50 numbers per node. A solver is not thread-safe; it uses several threads
+/// itself. References: [Xu2007], eq. 1 to 3; [SorkineAlexa2007].
 class FrameSolver {
  public:
-  /// `mesh`: connectivity, and positions for cotangent weights. Throws InputError (see check() in
-  /// deform_problem.h; a penalty weight not above 0; volume preservation for a surface that is not
-  /// closed) or NoSolutionError (the factorization fails).
+  /// `mesh`: provides the connectivity, and the positions for cotangent weights. Throws InputError
+  /// if check() rejects the constraints (deform_problem.h), the penalty weight is not above 0, or
+  /// the volume of a surface that is not closed must be preserved. Throws NoSolutionError if the
+  /// factorization fails.
   FrameSolver(const TriangleMesh& mesh, FrameConstraints constraints,
               const FrameOptions& options = {});
   ~FrameSolver();
   FrameSolver(FrameSolver&&) noexcept;
   FrameSolver& operator=(FrameSolver&&) noexcept;
 
-  /// Iterates to convergence; the result is in result(). The initial shape is the frame with
-  /// interpolated handle rotations (their logarithms are harmonic). Throws InputError (missing or
-  /// non-finite numbers, a wrong number of points) or ConflictError (two handles prescribe
-  /// different positions of a node).
+  /// Solves for the edited shape of a frame by iteration to convergence; see result(). The initial
+  /// rotations interpolate the rotation vectors of the handles harmonically. Throws InputError if
+  /// numbers are missing or not finite or the number of points is wrong, and ConflictError if two
+  /// handles prescribe different positions of a node.
   void alternate(const Points& frame, const FrameTargets& targets);
-  /// The same from initial positions, such as those of a neighbouring frame, of a coarser solution,
-  /// or of the drag so far.
+  /// Solves for the edited shape of a frame, starting from given positions `start` (nodes × 3), for
+  /// example the solution of a neighbouring frame or the previous shape of a drag.
   void alternate(const Points& frame, const FrameTargets& targets, const Points& start);
-  /// Continues from the current shape for at most `iterations` iterations, for example to display
-  /// shapes during a drag. Throws InputError before the first alternate() or reconstruct(). Returns
-  /// true if the iteration has converged.
+  /// Continues from the current shape with at most `iterations` iterations, for example to display
+  /// intermediate shapes. Returns true if the iteration has converged. Throws InputError if neither
+  /// alternate() nor reconstruct() has been called before.
   bool iterate(int iterations);
-  /// First performs a global step with the given rotations, one per node, without a local step; then
-  /// `iterations` full iterations. Parts with free rotation start with the mean rotation of their
-  /// nodes.
+  /// Reconstructs the shape of a frame from given rotations, one per node, by one global step, and
+  /// then performs `iterations` full iterations. Features and handles with free rotation start with
+  /// the mean rotation of their nodes.
   void reconstruct(const Points& frame, const FrameTargets& targets,
                    const std::vector<Mat3>& rotations, int iterations = 0);
 
@@ -69,7 +72,8 @@ class FrameSolver {
   int unknowns() const;  ///< number of unknowns per coordinate
   /// Number of nonzeros of the Cholesky factor.
   long factor_entries() const;
-  /// Notes in plain sentences about parts of the mesh without constraints.
+  /// Messages for the user about parts of the mesh that do not move, because they have no
+  /// constraints.
   const std::vector<std::string>& notes() const;
 
  private:

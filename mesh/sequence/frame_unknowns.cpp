@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "batten/core/containers.h"
-#include "batten/core/geometry.h"
-#include "batten/core/parallel.h"
+#include "batten/mesh/regions/local_global_iteration.h"
 #include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
@@ -160,24 +159,24 @@ Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p) {
   return nodes.empty() ? sum : sum / static_cast<double>(nodes.size());
 }
 
-Mat3 best_rotation(const std::vector<int>& nodes, const RowPoints& rest, const Vec3& from,
-                   const RowPoints& now, const Vec3& to, const Mat3& before) {
-  Mat3 M = Mat3::Zero();
-  for (const int v : nodes)
-    M += (now.row(v).transpose() - to) * (rest.row(v).transpose() - from).transpose();
-  return nearest_rotation(M * before.transpose()) * before;
+void fit_free_handles(const std::vector<Handle>& handles, const std::vector<HandlePose>& poses,
+                      const RowPoints& rest, const std::vector<Vec3>& centres, const RowPoints& now,
+                      std::vector<Mat3>& rotations) {
+  for (size_t h = 0; h < handles.size(); ++h) {
+    if (!poses[h].free_rotation) continue;
+    const Vec3 from = centres[h], to = poses[h].motion(from);
+    Mat3 M = Mat3::Zero();
+    for (const int v : handles[h].vertices)
+      M += (now.row(v).transpose() - to) * (rest.row(v).transpose() - from).transpose();
+    rotations[h] = nearest_rotation(M * rotations[h].transpose()) * rotations[h];
+  }
 }
 
 void spread_rotations(const MatX& handle_weights, const std::vector<HandlePose>& handles,
                       std::vector<Mat3>& rotations) {
   std::vector<Vec3> logs;
   for (const auto& pose : handles) logs.push_back(to_rotation_vector(pose.motion.rotation));
-  parallel_for_each<512>(static_cast<int>(handle_weights.rows()), [&](int v) {
-    Vec3 log = Vec3::Zero();
-    for (size_t h = 0; h < logs.size(); ++h)
-      log += handle_weights(v, static_cast<long>(h)) * logs[h];
-    rotations[v] = rotation_matrix(log);
-  });
+  interpolate_rotations(handle_weights, logs, rotations);
 }
 
 }  // namespace batten

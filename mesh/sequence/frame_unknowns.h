@@ -55,14 +55,15 @@ SparseMatrix frame_matrix(const NodeGraph& graph, const FrameUnknowns& unknowns,
 /// Centroid of nodes; zero if there are none.
 Vec3 centre_of(const std::vector<int>& nodes, const RowPoints& p);
 
-/// Best rotation of nodes from their positions relative to `from` to those relative to `to`.
-/// `before`: the current rotation; directions that the nodes do not determine are not rotated
-/// further.
-Mat3 best_rotation(const std::vector<int>& nodes, const RowPoints& rest, const Vec3& from,
-                   const RowPoints& now, const Vec3& to, const Mat3& before);
+/// Fits the rotations of the handles whose poses leave them free, from the positions `rest`
+/// relative to `centres` (one per handle) to `now` relative to the prescribed centres. Directions
+/// that the nodes of a handle do not determine are not rotated further.
+void fit_free_handles(const std::vector<Handle>& handles, const std::vector<HandlePose>& poses,
+                      const RowPoints& rest, const std::vector<Vec3>& centres, const RowPoints& now,
+                      std::vector<Mat3>& rotations);
 
-/// Sets R of every node from the logarithms of the handle rotations, combined with `handle_weights`
-/// (nodes × handles).
+/// Sets R of every node: interpolate_rotations() of the handle poses with `handle_weights` (nodes ×
+/// handles).
 void spread_rotations(const MatX& handle_weights, const std::vector<HandlePose>& handles,
                       std::vector<Mat3>& rotations);
 

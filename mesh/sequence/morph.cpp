@@ -9,6 +9,7 @@
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/core/solvers/sparse_cholesky.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/local_global_steps.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
@@ -201,7 +202,7 @@ MeshSequence morph(const MeshSequence& source, const MeshSequence& target, const
   const double start = source.times[options.source.first];
   for (int k = 0; k < count; ++k) {
     progress.update("morph", static_cast<double>(k) / count);
-    const double t = static_cast<double>(k) / (count - 1), alpha = t * t * (3 - 2 * t);
+    const double t = static_cast<double>(k) / (count - 1), alpha = smooth_step(t);
     const Points p = sample(source, options.source, t),
                  q = moved(align, sample(target, options.target, t));
     result.frames.push_back(k == 0 ? p : k == count - 1 ? q : blend.blend(p, q, alpha));
@@ -344,7 +345,7 @@ class NonRigidRegistration {
 
   const TriangleMesh& mesh_;
   const TriangleMesh& target_;
-  AabbTree search_;
+  TriangleTree search_;
   const std::vector<LandmarkPair>& landmarks_;
   NodeGraph graph_;
   double mean_weight_;
@@ -394,7 +395,7 @@ MeshSequence transfer_target_motion(const ShellMesh& shells, const Points& fitte
     return target_mesh.with_points(std::move(all));
   };
   const TriangleMesh there = at_frame(target.frames[frame]);
-  const AabbTree search(there);
+  const TriangleTree search(there);
   struct SurfaceBinding {
     std::array<int, 3> corners;
     Vec3 weights, offset;  // offset: the remaining distance in the axes of the triangle

@@ -1,4 +1,4 @@
-// Handles with prescribed trajectories in many frames of a sequence, and the motion of the rest.
+// Prescribed trajectories of handles in a sequence, and editors of sequences that follow them.
 #pragma once
 
 #include <memory>
@@ -8,49 +8,54 @@
 
 namespace batten {
 
-/// Prescribed trajectories of some handles. Trajectories that were measured in the sequence
-/// (trajectory_of()) and then changed are typical; plant_feet(), filtered() and transferred() give
-/// others.
+/// Prescribed trajectories of some handles. Typically, a trajectory is measured in the sequence by
+/// trajectory_of() and then modified, or it is computed by plant_feet(), filtered() or
+/// transferred().
 struct PrescribedMotion {
-  std::vector<int> handles;  ///< indices of the handles, without repetition
-  /// One trajectory per handle. Rotations are relative to the first frame of the edited sequence.
+  std::vector<int> handles;  ///< indices of the prescribed handles, without repetition
+  /// Trajectory of each prescribed handle. Rotations are relative to the first frame of the
+  /// sequence that is edited.
   std::vector<Trajectory> targets;
-  /// One entry per frame: nonzero if the mesh of this frame is solved by iteration (keyframe), zero
-  /// if it is interpolated between keyframes. Empty: all frames are keyframes.
+  /// One flag per frame: nonzero if the frame is a keyframe, whose mesh is computed by iteration;
+  /// zero if the frame is interpolated between keyframes. Empty: all frames are keyframes.
   std::vector<char> is_keyframe;
 };
 
-/// Marks every n-th frame, the first and the last frame, and both ends of each range in which
-/// `needed` is set, as PrescribedMotion::is_keyframe. `keyframe_interval`: n, at least 1. `needed`:
-/// one per frame, or empty.
+/// Creates the flags of PrescribedMotion::is_keyframe. Keyframes are every n-th frame, the first
+/// and the last frame, and both ends of each range of frames in which `needed` is nonzero.
+/// `keyframe_interval`: n, at least 1. `needed`: one flag per frame, or empty.
 std::vector<char> keyframe_mask(int frames, int keyframe_interval,
                                 const std::vector<char>& needed = {});
 
-/// Mean translation of the prescribed handles relative to `frames`, per frame: F×3. `handles`: all
-/// handles. O(frames · vertices).
+/// Mean displacement of the prescribed handles in each of F frames, relative to their positions in
+/// `frames`, F×3. `handles`: all handles. O(frames · vertices).
 Points mean_shift(const std::vector<Points>& frames, const std::vector<Handle>& handles,
                   const PrescribedMotion& motion);
 
-/// Adds handles to a prescribed motion that keep their rotations and follow their trajectory in
-/// `frames`, translated per frame by the rows of `shifts` (F×3). Without such handles a body whose
-/// feet alone are prescribed leans towards the higher foot. `handles`: all handles; `unrotated`:
-/// indices of those to add. Throws InputError if one of them is prescribed already.
+/// Adds handles to a prescribed motion that keep their original rotations and are only translated.
+/// In each of the F frames, their trajectory in `frames` is translated by a row of `shifts` (F×3),
+/// for example of mean_shift(). Use it if only the feet of a body are prescribed; the body would
+/// otherwise lean towards the higher foot. `handles`: all handles. `unrotated`: indices of the
+/// handles to add. Throws InputError if one of them is already prescribed.
 void add_unrotated_handles(const std::vector<Points>& frames, const std::vector<Handle>& handles,
                            const std::vector<int>& unrotated, const Points& shifts,
                            PrescribedMotion& motion);
 
-/// Opens the influence interval at an end of a sequence (`frames` frames) that is a keyframe, so
-/// that the edit need not fade out there. `first_keyframe`, `last_keyframe`: 0-based.
+/// Removes each bound of an influence interval that coincides with a keyframe at an end of the
+/// sequence, so that the edit does not fade out there. `frames`: number of frames.
+/// `first_keyframe`, `last_keyframe`: 0-based frames of the first and last keyframe.
 void open_influence_at_ends(InfluenceInterval& influence, int frames, int first_keyframe,
                             int last_keyframe);
 
-/// Creates the editor of a sequence whose handles follow a prescribed motion: its keyframes are
-/// solved, SequenceEditor::frames() gives the result. Hard handles also move exactly as prescribed
-/// between keyframes; soft ones (FrameConstraints::penalty_weight) are interpolated there.
+/// Creates an editor for a sequence whose handles follow a prescribed motion, and computes the
+/// keyframes; SequenceEditor::frames() then gives the edited frames. Between keyframes, hard
+/// handles move exactly as prescribed, while soft handles (FrameConstraints::penalty_weight) are
+/// interpolated.
 ///
-/// `sequence`: the editor keeps a reference. `mesh`: its first frame, converted by prepare().
-/// `constraints`: of all its handles, only those of the motion are constrained. Throws InputError (an
-/// index or a number of frames that does not match) and whatever SequenceEditor throws.
+/// `sequence`: the editor keeps a reference to it. `mesh`: the first frame of the sequence,
+/// converted by prepare(). `constraints`: handles that are not prescribed by `motion` are
+/// unconstrained. Throws InputError if a handle index or the number of frames does not match, and
+/// the exceptions of SequenceEditor.
 std::unique_ptr<SequenceEditor> prescribed_motion_editor(const MeshSequence& sequence,
                                                          const TriangleMesh& mesh,
                                                          FrameConstraints constraints,

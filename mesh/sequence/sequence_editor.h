@@ -1,4 +1,4 @@
-// Keyframe edits that are propagated through all frames of a sequence.
+// Keyframe editing of mesh sequences: edits of single frames are propagated to all frames.
 #pragma once
 
 #include <functional>
@@ -17,8 +17,7 @@ namespace batten {
 /// A keyframe: a frame in which the pose of at least one handle is prescribed.
 struct SequenceKeyframe {
   int frame = 0;  ///< 0-based
-  /// One per handle. Empty: the handle is unconstrained in this keyframe and moves with the
-  /// solution.
+  /// Pose of each handle in this frame; an empty entry means that the handle is unconstrained.
   std::vector<std::optional<HandlePose>> handles;
 };
 
@@ -26,76 +25,82 @@ struct SequenceKeyframe {
 struct SequenceEditOptions {
   FrameOptions frames;
   enum class Start {
-    Handles,  ///< start from the interpolated rotations of the handles
-    /// Start from a subspace solution with a control mesh around the first frame that follows the
-    /// frames.
+    Handles,  ///< iterations start from interpolated handle rotations
+    /// Iterations start from a subspace solution. The control mesh is created for the first frame
+    /// and transferred to the keyframes.
     Subspace,
-    Neighbour  ///< start from the previous keyframe; for keyframes close to each other
+    Neighbour  ///< iterations start from the previous keyframe; for closely spaced keyframes
   } start = Start::Handles;
-  ControlMeshOptions control;  ///< for Start::Subspace
+  ControlMeshOptions control;  ///< control mesh for Start::Subspace
   TrajectoryOptions::Smoothness trajectories = TrajectoryOptions::Smoothness::Smooth;
   KeyframeExtrapolation ends = KeyframeExtrapolation::None;
-  InfluenceInterval influence;  ///< frames outside it remain bit-identical
-  int iterations_between = 0;   ///< ARAP iterations in every frame after its linear step
+  InfluenceInterval influence;  ///< frames outside this interval remain bit-identical
+  int iterations_between = 0;   ///< number of ARAP iterations in every frame after the linear step
 };
 
-/// Keyframe editing of mesh sequences [Xu2007], section 5. Over all frames k, it minimises
+/// Editor for mesh sequences by keyframes [Xu2007], section 5. It minimises the sum over all frames
+/// k
 ///
 ///     Σ_k Σ_i ‖L v_i^k - R_i^k δ_i^k‖² + Σ_k Σ_i ‖ΔR_i^k‖² + Σ_k ‖C V^k - U^k‖²               (4)
 ///
-/// in the order of the paper; each step has its own class or function:
+/// where L is the graph Laplacian, v_i^k are the positions of node i in the edited frame k, R_i^k
+/// its rotations, δ_i^k its Laplacian vectors in the original frame, ΔR_i^k the differences of
+/// rotations in time, and C V^k = U^k the handle constraints. The minimisation follows the steps of
+/// the paper, each of which is implemented by a class or function:
 ///   1. control meshes of all frames                    ControlMeshTransfer (Start::Subspace only)
-///   2. keyframes by alternation                        FrameSolver::alternate
+///   2. shapes of the keyframes by iteration            FrameSolver::alternate
 ///   3. rotations of all nodes in all frames            KeyframeWeights, interpolate_logs
-///   4. handles in all frames, each moving rigidly      edited (handle_trajectory.h)
+///   4. rigid motions of handles in all frames          edited (handle_trajectory.h)
 ///   5. all frames, one linear step each                FrameSolver::reconstruct
 ///
-/// In step 2 only the handles prescribed at a keyframe are constrained, in step 5 all of them.
-/// Frames whose keyframes change nothing are reproduced to 1e-14 of the size; without keyframes
-/// they are bit-identical.
+/// In step 2 only the handles prescribed in the keyframe are constrained, in step 5 all handles. If
+/// the keyframes change nothing, the frames are reproduced to 1e-14 of the mesh size; without
+/// keyframes the result is bit-identical to the input.
 ///
-/// Cost: one factorization per set of handles that occur together in keyframes, and per thread.
-/// Keyframes and frames are processed in parallel, with bit-identical results for any number of
-/// threads. For 10,000 nodes a frame takes 1 to 2 ms, an iteration at a keyframe 2 to 3 ms. Memory
-/// besides the sequence: 24 bytes per node and keyframe.
+/// Cost: one factorization per thread and per set of handles that are prescribed in the same
+/// keyframe. Keyframes and frames are processed in parallel, with bit-identical results for any
+/// number of threads. For 10,000 nodes a frame takes 1 to 2 ms, an iteration at a keyframe 2 to 3
+/// ms. Additional memory: 24 bytes per node and keyframe.
 class SequenceEditor {
  public:
-  /// Keeps a reference to `sequence`. `mesh`: its first frame, converted by prepare(). Throws
-  /// InputError and NoSolutionError like FrameSolver.
+  /// Keeps a reference to `sequence`. `mesh`: first frame of the sequence, converted by prepare().
+  /// Throws InputError and NoSolutionError like the constructor of FrameSolver.
   SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,
                  FrameConstraints constraints, const SequenceEditOptions& options = {});
   ~SequenceEditor();
   SequenceEditor(SequenceEditor&&) noexcept;
   SequenceEditor& operator=(SequenceEditor&&) noexcept;
 
-  /// Performs steps 1 to 4. The keyframes may be in any order. Throws InputError (a frame out of
-  /// range or repeated; a keyframe with no prescribed handle or a wrong number of handles; a
-  /// keyframe outside the influence interval), whatever FrameSolver throws, and CancelledError.
-  /// After an exception there are no keyframes.
+  /// Sets the keyframes, in any order, and performs steps 1 to 4. Throws InputError if a frame is
+  /// out of range or repeated, a keyframe prescribes no handle or has a wrong number of entries, or
+  /// a keyframe is outside the influence interval. Also throws the exceptions of FrameSolver and
+  /// CancelledError. After an exception, the editor has no keyframes.
   void set_keyframes(std::vector<SequenceKeyframe> keyframes, const Progress& progress = {});
-  /// Replaces the interpolated handle motions of step 4 by given ones, per handle and frame.
-  /// Handles whose poses are known in all frames then do not deviate between keyframes. Call it
-  /// after set_keyframes(), whose next call discards the motions. Throws InputError if the number
-  /// of handles or frames differs.
+  /// Replaces the interpolated handle motions of step 4, so that handles with known poses in all
+  /// frames do not deviate from them between keyframes. `motions`: one motion per frame for each
+  /// handle. Call this function after set_keyframes(); the next call of set_keyframes() discards
+  /// the motions. Throws InputError if the number of handles or frames is wrong.
   void set_motions(std::vector<std::vector<RigidMotion>> motions);
-  /// Performs step 5 for frames `first` … `last` and calls take(frame, positions) in order. Throws
-  /// InputError for frames out of range, whatever `take` throws, and CancelledError.
+  /// Performs step 5 for the frames `first` … `last` (0-based) and calls take(frame, positions) for
+  /// each of them, in ascending order. Throws InputError if a frame is out of range, the exceptions
+  /// of `take`, and CancelledError.
   void frames(int first, int last, const std::function<void(int, const Points&)>& take,
               const Progress& progress = {}) const;
-  /// Performs step 5 for all frames.
+  /// Performs step 5 for all frames and returns the node positions of each frame.
   std::vector<Points> frames(const Progress& progress = {}) const;
 
   /// The keyframes, sorted by frame.
   const std::vector<SequenceKeyframe>& keyframes() const;
-  /// Node positions at the keyframes after step 2.
+  /// Node positions in each keyframe after step 2.
   const std::vector<Points>& keyframe_positions() const;
-  /// Convergence of step 2 at the keyframes.
+  /// Convergence data of each keyframe in step 2.
   const std::vector<IterationReport>& keyframe_reports() const;
   /// Trajectory of each handle in the original sequence.
   const std::vector<Trajectory>& trajectories_before() const;
   /// Trajectory of each handle after step 4.
   const std::vector<Trajectory>& trajectories() const;
-  /// Notes in plain sentences about parts of the mesh without constraints.
+  /// Messages for the user about parts of the mesh that do not move, because they have no
+  /// constraints.
   const std::vector<std::string>& notes() const;
 
  private:

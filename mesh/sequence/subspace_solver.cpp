@@ -79,7 +79,8 @@ struct SubspaceSolver::Data {
       d = d0 + y;
       now = rest + W * y;
       local_step(graph, rest, now, {}, rotations, sums);
-      rotate_handles(targets);
+      fit_free_handles(constraints.handles, targets.handles, rest, handle_rest, now,
+                       handle_rotations);
     }
     result = now;
     return result;
@@ -100,15 +101,6 @@ struct SubspaceSolver::Data {
     const Vec3 p = rest.row(v).transpose();
     const auto& pose = targets.handles[h];
     return pose.motion(handle_rest[h]) + handle_rotations[h] * (p - handle_rest[h]);
-  }
-
-  void rotate_handles(const FrameTargets& targets) {
-    for (size_t h = 0; h < constraints.handles.size(); ++h) {
-      if (!targets.handles[h].free_rotation) continue;
-      const Vec3 c = targets.handles[h].motion(handle_rest[h]);
-      handle_rotations[h] = best_rotation(constraints.handles[h].vertices, rest, handle_rest[h],
-                                          now, c, handle_rotations[h]);
-    }
   }
 
   FrameConstraints constraints;

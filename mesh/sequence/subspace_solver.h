@@ -1,5 +1,5 @@
-// Subspace deformation of a frame by a control mesh, as preview or initial shape, and an
-// interactive session.
+// Subspace deformation of a frame by a control mesh, for previews and initial shapes, and
+// interactive sessions for a frame.
 #pragma once
 
 #include <memory>
@@ -11,37 +11,42 @@ namespace batten {
 
 /// Options of SubspaceSolver.
 struct SubspaceOptions {
-  int iterations = 8;  ///< ARAP iterations of a solve, at least 1
-  /// λ of handles and fixed nodes, relative to the mean weight at a node.
+  int iterations = 8;  ///< number of ARAP iterations per solve, at least 1
+  /// Penalty weight λ of handles and fixed nodes, relative to the mean number of edges at a node.
   double penalty_weight = 100;
 };
 
-/// Subspace ARAP solver. The energy of FrameSolver (with w_ij = 1) is minimised over the vertices d
-/// of a control mesh, with v = W d. W are their mean value coordinates in the frame:
+/// Subspace ARAP solver. The unknowns are the m vertices d of a control mesh. They move the nodes
+/// of the frame to v = W d, where W are the mean value coordinates of the nodes. The solver
+/// minimises
 ///
 ///     min_d ½ E(W d) + λ Σ_h |(W d)_h - u_h|²
 ///
-/// The few unknowns move the whole mesh smoothly, so a few iterations suffice where the alternation
-/// over all nodes needs hundreds. Handles are only soft constraints and features are not rigid. The
-/// result is an initial shape for FrameSolver::alternate(), or a preview while that runs.
+/// where E is the energy of FrameSolver with w_ij = 1, and u_h is the target of a handle node or
+/// fixed node h. Since the few unknowns move the whole mesh smoothly, a few iterations suffice,
+/// while FrameSolver may need hundreds. Handles are only soft constraints, and features are not
+/// rigid. The result is an initial shape for FrameSolver::alternate(), or a preview during that
+/// iteration.
 ///
-/// Cost: W (see mean_value_coordinates()) and a dense m×m factorization per frame; an iteration
-/// costs two products with W. Memory: W, nodes × m. Sources: [Huang2006]; [Xu2007], eq. 6.
+/// Cost: mean_value_coordinates() and a dense m×m factorization per frame; two products with W per
+/// iteration. Memory: W, nodes × m. References: [Huang2006]; [Xu2007], eq. 6.
 class SubspaceSolver {
  public:
-  /// Throws InputError: a control mesh that is not closed, options out of range, no constraints.
+  /// Throws InputError if the control mesh is not closed, an option is out of range, or there are
+  /// no constraints.
   SubspaceSolver(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
                  const SubspaceOptions& options = {});
   ~SubspaceSolver();
   SubspaceSolver(SubspaceSolver&&) noexcept;
   SubspaceSolver& operator=(SubspaceSolver&&) noexcept;
 
-  /// Sets the frame to be edited and the control vertices for it. Throws NoSolutionError.
+  /// Sets the frame to be edited (nodes × 3) and the control vertices in this frame. Throws
+  /// NoSolutionError if the factorization fails.
   void set_frame(const Points& frame, const Points& control);
-  /// Positions of all nodes for given handle targets. Requires set_frame(). Throws InputError if
-  /// the number of targets is wrong.
+  /// Computes the positions of all nodes for given handle poses. Requires set_frame(). Throws
+  /// InputError if the number of handle poses is wrong.
   const Points& solve(const FrameTargets& targets);
-  /// Control vertices of the last solution.
+  /// Positions of the control vertices in the last solution.
   const Points& control() const;
 
  private:
@@ -49,37 +54,39 @@ class SubspaceSolver {
   std::unique_ptr<Data> data_;
 };
 
-// Interactive editing of one frame: a preview at once, refinement on demand.
+// Interactive editing of one frame: immediate preview, refinement on demand.
 
-/// Interactive session for a keyframe. solve_preview() moves the few vertices of a control mesh and
-/// with them the whole shape smoothly. refine() continues with the ARAP iteration over all nodes.
-/// It removes folds caused by the control mesh and satisfies handles and features exactly.
+/// Interactive session for editing one frame. solve_preview() deforms the frame smoothly by a
+/// control mesh (SubspaceSolver). refine() continues with the ARAP iteration over all nodes
+/// (FrameSolver), which removes folds caused by the control mesh and satisfies handles and features
+/// exactly.
 ///
 ///     FrameSession session(mesh, constraints, control_mesh(mesh));
 ///     session.set_frame(frame);
 ///     show(session.solve_preview(targets));                   // at every mouse event
 ///     while (!session.refine(5)) show(session.positions());   // when the mouse rests
 ///
-/// Cost: set_frame() as SubspaceSolver::set_frame(); solve_preview() 10 to 50 ms for 10,000 nodes;
-/// 2 to 3 ms per iteration of refine().
+/// Cost: set_frame() costs as much as SubspaceSolver::set_frame(). For 10,000 nodes,
+/// solve_preview() takes 10 to 50 ms, an iteration of refine() 2 to 3 ms.
 class FrameSession {
  public:
-  /// `control`: control mesh around `mesh` in its given shape. Throws like FrameSolver and
-  /// SubspaceSolver.
+  /// `control`: control mesh that encloses `mesh`, see control_mesh(). Throws the exceptions of the
+  /// constructors of FrameSolver and SubspaceSolver.
   FrameSession(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
                const FrameOptions& frames = {}, const SubspaceOptions& subspace = {});
   ~FrameSession();
 
-  /// Sets the frame to be edited; ControlMeshTransfer moves the control mesh along. Throws
-  /// InputError if the number of nodes differs.
+  /// Sets the frame to be edited (nodes × 3), and transfers the control mesh to it by
+  /// ControlMeshTransfer. Throws InputError if the number of nodes is wrong.
   void set_frame(const Points& frame);
-  /// Solves in the subspace. Requires set_frame(). Throws InputError and ConflictError.
+  /// Computes the node positions by the subspace solver. Requires set_frame(). Throws InputError
+  /// and ConflictError like FrameSolver::alternate().
   const Points& solve_preview(const FrameTargets& targets);
-  /// Performs up to `iterations` ARAP iterations. Requires solve_preview(). Returns true if
-  /// converged.
+  /// Performs at most `iterations` ARAP iterations over all nodes. Requires solve_preview().
+  /// Returns true if the iteration has converged.
   bool refine(int iterations);
   const Points& positions() const;
-  const IterationReport& report() const;  ///< of refine()
+  const IterationReport& report() const;  ///< convergence data of refine()
 
  private:
   struct Data;

@@ -1,4 +1,5 @@
-// Deformable curves: physically based curve modelling with named loads, statics and dynamics.
+// Deformable curves: physically based curve modelling with named loads, statics and dynamics, also
+// of faired curves through given points.
 #pragma once
 
 #include <optional>
@@ -8,14 +9,16 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/elements/reference_triangle.h"
+#include "batten/fairing/curves/fair_curve.h"
 #include "batten/fem/curve_assembler.h"
 #include "batten/fem/curves/hermite_curve.h"
 
 namespace batten {
 
-/// A load on a curve. Its `value` is a parameter that sliders and --set change by the load's name.
+/// A load on a curve. Its `value` scales the load; sliders and the option --set change it under the
+/// load's name.
 struct CurveLoad {
-  /// Distributed force value · direction along the whole curve, per length of its parameter u.
+  /// Distributed force value · direction along the whole curve, per unit of the curve parameter u.
   struct Uniform {
     Vec3 direction;
   };
@@ -23,7 +26,8 @@ struct CurveLoad {
   struct Force {
     Vec3 at, direction;
   };
-  /// Spring of stiffness value ≥ 0 from the curve point closest to `at` to the fixed point `to`.
+  /// Spring with the stiffness value ≥ 0, from the curve point closest to `at` to the fixed point
+  /// `to`.
   struct Spring {
     Vec3 at, to;
   };
@@ -34,7 +38,7 @@ struct CurveLoad {
 
 /// Material of a deformable curve: stiffness, density and damping.
 struct CurveMaterial {
-  /// alpha: stretching stiffness, beta: bending stiffness.
+  /// Stretching stiffness alpha and bending stiffness beta.
   CurveAssembler::Coefficient alpha = {0}, beta = {1};
   /// Relative: alpha, beta, loads, density and damping are dimensionless and refer to the curve
   /// scaled to length 1, so that the same curve in mm and in m takes the same shape. Absolute:
@@ -46,11 +50,12 @@ struct CurveMaterial {
   double density = 1, damping = 1;  ///< density ρ and damping μ of the motion, ≥ 0
 };
 
-/// The deformable curve of [Celniker1991]: the minimum of
+/// The deformable curve of [Celniker1991]. Its shape X(u) minimises the energy
 ///
 ///     E = ∫ alpha |Y_u|² + beta |Y_uu|² du + Σ k |X(u_k) - to_k|² - 2 ∫ f·X du - 2 Σ F·X(u_i)
 ///
-/// under constraints that hold exactly. Y is X minus the initial shape if `starts_unstressed`,
+/// under constraints that hold exactly, with springs of stiffness k from X(u_k) to the points to_k,
+/// distributed forces f and point forces F. Y is X minus the initial shape if `starts_unstressed`,
 /// otherwise X.
 ///
 /// Positions are taken relative to a point of the curve, so that a curve far from the origin keeps
@@ -58,7 +63,7 @@ struct CurveMaterial {
 /// stiffness costs the factorization of a banded matrix.
 class DeformableCurve {
  public:
-  /// `constraints` are on the dofs of the mesh of `shape` (CurveConstraints).
+  /// `constraints`: constraints on the dofs of shape.mesh(), see CurveConstraints.
   ///
   /// Throws InputError for wrong counts, numbers that are not finite, two loads of the same name,
   /// and a negative stiffness. solve() and start_motion() throw ConflictError for contradictory
@@ -70,25 +75,25 @@ class DeformableCurve {
   /// Sets the value of a load. Throws InputError for an unknown name (the message suggests the
   /// closest one), a value that is not finite, and a negative stiffness.
   void set(const std::string& load, double value);
-  /// Sets the fixed end of a spring. Throws InputError if there is no such spring or `to` is not
-  /// finite.
+  /// Sets the fixed end point of a spring. Throws InputError if there is no spring of this name or
+  /// `to` is not finite.
   void set_spring_target(const std::string& spring, const Vec3& to);
 
   /// Computes the equilibrium shape under the current loads.
   HermiteCurve solve();
 
-  /// Starts a motion with velocity 0 from the current shape, which is the last one solved or
-  /// reached.
+  /// Starts a motion with velocity 0 from the current shape: the result of the last solve() or
+  /// step().
   ///
   /// If the current shape violates the constraints, the motion starts from the equilibrium shape
-  /// instead. Values of loads may change between steps. `dt`: time step; `theta`: θ of the implicit
-  /// scheme.
+  /// instead. Values of loads may change between steps. `dt`: time step, above 0; `theta`:
+  /// parameter θ of the implicit scheme, ½ … 1 (ThetaIntegrator).
   void start_motion(double dt, double theta = 1);
   /// Advances the motion by one implicit time step. Throws InputError if start_motion() was not
   /// called.
   HermiteCurve step();
-  /// Kinetic plus potential energy; it never grows under constant loads. Throws InputError if
-  /// start_motion() was not called.
+  /// Kinetic plus potential energy of the motion; it never grows under constant loads. Throws
+  /// InputError if start_motion() was not called.
   double energy();
 
   const ConstraintSet& constraints() const { return constraints_; }
@@ -116,5 +121,48 @@ class DeformableCurve {
   bool stiffness_changed_ = false;
   Points current_;
 };
+
+// A curve through given points, such as the vertices of a mesh, that is faired and shaped by loads.
+
+/// Options of sculpt_curve().
+struct SculptedCurveOptions {
+  /// Support of the ends of an open curve.
+  enum class Ends {
+    Clamped,  ///< position and tangent are fixed
+    Pinned,   ///< the position is fixed
+    Free      ///< no constraints; springs must support the curve
+  };
+  bool closed = false;
+  bool faired = true;  ///< false: the curve interpolates the points before the loads act
+  /// Fairing options; `closed`, `fix_ends` and `reject_outliers` are ignored: ends of open curves
+  /// stay, and no point is an outlier.
+  FairOptions fair;
+  Ends ends = Ends::Clamped;
+  double alpha = 0, beta = 1;    ///< stretch and bending stiffness, LoadUnits::Relative
+  std::vector<CurveLoad> loads;  ///< empty: the curve is only faired
+};
+
+/// A faired curve under its loads. Lengths are in the unit of the points.
+struct SculptedCurve {
+  HermiteCurve curve;
+  /// One target position per input point: the closest point of the faired curve, displaced by the
+  /// loads.
+  std::vector<Vec3> targets;
+  Deviation fairing;         ///< deviation of the points from the curve without loads
+  double wavelength = 0;     ///< smoothing wavelength of the fairing, model units
+  double largest_shift = 0;  ///< largest displacement of a target by the loads
+  Fairness before, after;    ///< fairness of the interpolating spline, and of `curve`
+};
+
+/// Fairs the curve through some points (fair_points()) and lets loads deform it (DeformableCurve).
+/// If the points are vertices of a mesh, use SculptedCurve::targets as position constraints to let
+/// the curve deform the mesh (see position_constraints() in mesh/deform/deform_problem.h).
+///
+/// `points`: in order along the curve; for a closed curve, the first point is not repeated. `name`
+/// appears in messages. Throws InputError for too few points and for invalid options or loads,
+/// ConflictError for contradictory constraints, and NoSolutionError if neither ends nor springs
+/// support the curve.
+SculptedCurve sculpt_curve(const std::string& name, const std::vector<Vec3>& points,
+                           const SculptedCurveOptions& options = {});
 
 }  // namespace batten

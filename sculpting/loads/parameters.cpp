@@ -128,10 +128,9 @@ int Parameters::index(const std::string& name) const {
     names.push_back(p.name);
     list += (list.empty() ? "" : ", ") + p.name;
   }
-  const std::string nearest = closest_match(name, names);
   throw InputError("found parameter '" + name + "', expected " +
                    (names.empty() ? "none: there are no parameters" : "one of: " + list) +
-                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+                   did_you_mean(name, names));
 }
 
 void Parameters::set(int index, double value) {

@@ -13,9 +13,9 @@
 namespace batten {
 
 /// A named number with a range. Its value comes from one source: the user (`value`), keyframes over
-/// time, or a rule of other parameters.
+/// time, or a linear rule that depends on other parameters.
 struct ScalarParameter {
-  /// One term of a rule: adds factor times the value of the parameter `of`.
+  /// One term of a rule: factor times the value of the parameter named `of`.
   struct Term {
     std::string of;
     double factor = 1;
@@ -30,8 +30,8 @@ struct ScalarParameter {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   std::vector<Keyframe> keyframes = {};  ///< ascending times; empty: the value is constant in time
-  /// Rule value = offset + Σ factor · parameter, with which one slider can drive many parameters.
-  /// Empty: no rule.
+  /// Terms of the rule value = offset + Σ factor · parameter, by which one slider can drive many
+  /// parameters. Empty: no rule.
   std::vector<Term> rule_terms = {};
   double offset = 0;
 };
@@ -45,14 +45,14 @@ class Parameters {
   /// value or keyframe out of range, and keyframes that do not ascend. Also throws if a parameter
   /// has both keyframes and a rule, or if its rule refers to a parameter that does not exist yet.
   void add(ScalarParameter parameter);
-  /// Removes a parameter. Throws InputError for an unknown name and for a parameter that the rule
-  /// of another one uses.
+  /// Removes a parameter. Throws InputError for an unknown name, and if the rule of another
+  /// parameter depends on this one.
   void remove(const std::string& name);
-  /// Sets the rule of an existing parameter, which loses its own value and keyframes.
+  /// Sets the rule of an existing parameter; its own value and keyframes are discarded.
   ///
   /// Empty `rule_terms` remove the rule; the offset then becomes the value. Throws InputError for
-  /// unknown names, a cyclic rule (the message names its members), numbers that are not finite, and
-  /// an offset out of range for a parameter without rule.
+  /// unknown names, a cyclic rule (the message names the parameters of the cycle), numbers that are
+  /// not finite, and an offset out of range for a parameter without rule.
   void set_rule(const std::string& name, std::vector<ScalarParameter::Term> rule_terms,
                 double offset);
 
@@ -63,29 +63,30 @@ class Parameters {
   /// one).
   int index(const std::string& name) const;
 
-  /// Sets a parameter to a user value. Its keyframes no longer act, until restore().
+  /// Sets a parameter to a user value, which overrides its keyframes until restore().
   ///
   /// Throws InputError for a number that is not finite or out of range, and for a parameter with a
-  /// rule (the message names the parameters that drive it). O(dependent parameters), allocates
-  /// nothing.
+  /// rule (the message names the parameters that drive it). Cost: O(dependent parameters).
+  /// Allocates no memory.
   void set(int index, double value);
   void set(const std::string& name, double value) { set(index(name), value); }
 
-  /// Current value: the one set by the user, that of the keyframes at the current time, or that of
-  /// the rule, clamped to the parameter's range.
+  /// Current value of a parameter: the user value, the value of its keyframes at the current time,
+  /// or the result of its rule, clamped to the range of the parameter.
   double value(int index) const { return current_[index]; }
   double value(const std::string& name) const { return value(index(name)); }
   const std::vector<double>& values() const { return current_; }
 
   double time() const { return time_; }
-  /// Sets the time, and with it all parameters with keyframes that the user has not set. Returns
-  /// true if any value changed. Throws InputError for a time that is not finite. Allocates nothing.
+  /// Sets the time, and thereby all keyframed parameters that have no user value. Returns true if
+  /// any value changed. Throws InputError for a time that is not finite. Allocates no memory.
   bool set_time(double time);
 
   /// Restores values that values() returned earlier for the same parameters, and the time.
   ///
-  /// Keyframed parameters whose value is that of the time follow it again; others count as set by
-  /// the user. Throws InputError for a wrong number of values. Allocates nothing.
+  /// Keyframed parameters whose restored value equals the value of their keyframes at `time` follow
+  /// the keyframes again; the others count as set by the user. Throws InputError for a wrong number
+  /// of values. Allocates no memory.
   void restore(const std::vector<double>& values, double time);
 
  private:

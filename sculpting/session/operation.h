@@ -18,16 +18,16 @@ namespace batten {
 /// Result of a solve: convergence and cost.
 struct SolveReport {
   bool converged = true;
-  int iterations = 0;       ///< number of iterations; each costs a pair of triangular solves
-  double change = 0;        ///< change of the last iteration, relative to the model size
-  bool superposed = false;  ///< only linear loads changed: the shape is a sum of known shapes
-  /// The solve stopped after its first iteration. `change` is then not measured, but five times the
-  /// value expected from previous solves. Every fourth solve makes a second iteration and measures
-  /// it.
+  int iterations = 0;  ///< number of iterations, each with one pair of triangular solves
+  double change = 0;   ///< change of the shape in the last iteration, relative to the model size
+  bool superposed = false;  ///< true: only linear loads changed; the shape is a sum of known shapes
+  /// True: the solve stopped after its first iteration, and `change` is not measured but estimated
+  /// as five times the value expected from previous solves. Every fourth solve makes a second
+  /// iteration and measures `change`.
   bool change_is_estimated = false;
-  bool factored = false;  ///< a new factorization was needed
-  /// solve_to_equilibrium() planned smooth joins again, because moved lines had rotated the
-  /// tangents at nodes.
+  bool factored = false;  ///< true: a new factorization was needed
+  /// True: solve_to_equilibrium() recomputed the constraints of smooth joins, because moved curves
+  /// had rotated the tangents at nodes.
   bool joins_planned = false;
   double time = 0;  ///< current time of the motion or of the keyframes
 };
@@ -35,29 +35,30 @@ struct SolveReport {
 /// Selects the triangles to be refined by bisection, and the limits of the refinement.
 struct Refinement {
   struct Brush {
-    /// Triangles that contain a point inside one of these are refined.
+    /// Triangles that contain a point inside one of these strokes are refined.
     std::vector<Area::Painted::Stroke> strokes;
   };
   /// Dörfler marking by the jump estimator residual_indicator() [Dorfler1996].
   struct JumpIndicator {
-    /// The marked triangles carry this fraction of the sum of all indicators.
+    /// Fraction of the sum of all indicators that the marked triangles account for.
     double fraction = 0.3;
   };
   std::variant<Brush, JumpIndicator> where;
-  /// A triangle is refined only if its longest edge in space is longer than twice this. Model
-  /// units; 0: size / 2000.
+  /// Smallest edge length, model units; 0: model size / 2000. A triangle is refined only if its
+  /// longest edge in space is longer than twice this length.
   double smallest = 0;
-  int max_triangles = 200000;  ///< throws InputError if the refinement would exceed it
+  /// Maximum number of triangles; refine() throws InputError if it would be exceeded.
+  int max_triangles = 200000;
 };
 
 /// Result of a refinement.
 struct RefinementReport {
   int triangles_before = 0, triangles = 0;
   /// Largest displacement of the surface by the transfer to the new mesh, before the new
-  /// equilibrium was computed, relative to the size.
+  /// equilibrium is computed, divided by the model size.
   double max_displacement = 0;
   double energy_before = 0, energy_transferred = 0,
-         energy_at_equilibrium = 0;  ///< stretching and bending energy
+         energy_at_equilibrium = 0;  ///< elastic (stretching + bending) energy at each stage
 };
 
 /// One operation on a session, with all data that replay() needs.
@@ -65,7 +66,8 @@ struct Operation {
   using Item = std::variant<Load, StiffnessField, Constraint, LineOffset, CharacterLine>;
   struct Add {
     Item what;
-    std::vector<ScalarParameter> parameters;  ///< start values and ranges of the item's parameters
+    /// Initial values and ranges of the parameters of the item.
+    std::vector<ScalarParameter> parameters;
   };
   /// Replaces the constraint of the same name.
   struct Change {
@@ -99,8 +101,8 @@ struct Operation {
     Redo,
     Edit
   } kind = Kind::SolveToEquilibrium;
-  int index = 0;     ///< Set: parameter index; SolvePreview: maximum number of iterations
-  double value = 0;  ///< Set: value; SolvePreview: tolerance; Time: time
+  int index = 0;     ///< parameter index of Set, or maximum number of iterations of SolvePreview
+  double value = 0;  ///< value of Set, tolerance of SolvePreview, or time of Time
   std::shared_ptr<const Edit> edit = {};
 };
 

@@ -1,4 +1,5 @@
-// Interactive sculpting of surfaces: loads, dynamics and constraints that can change at any time.
+// Sculpting of surfaces: interactive sessions, in which loads, constraints and motion can change at
+// any time, and single static load cases.
 #pragma once
 
 #include <memory>
@@ -27,10 +28,11 @@ struct SessionData;
 ///       draw(session.frame());         // points and exact normals
 ///     }
 ///
-/// Lines that regions share move them together. Smooth joins stay smooth under all loads, because
-/// their constraints are imposed together with those of the lines; creases stay creases. If a line
-/// offset rotates the tangents of lines at a node, the joins there become less smooth, because
-/// their constraints still refer to the old lines. solve_to_equilibrium() plans these joins again.
+/// Curves that regions share move all of these regions. Smooth joins stay smooth under all loads,
+/// because their constraints are imposed together with those of the curves; creases stay creases.
+/// If a curve offset rotates the tangents of curves at a node, the joins there become less smooth,
+/// because their constraints still refer to the old curves; solve_to_equilibrium() recomputes these
+/// constraints.
 ///
 /// The state consists of dofs, velocities, time and parameter values. The data behind it (mesh, K,
 /// factor, constraints) is shared and immutable. undo() and redo() therefore only restore pointers:
@@ -40,25 +42,29 @@ struct SessionData;
 ///
 ///     value of linear loads only         a sum of vectors (superposed; one solve at a first move)
 ///     right-hand side of a constraint,   one pair of triangular solves
-///       line or line offset
+///       curve or curve offset
 ///     pressure, nonlinear attractor      one pair per iteration; iterations start from the
 ///       springs                            last shape
 ///     a geometric constraint added       one solve per new point; removed: none
 ///     alpha, beta                        numeric factorization; the symbolic analysis is reused
-///     lines added or removed, refinement everything on the mesh
+///     curves added or removed,           everything on the mesh
+///       refinement
 ///
-/// set(), solve_preview() and step() do not allocate memory once each kind of solve has run, except
-/// for the first history entry of a drag and the pages of the record. Every change either succeeds
-/// or throws and leaves the last good state; ConflictError names the constraints in conflict.
+/// set(), solve_preview() and step() do not allocate memory after the first solve of each kind,
+/// except for the first history entry of a drag and the pages of the record. Every change either
+/// succeeds, or throws and leaves the session in its last valid state; ConflictError names the
+/// constraints in conflict.
 ///
 /// Only one thread at a time may call the session. A viewer's thread receives frames through
 /// FrameExchange.
 class SculptingSession {
  public:
-  /// Creates a session without loads and solves it to equilibrium under its lines.
+  /// Creates a session without loads and solves it to equilibrium under the constraints along its
+  /// curves.
   ///
-  /// The session keeps `progress` and also uses it during long solves. Throws InputError,
-  /// ConflictError and NoSolutionError.
+  /// The session keeps `progress` and also uses it during long solves. Throws InputError for
+  /// invalid options, ConflictError for contradictory constraints, and NoSolutionError if the
+  /// constraints do not support the surface.
   SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
   ~SculptingSession();
@@ -67,122 +73,174 @@ class SculptingSession {
 
   // -- parameters ---------------------------------------------------------------------------------
   const Parameters& parameters() const;
-  /// Sets a parameter to a user value. It takes effect at the next solve_preview(), step() or
-  /// solve_to_equilibrium(). Throws InputError as Parameters::set() does.
+  /// Sets a parameter to a user value. The value takes effect at the next solve_preview(), step()
+  /// or solve_to_equilibrium(). Throws InputError under the conditions of Parameters::set().
   void set(const std::string& parameter, double value) {
     set(parameters().index(parameter), value);
   }
   void set(int parameter, double value);
-  /// Adds a parameter that the rules of others can use.
+  /// Adds a parameter that the rules of other parameters can use.
   void add_parameter(ScalarParameter parameter);
-  /// Sets or removes the rule of a parameter: Parameters::set_rule().
+  /// Sets or removes the rule of a parameter, see Parameters::set_rule().
   void set_rule(const std::string& parameter, std::vector<ScalarParameter::Term> rule_terms,
                 double offset);
 
-  // -- loads, stiffness fields, constraints and lines --------------------------------------------
-  /// Adds a load, stiffness field, constraint, line offset or inner line to the current surface.
+  // -- loads, stiffness fields, constraints and curves -------------------------------------------
+  /// Adds a load, stiffness field, constraint, curve offset or inner curve to the current surface.
   ///
-  /// A line is embedded where the surface is closest to it. `parameters`: start values, ranges and
-  /// keyframes of the item's parameters, by name. Missing ones start at 0, and the goal of a point
-  /// constraint at Point::goal. Loads and stiffness fields take effect at the next solve.
-  /// Constraints, offsets and lines hold at once: the surface is solved to equilibrium.
+  /// A curve is embedded where the surface is closest to it. `parameters`: initial values, ranges
+  /// and keyframes of the parameters of the item, by name. Missing parameters start at 0, those of
+  /// a point constraint at Constraint::Point::goal. Loads and stiffness fields take effect at the
+  /// next solve. After constraints, offsets or curves are added, the surface is solved to
+  /// equilibrium at once.
   ///
-  /// Throws InputError for a name that is taken, points far from the surface (half the size), and
-  /// numbers out of range. Throws ConflictError if the new constraint contradicts others.
+  /// Throws InputError for a name that is already used, for points farther from the surface than
+  /// half of the model size, and for numbers out of range. Throws ConflictError if the new
+  /// constraint contradicts others.
   void add(Operation::Item thing, std::vector<ScalarParameter> parameters = {});
-  /// Changes the point, goal or direction of the constraint of this name. Its type must stay the
-  /// same.
+  /// Replaces the constraint of the same name by one with another point, goal or direction. The
+  /// type of the constraint must stay the same.
   void change(Constraint constraint);
-  /// Removes a load, stiffness field, constraint, offset or embedded inner line. Throws InputError
-  /// if there is no such item or if others refer to it.
+  /// Removes a load, stiffness field, constraint, curve offset or embedded inner curve. Throws
+  /// InputError if there is no item of this name or if other items refer to it.
   void remove(const std::string& name);
-  /// Gives a line another shape over the same parameters and nodes as layout().line(). Only
-  /// right-hand sides change; the surface is solved to equilibrium.
+  /// Replaces the shape of a curve, with the same parameters and nodes as layout().line(). Only
+  /// right-hand sides change. The surface is then solved to equilibrium.
   void set_line(const std::string& line, HermiteCurve curve);
-  /// Current curve of a line: that of the layout plus its offsets.
+  /// Current shape of a curve: the curve of the layout, displaced by its offsets.
   HermiteCurve line(const std::string& name) const;
-  std::vector<std::string> names() const;  ///< of all items that remove() accepts
+  std::vector<std::string> names() const;  ///< names of all items that remove() accepts
 
-  // -- solves
-  // ---------------------------------------------------------------------------------------
+  // -- solves -------------------------------------------------------------------------------------
   /// Computes the equilibrium shape under all loads, to the session's tolerance.
   ///
-  /// Throws NoSolutionError, with the values reached, if the pressure exceeds its limit load.
-  /// Parameters and shape are then those of the last converged solve.
+  /// Throws NoSolutionError if the pressure exceeds its limit load; the message states the values
+  /// reached. Parameters and shape are then those of the last converged solve.
   SolveReport solve_to_equilibrium();
-  /// Approximate equilibrium for use during a drag.
+  /// Computes an approximate equilibrium, for use during a drag.
   ///
-  /// Stops when the change falls below `tolerance`, relative to the size (the default is a
-  /// hundredth of a pixel), or after `max_iterations`. If it has not converged, the next call
-  /// continues from there.
+  /// Stops when the change of the shape falls below `tolerance` times the model size (the default
+  /// is about a hundredth of a pixel), or after `max_iterations`. If the solve has not converged,
+  /// the next call continues it.
   SolveReport solve_preview(int max_iterations = 4, double tolerance = 1e-5);
   /// Starts a motion with velocity 0 from the current shape; step() then advances it in time.
   /// Throws InputError for numbers that Motion does not allow, for example density and damping both
   /// 0.
   void start_motion(const Motion& motion);
-  /// Advances the motion by one implicit time step dt, and keyframed parameters with it.
+  /// Advances the motion and the keyframed parameters by one time step dt, with an implicit scheme.
   SolveReport step();
   void stop_motion();
   bool in_motion() const;
-  /// Sets the time of keyframed parameters for the following solves. Throws InputError in motion.
+  /// Sets the time of keyframed parameters for the following solves. Throws InputError during a
+  /// motion.
   void set_time(double time);
 
   // -- history ------------------------------------------------------------------------------------
   /// Undoes one step of the history. Returns false if there is nothing to undo.
   ///
-  /// One edit is a step. All set() since the last solve_to_equilibrium() or edit are one step (a
-  /// drag of one slider or of several), and so are all consecutive steps of a motion.
+  /// Each edit is one step of the history. All calls of set() since the last solve_to_equilibrium()
+  /// or edit together are one step (a drag of one or several sliders), and so are all consecutive
+  /// time steps of a motion.
   bool undo();
   bool redo();
-  /// Switches the recording of operations on or off; it is initially off. The record grows by pages
-  /// of 4,096 operations. Operations that throw are recorded as well.
+  /// Switches the recording of operations on or off; it is initially off. The memory of the record
+  /// grows by pages of 4,096 operations. Operations that throw are recorded as well.
   void record(bool on);
   const std::vector<Operation>& recorded() const;
-  void apply(const Operation& operation);  ///< executes one operation like its own function
-  /// Executes a recorded sequence of operations and returns how many threw.
+  /// Executes one operation, like the function that it represents.
+  void apply(const Operation& operation);
+  /// Executes a recorded sequence of operations, and returns the number of operations that threw.
   ///
-  /// Operations that throw are skipped, as they were when they were recorded. On a session made
-  /// from the same input, the result is bit-identical.
+  /// Operations that throw are skipped, as they were when they were recorded. On a session that was
+  /// created from the same input, the result is bit-identical.
   int replay(const std::vector<Operation>& operations);
 
   // -- refinement ---------------------------------------------------------------------------------
   /// Refines triangles by bisection, transfers the shape and all loads and constraints to the new
   /// mesh, and solves to equilibrium. Throws InputError for strokes, fractions or sizes out of
-  /// range, and for too many triangles.
+  /// range, and if there would be too many triangles.
   RefinementReport refine(const Refinement& refinement);
 
   // -- results ------------------------------------------------------------------------------------
   const ModelLayout& layout() const;
   Points dofs() const;
-  SkinnedRegion region(int r = 0) const;  ///< with its lines at their current positions
+  SkinnedRegion region(int r = 0) const;  ///< region r, with its curves at their current positions
   std::vector<SkinnedRegion> regions() const;
   /// Points and normals of the current shape, in a buffer that the next call overwrites.
   const Frame& frame();
-  /// Writes the same into a frame of the caller (FrameExchange::writing()). `moved` is true if the
-  /// shape has changed since the last frame() or draw().
+  /// Writes points and normals of the current shape into a frame of the caller
+  /// (FrameExchange::writing()). Sets Frame::moved if the shape has changed since the last frame()
+  /// or draw().
   void draw(Frame& to);
-  /// Largest residual of all constraints under the values of the last solve, relative to the size.
+  /// Largest residual of all constraints for the parameter values of the last solve, divided by the
+  /// model size.
   double residual() const;
-  /// Elastic energy of the current shape on the domain scaled to size 1; in relative units over
-  /// size².
+  /// Elastic energy of the current shape, on the domain scaled to size 1. In relative units, it is
+  /// divided by size².
   SurfaceEnergy energy() const;
-  /// Total energy under the current parameter values, in the units of energy(): elastic energy
-  /// minus Fᵀx of the loads, plus the energy of springs and, in motion, kinetic energy.
+  /// Total energy for the current parameter values, in the units of energy(): the elastic energy,
+  /// minus the work Fᵀx of the loads, plus the energy of springs and, during a motion, the kinetic
+  /// energy.
   ///
-  /// It never grows under constant loads that do not follow the surface. Pressure p contributes
-  /// -p V (V: the enclosed volume), which is its potential if the boundary is fixed.
+  /// The total energy never grows under constant loads that do not follow the surface. Pressure p
+  /// contributes -p V (V: the enclosed volume), which is its potential if the boundary is fixed.
   double total_energy() const;
-  /// Reaction force of each line and constraint at equilibrium. Factors a matrix of the
-  /// constraints.
+  /// Reaction force of each curve and constraint at equilibrium. Cost: a factorization of a matrix
+  /// of the size of the constraints.
   std::vector<Reaction> reactions() const;
   /// Distances of the points of each Load::PointCloudSprings from the current surface and, for
-  /// comparison, from `before`, another shape on the layout.
+  /// comparison, from the surface with the dofs `before` on the same layout.
   std::vector<PointCloudDistances> scan_distances(const Points& before) const;
-  double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v)
+  double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v) du dv for the current shape
   size_t history_bytes() const;
 
  private:
   std::unique_ptr<SessionData> data_;
 };
+
+// Static solve: the equilibrium shape of a region or model under curves, constraints and loads.
+
+/// A load together with the value of its parameter.
+struct AppliedLoad {
+  Load load;
+  double value = 0;
+};
+
+/// One load case: loads, constraints, material, and solver settings.
+struct StaticTask {
+  std::vector<AppliedLoad> loads;
+  /// The goal of a point constraint is Constraint::Point::goal.
+  std::vector<Constraint> constraints;
+  SurfaceStiffness material;  ///< alpha and beta, in the units of `units`
+  LoadUnits units = LoadUnits::Relative;
+  bool fix_corners_only = false;  ///< true: constrains only the corners, not the whole curves
+  double tolerance = 1e-12;       ///< convergence tolerance, see SessionOptions
+  int max_iterations = 60;        ///< maximum number of iterations, see SessionOptions
+};
+
+/// Result of sculpt(): the equilibrium shape and measurements.
+struct SculptResult {
+  Points dofs;
+  /// Elastic energy, on the domain scaled to size 1. In relative units, it is divided by size².
+  SurfaceEnergy energy;
+  int iterations = 0;
+  /// Change of the shape in the last iteration, relative to the model size.
+  double last_change = 0;
+  std::vector<Reaction> reactions;
+  /// Largest residual of all constraints, divided by the model size.
+  double max_constraint_residual = 0;
+  /// One entry per Load::PointCloudSprings. The shape for comparison is the equilibrium without
+  /// loads and additional constraints.
+  std::vector<PointCloudDistances> scans;
+};
+
+/// Computes the equilibrium shape of one load case with a SculptingSession that keeps no history.
+///
+/// Points of application of loads are located on the equilibrium shape without loads. The point of
+/// each constraint is located on the shape under the curves and the previous constraints. Throws
+/// InputError for invalid numbers, ConflictError for contradictory constraints, and NoSolutionError
+/// if the pressure exceeds its limit load; the message states the values reached.
+SculptResult sculpt(const ModelLayout& layout, const StaticTask& task,
+                    const Progress& progress = {});
 
 }  // namespace batten

@@ -3,7 +3,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/sculpting/loads/area_weights.h"
+#include "batten/sculpting/loads/loads.h"
 #include "batten/sculpting/session/session_system.h"
 #include "batten/skinning/model/model_projector.h"
 

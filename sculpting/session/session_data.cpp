@@ -158,7 +158,7 @@ void SessionData::change(const Constraint& constraint) {
   const int at = detail::index_of(def.constraints, constraint.name);
   if (at < 0)
     throw InputError("there is no constraint '" + constraint.name + "'" +
-                     name_suggestion(constraint.name));
+                     did_you_mean(constraint.name, names()));
   auto& placed = def.constraints[at];
   if (placed->constraint.kind.index() != constraint.kind.index())
     throw InputError("constraint '" + constraint.name +
@@ -183,11 +183,6 @@ std::vector<std::string> SessionData::names() {
     for (const EmbeddedLine& line : layout().region(r).embedded())
       if (line.line.role == CharacterLine::Role::Inner) all.push_back(line.line.name);
   return all;
-}
-
-std::string SessionData::name_suggestion(const std::string& name) {
-  const std::string near = closest_match(name, names());
-  return near.empty() ? "" : "; did you mean '" + near + "'?";
 }
 
 void SessionData::remove(const std::string& name) {
@@ -215,7 +210,7 @@ void SessionData::remove(const std::string& name) {
     return;
   }
   if (!layout().has_line(name))
-    throw InputError("nothing named '" + name + "' can be removed" + name_suggestion(name));
+    throw InputError("nothing named '" + name + "' can be removed" + did_you_mean(name, names()));
   require_unused(name);
   ModelLayout layout = this->layout();
   layout.remove_inner_line(name);

@@ -138,7 +138,6 @@ struct SessionData {
   void transfer_reference_shapes(const ModelLayout& layout, detail::SessionDefinition& def);
   void change(const Constraint& constraint);
   std::vector<std::string> names();
-  std::string name_suggestion(const std::string& name);
   void remove(const std::string& name);
   void require_unused(const std::string& line);
   void set_line(const std::string& name, const HermiteCurve& curve);

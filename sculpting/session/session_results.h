@@ -13,42 +13,43 @@
 
 namespace batten {
 
-/// Reaction force of a named line or constraint on the surface: the sum over its position dofs, in
-/// the units of the loads.
+/// Reaction force that a named curve or constraint exerts on the surface: the sum over its position
+/// dofs, in the units of the loads.
 struct Reaction {
   std::string name;
   Vec3 force = Vec3::Zero();
 };
 
-/// Distances of a point cloud from the surface, model units. Points beyond the boundary are
-/// excluded.
+/// Distances of a point cloud from the surface, model units. Points beyond the boundary of the
+/// surface are excluded and counted in `left_out`.
 struct PointCloudDistances {
   std::string name;
   int points = 0, left_out = 0;
-  double before_max = 0, before_rms = 0;  ///< distances from the comparison shape
+  double before_max = 0, before_rms = 0;  ///< distances from the shape used for comparison
   double max = 0, rms = 0;
 };
 
 // Display points of a moving surface, and their transfer to a viewer's thread.
 
-/// Facets and lines that connect the display points. It changes only with the mesh.
+/// Facets and curves that connect the display points. They change only if the mesh changes.
 struct DisplayTopology {
   std::vector<std::array<int, 3>> facets;
-  /// Point indices: DisplayFacets::lines, region by region.
+  /// Point indices of the polylines of each curve: [curve][polyline][point], region by region. See
+  /// DisplayFacets::lines.
   std::vector<std::vector<std::vector<int>>> lines;
-  /// Location of each point in the model's mesh; empty if there is no model.
+  /// Location of each display point in the mesh of the model; empty if there is no model.
   std::vector<Location> locations;
-  /// Index of the first facet and the first line of each region, and one past the last region.
+  /// Index of the first facet and of the first curve of each region, followed by the total numbers.
   std::vector<int> first_facet, first_line;
 };
 
-/// Display points and normals of one moment.
+/// Display points and normals of the surface at one moment.
 struct Frame {
-  std::vector<float> points, normals;  ///< coordinates x, y, z of one point after the other
+  std::vector<float> points, normals;  ///< x, y, z of each point, one point after the other
   std::shared_ptr<const DisplayTopology> pattern;
-  long number = 0;        ///< frame counter
-  bool moved = false;     ///< points or normals differ from those of the previous frame
-  bool remeshed = false;  ///< the pattern differs from the one this frame had before
+  long number = 0;        ///< running number of the frame
+  bool moved = false;     ///< true: points or normals differ from the previous frame
+  bool remeshed = false;  ///< true: `pattern` was replaced when this frame was last filled
 };
 
 /// Lock-free triple buffer that passes frames from one writer thread to one reader thread. Neither
@@ -58,15 +59,26 @@ class FrameExchange {
   /// Writer: the frame to fill. Its buffers keep their capacity.
   Frame& writing() { return frames_[write_]; }
   /// Writer: publishes the filled frame.
-  void publish();
-  /// Reader: the newest frame, or null if latest() has already returned it. It stays valid until
-  /// the next call.
-  const Frame* latest();
+  void publish() {
+    // Release: the written data is visible before the reader gets the frame. Acquire: the reader is
+    // done with the frame that comes back.
+    write_ = middle_.exchange(write_ | kUnread, std::memory_order_acq_rel) & ~kUnread;
+  }
+  /// Reader: the newest frame, or null if latest() has already returned it. The frame stays valid
+  /// until the next call.
+  const Frame* latest() {
+    if (!(middle_.load(std::memory_order_relaxed) & kUnread)) return nullptr;
+    read_ = middle_.exchange(read_, std::memory_order_acq_rel) & ~kUnread;
+    return &frames_[read_];
+  }
 
  private:
+  // Each of the three frames belongs to the writer, to the reader, or to the middle. Publishing or
+  // taking a frame swaps it with the middle one.
+  static constexpr int kUnread = 4;
   std::array<Frame, 3> frames_;
   int write_ = 0, read_ = 1;
-  std::atomic<int> middle_{2};  // index of the frame in the middle; bit 2: not read yet
+  std::atomic<int> middle_{2};  // index of the frame in the middle, plus kUnread if not read yet
 };
 
 }  // namespace batten

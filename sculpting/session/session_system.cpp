@@ -10,7 +10,7 @@
 #include "batten/core/geometry.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/surface_assembler.h"
-#include "batten/sculpting/loads/area_weights.h"
+#include "batten/sculpting/loads/loads.h"
 
 namespace batten::detail {
 

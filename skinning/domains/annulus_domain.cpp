@@ -9,6 +9,8 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/domains/outline.h"
@@ -626,6 +628,118 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
     }
     embed_across_seam(line, surface, projector, locator, reparametrise);
   }
+}
+
+// Annular surfaces through sections.
+
+namespace {
+
+constexpr int kCircleSamples = 256;  // around a section
+using SectionSamples = std::vector<Vec3>;
+
+double wrapped_index(double s) { return fractional_part(s) * kCircleSamples; }
+
+Vec3 at(const SectionSamples& section, double s) {
+  const double x = wrapped_index(s);
+  const int i = std::min(static_cast<int>(x), kCircleSamples - 1);
+  const double f = x - i;
+  return (1 - f) * section[static_cast<size_t>(i)] +
+         f * section[static_cast<size_t>((i + 1) % kCircleSamples)];
+}
+
+// A boundary circle sampled at equal steps of u.
+SectionSamples circle_samples(const RegionGeometry& ring, size_t loop) {
+  const ParametricMesh& mesh = *ring.mesh;
+  SectionSamples section(kCircleSamples, Vec3::Zero());
+  for (const BoundarySegment& piece : ring.boundary[loop]) {
+    const EdgeAlignedLine& aligned_line = ring.edge_aligned[static_cast<size_t>(piece.index)];
+    const HermiteCurve pcurve = edge_aligned_pcurve(mesh, aligned_line);
+    const double from = pcurve.evaluate(pcurve.start()).x(),
+                 to = from + (pcurve.position(pcurve.node_count() - 1) - pcurve.position(0)).x();
+    const double span = std::abs(to - from) > 0 ? to - from : mesh.period();
+    for (int k = 0; k < kCircleSamples; ++k)
+      for (const int around : {-1, 0, 1}) {
+        const double f = (mesh.period() * (k / double(kCircleSamples) + around) - from) / span;
+        if (f < 0 || f > 1) continue;
+        const double p = aligned_line.parameters.front() +
+                         f * (aligned_line.parameters.back() - aligned_line.parameters.front());
+        section[static_cast<size_t>(k)] = aligned_line.fitted.evaluate(p);
+      }
+  }
+  return section;
+}
+
+SectionSamples even_points(const SmoothSegment& line) {
+  const ArcLength arc(line.curve);
+  SectionSamples section;
+  for (int k = 0; k < kCircleSamples; ++k)
+    section.push_back(line.curve->evaluate(arc.parameter(arc.total() * k / kCircleSamples)));
+  return section;
+}
+
+// A section resampled from the start point and in the direction that make it nearest to `before`.
+SectionSamples matched(const SectionSamples& section, const SectionSamples& before) {
+  double least = std::numeric_limits<double>::infinity();
+  int phase = 0, direction = 1;
+  const auto place = [](int k) {
+    return static_cast<size_t>((k % kCircleSamples + kCircleSamples) % kCircleSamples);
+  };
+  for (const int d : {1, -1})
+    for (int p = 0; p < kCircleSamples; ++p) {
+      double sum = 0;
+      for (int k = 0; k < kCircleSamples; k += 4)
+        sum += (section[place(p + d * k)] - before[static_cast<size_t>(k)]).squaredNorm();
+      if (sum < least) least = sum, phase = p, direction = d;
+    }
+  // Shift between samples, from one Gauss-Newton step.
+  double slope = 0, bend = 0;
+  for (int k = 0; k < kCircleSamples; ++k) {
+    const Vec3 tangent = 0.5 * (section[place(phase + direction * k + 1)] -
+                                section[place(phase + direction * k - 1)]);
+    slope += tangent.dot(before[static_cast<size_t>(k)] - section[place(phase + direction * k)]);
+    bend += tangent.squaredNorm();
+  }
+  const double shift = bend > 0 ? std::clamp(slope / bend, -0.5, 0.5) : 0;
+  SectionSamples result;
+  for (int k = 0; k < kCircleSamples; ++k)
+    result.push_back(at(section, (phase + shift + direction * k) / kCircleSamples));
+  return result;
+}
+
+}  // namespace
+
+Surface interpolate_sections(const RegionGeometry& ring, const std::vector<SmoothSegment>& sections,
+                             TriangleElement element) {
+  std::vector<SectionSamples> row{circle_samples(ring, 0)};
+  for (const SmoothSegment& section : sections)
+    row.push_back(matched(even_points(section), row.back()));
+  row.push_back(circle_samples(ring, 1));
+  std::vector<double> t{0};
+  for (size_t i = 1; i < row.size(); ++i) {
+    double distance = 0;
+    for (int k = 0; k < kCircleSamples; ++k)
+      distance += (row[i][static_cast<size_t>(k)] - row[i - 1][static_cast<size_t>(k)]).norm();
+    t.push_back(t.back() + distance);
+  }
+  for (double& x : t) x /= t.back();
+  const ParametricMesh& mesh = *ring.mesh;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec2& p : mesh.vertices()) low = std::min(low, p.y()), high = std::max(high, p.y());
+  const auto place = [&](const Vec2& uv, int order) {
+    Points x(isize(row), 3);
+    for (size_t i = 0; i < row.size(); ++i)
+      x.row(static_cast<long>(i)) = at(row[i], uv.x() / mesh.period());
+    const HermiteCurve along(t, x, not_a_knot_slopes(t, x));
+    return along.evaluate((uv.y() - low) / (high - low), order);
+  };
+  Points dofs = interpolate_surface(mesh, [&](const Vec2& uv) {
+    const double h = mesh.period() / kCircleSamples;
+    FirstOrderJet s{place(uv, 0), {}};
+    s.gradient << (place(uv + Vec2(h, 0), 0) - place(uv - Vec2(h, 0), 0)) / (2 * h),
+        place(uv, 1) / (high - low);
+    return s;
+  });
+  return {ring.mesh, element, std::move(dofs), ring.trim};
 }
 
 }  // namespace batten

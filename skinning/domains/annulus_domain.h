@@ -60,6 +60,18 @@ void embed_on_annulus(const Surface& surface, const std::vector<Outline>& holes,
                       const std::vector<SmoothSegment>& inner, const DomainInput& task,
                       RegionGeometry& geometry);
 
+// Annular surfaces through sections, on which the inner sections are embedded.
+
+/// Builds a surface on the mesh of an annulus, through its boundary circles and the closed curves
+/// between them, in their order.
+///
+/// On each line u = const it is the cubic spline through the sections. Each section lies at one v,
+/// proportional to its mean distance from the section before. Its points are evenly spaced in arc
+/// length over u, with the start point and direction that make it nearest to the section before.
+/// O(vertices · sections).
+Surface interpolate_sections(const RegionGeometry& ring, const std::vector<SmoothSegment>& sections,
+                             TriangleElement element);
+
 // Boundary circles with their lines.
 
 /// Fractional part of x, in [0, 1).

@@ -130,9 +130,9 @@ Point inside_of(const std::vector<Vec2>& points, const std::vector<std::array<in
     }
     std::sort(crossings.begin(), crossings.end());
     for (size_t k = 0; k + 1 < crossings.size(); k += 2) {
-      const double room = std::min(step, crossings[k + 1] - crossings[k]);
-      if (room <= widest) continue;
-      widest = room;
+      const double width = std::min(step, crossings[k + 1] - crossings[k]);
+      if (width <= widest) continue;
+      widest = width;
       best = Point((crossings[k] + crossings[k + 1]) / 2, y);
     }
   }

@@ -10,23 +10,25 @@
 
 namespace batten {
 
-/// A triangulation whose vertices are the points of the loop and no others. Triangles are
-/// counter-clockwise in the direction of the loop.
+/// A triangulation of a closed polyline (the loop) without additional vertices. The triangles have
+/// the orientation of the loop.
 struct HoleTriangulation {
-  /// Indices into the loop.
+  /// Corners of each triangle, as indices of points of the loop.
   std::vector<std::array<int, 3>> triangles;
-  double area = 0;  ///< of all triangles, model units²
-  /// ½ Σ of the triangles' cross products: along the loop's normal.
+  double area = 0;  ///< total area of the triangles, model units²
+  /// Sum of the area vectors of the triangles; parallel to the normal of the loop.
   Vec3 area_vector = Vec3::Zero();
-  double max_dihedral_deg = 0;  ///< largest angle between normals of adjacent triangles
+  /// Largest angle between the normals of adjacent triangles, degrees.
+  double max_dihedral_deg = 0;
 };
 
 /// Computes the triangulation of a closed polyline (first point not repeated) that minimises the
-/// largest dihedral angle and, among equals, the area [Liepa2003]. It calls CGAL's
-/// triangulate_hole_polyline(). Returns nullopt if there is none, or in a build without CGAL.
+/// largest dihedral angle and, among triangulations with the same angle, the area [Liepa2003]. The
+/// function calls triangulate_hole_polyline() of CGAL. Returns nullopt if there is no
+/// triangulation, or in a build without CGAL.
 ///
-/// `loop`: 3 to 400 points. Cost: O(n³), mostly O(n log n). Throws InputError for fewer or more
-/// points and for non-finite coordinates.
+/// `loop`: 3 to 400 points. Cost: O(n³) for n points, usually O(n log n). Throws InputError for
+/// fewer or more points, and for coordinates that are not finite.
 std::optional<HoleTriangulation> triangulate_hole(const std::vector<Vec3>& loop);
 
 /// Computes a triangulation of a closed polyline with small bending and small area. It is a
@@ -37,29 +39,31 @@ std::optional<HoleTriangulation> triangulate_hole(const std::vector<Vec3>& loop)
 ///     triangles               inner edges
 ///
 /// for triangles of area A and inner edges e, whose adjacent normals differ by the angle θ; d is
-/// the diagonal of the bounding box of the points. With this energy a strip around a cylinder stays
-/// a strip, which it does not if the largest dihedral angle is minimised. The minimum of the two
-/// areas is essential: with their sum, an edge between a large and a small triangle would be cheap,
-/// and a strip of 350 degrees would become two discs.
+/// the diagonal of the bounding box of the points. With this energy, the triangulation of a strip
+/// around a cylinder follows the cylinder, which is not the case if the largest dihedral angle is
+/// minimised. The minimum of the two areas is essential: with their sum, the energy of an edge
+/// between a large and a small triangle would be too small, and a cylindrical strip of 350 degrees
+/// would be closed by two discs.
 ///
-/// Returns nullopt if all points lie on one straight line. O(n³) [Klincsek1980]: 10 ms for 150
-/// points; needs no library. Throws as triangulate_hole().
+/// Returns nullopt if all points lie on one straight line. Cost: O(n³) for n points [Klincsek1980],
+/// 10 ms for 150 points. CGAL is not required. Throws as triangulate_hole() does.
 std::optional<HoleTriangulation> developable_triangulation(const std::vector<Vec3>& loop);
 
-/// The triangles around one point of the loop. `normal`: sum of their area vectors, the side to
-/// which the triangulation faces there. `angle`: sum of their angles, which is the interior angle
-/// (radians).
+/// Normal and interior angle of a triangulation at one point of the loop. `normal`: sum of the area
+/// vectors of the triangles at the point. `angle`: sum of the angles of these triangles at the
+/// point, radians.
 struct TriangulationCorner {
   Vec3 normal = Vec3::Zero();
   double angle = 0;
 };
-/// Computes normal and interior angle at each point of the loop.
+/// Computes the normal and the interior angle at each point of the loop.
 std::vector<TriangulationCorner> triangulation_corners(const std::vector<Vec3>& loop,
                                                        const HoleTriangulation& triangulation);
 
-/// Tests whether a loop turns left at a corner, seen on the triangulation. `before`, `after`:
-/// directions of the loop there. Changes of direction up to 20 degrees are decided by the corner's
-/// normal, others by its interior angle.
+/// Tests whether a loop turns left at a corner, seen from the tip of the normal of the
+/// triangulation. `before`, `after`: directions of the loop before and after the corner. If the
+/// direction changes by at most 20 degrees, TriangulationCorner::normal decides, otherwise
+/// TriangulationCorner::angle.
 bool turns_left(const Vec3& before, const Vec3& after, const TriangulationCorner& corner);
 
 }  // namespace batten

@@ -13,15 +13,16 @@ namespace batten {
 
 // Spatially varying edge length.
 
-/// Longest allowed element edge as a function over the domain, in domain units. It is linear
-/// between the vertices of a background mesh. Outside of that mesh it has the value of the nearest
-/// point.
+/// Longest allowed element edge as a function of the position in the domain, in domain units. The
+/// function is interpolated linearly on a background mesh. Outside of this mesh, it has the value
+/// at the nearest point of the mesh.
 class SizeField {
  public:
-  /// `lengths`: one length, > 0, for each vertex of the background mesh.
+  /// Constructs a size field on a background mesh. `lengths`: longest allowed edge at each vertex
+  /// of `mesh`, > 0.
   SizeField(std::shared_ptr<const ParametricMesh> mesh, std::vector<double> lengths);
 
-  /// Longest allowed edge at a point of the domain.
+  /// Longest allowed element edge at a point of the domain, in domain units.
   double at(const Vec2& uv) const;
   double at_vertex(int vertex) const { return lengths_[vertex]; }
 
@@ -33,64 +34,66 @@ class SizeField {
 
 /// Input of a mesh generator: points that must become vertices, and segments between them that must
 /// become chains of edges. The segments of the outline form one closed counter-clockwise polygon.
-/// Those of each hole form another polygon, in either direction. Segments may share end points and
-/// touch nowhere else.
+/// The segments of each hole form a closed polygon in either direction. Segments may share end
+/// points, but must not touch anywhere else.
 struct PlanarMeshInput {
   std::vector<Vec2> points;
   std::vector<std::array<int, 2>> outline, inner;
-  double edge_length = 0;  ///< target length of edges
+  double edge_length = 0;  ///< target length of edges, in domain units
   std::vector<std::vector<std::array<int, 2>>> holes{};
-  /// Segments are not split: each becomes one edge of the mesh. Next to short segments, triangles
-  /// grow gradually to the target length. The minimum angle may be violated next to segments.
+  /// True: segments are not split, so that each one becomes one edge of the mesh. Next to short
+  /// segments, triangles grow gradually to the target length. Triangles at segments may have angles
+  /// below the minimum.
   bool keep_segments = false;
-  /// Lengths below the target, used only with `keep_segments`; null: none.
+  /// Size field with lengths below `edge_length`, used only with `keep_segments`; null:
+  /// `edge_length` everywhere.
   std::shared_ptr<const SizeField> size_field{};
-  Progress progress{};  ///< cancellation is polled every thousand vertices
+  Progress progress{};  ///< checked for cancellation every thousand vertices
 };
 
 /// Computes a constrained Delaunay triangulation, refined to the target length, and smooths it.
-/// Angles are above 20.7 degrees where the input allows (CGAL Mesh_2).
+/// Angles are above 20.7 degrees if the input permits (CGAL Mesh_2).
 ///
-/// The first vertices of the result are the input points in their order. Further vertices, and the
-/// triangles, are in the order of a space-filling curve. Segments may be split further unless
-/// `keep_segments` is set. Throws InputError if the build has no CGAL or segments cross, and
+/// The first vertices of the result are the input points in their order. The other vertices, and
+/// the triangles, are in the order of a space-filling curve. Segments may be split unless
+/// `keep_segments` is set. Throws InputError if the build has no CGAL or if segments cross;
 /// CancelledError.
 ParametricMesh delaunay_mesh(const PlanarMeshInput& task);
-/// True if this build has CGAL.
+/// True if delaunay_mesh() is available, that is, if this build has CGAL.
 bool have_delaunay_mesher();
 
 /// Builds a fan of triangles from the centroid of the outline polygon to its sides and splits every
-/// triangle into four, `refinements` times. Segments of the outline are thus split evenly. Throws
-/// InputError if the polygon is not star-shaped about its centroid, or if there are inner segments
-/// or holes.
+/// triangle into four, `refinements` times. Segments of the outline are thereby split into equal
+/// parts. Throws InputError if the polygon is not star-shaped about its centroid, or if there are
+/// inner segments or holes.
 ParametricMesh fan_mesh(const PlanarMeshInput& task, int refinements);
 
 // Limits on mesh size and tolerance.
 
-/// Estimated peak memory in bytes for skinning a mesh of this many triangles. Most of it is the
-/// matrix factorization, which grows as n log n.
+/// Estimated peak memory in bytes for skinning a mesh of this many triangles. Most of the memory is
+/// used by the matrix factorization: O(n log n) for n triangles.
 double bytes_for_triangles(double triangles);
 
 /// Throws InputError for a mesh that is too large: more than two million triangles, or more than
-/// fit into the available memory (available_memory()). The message gives the memory required, and
-/// an edge_length that would need half of the available memory. `what`: "a face", "an annular face",
-/// for the message. `edge_length`, `size`: model units.
+/// fit into the available memory (available_memory()). The message contains the required memory,
+/// and an edge length for which half of the available memory would suffice. `edge_length`, `size`:
+/// model units. `what`: subject of the message, such as "a face" or "an annular face".
 void require_mesh_size(double triangles, double edge_length, double size, const std::string& what);
 
-/// The same check for all regions of a model together, with at least 2 kB per triangle. The memory
-/// of the joint factorization is checked later, when it is planned (SparseCholesky).
+/// Throws InputError if all faces of a model together have too many triangles for the available
+/// memory, with at least 2 kB per triangle. The memory of the factorization is checked later, in
+/// its symbolic analysis (SparseCholesky). `edge_length`, `size`: model units.
 void require_model_size(double triangles, double edge_length, double size);
 
-/// Largest number of triangles of a region.
+/// Largest allowed number of triangles of a face.
 inline constexpr double kMaxTriangles = 2e6;
 
-/// Largest number of triangles of a region after refinement under its embedded lines: 50,000, or
-/// ten times the number that follows from its size and edge length, (size/edge_length)²; at most
-/// kMaxTriangles.
+/// Largest allowed number of triangles of a face after refinement under embedded curves: the larger
+/// one of 50,000 and 10 (size / edge_length)², but at most kMaxTriangles.
 double max_refined_triangles(double edge_length, double size);
 
-/// Throws InputError for a line tolerance below 1e-9 of the size: shapes are not computed more
-/// accurately than that.
+/// Throws InputError if the tolerance of curves is below 1e-9 of the size, which is the accuracy of
+/// computed shapes.
 void require_tolerance(double tolerance, double size);
 
 }  // namespace batten

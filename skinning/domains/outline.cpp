@@ -103,14 +103,16 @@ class LoopBuilder {
     for (const SmoothSegment& s : segments_) boxed.emplace_back(*s.curve);
     for (size_t i = 0; i < segments_.size(); ++i) {
       if (const auto c = boxed[i].self_crossing(near); c.found)
-        throw InputError("curve '" + segments_[i].name + "' intersects itself near " +
-                         format_point(c.where));
+        throw OutlineIntersection(
+            "curve '" + segments_[i].name + "' intersects itself near " + format_point(c.where),
+            {segments_[i].name});
       for (size_t j = i + 1; j < segments_.size(); ++j)
         if (const auto c = boxed[i].crossing(boxed[j], near, common_ends(i, j), 0.02 * size_);
             c.found)
-          throw InputError("the outline intersects itself: curves '" + segments_[i].name +
-                           "' and '" + segments_[j].name + "' intersect or touch near " +
-                           format_point(c.where));
+          throw OutlineIntersection("the outline intersects itself: curves '" + segments_[i].name +
+                                        "' and '" + segments_[j].name +
+                                        "' intersect or touch near " + format_point(c.where),
+                                    {segments_[i].name, segments_[j].name});
     }
   }
 

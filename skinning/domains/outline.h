@@ -1,73 +1,88 @@
-// Closed loops of lines: assembly, orientation, corners, enclosed area, and curve intersection
+// Closed loops of curves: assembly, orientation, corners, enclosed area, and curve intersection
 // tests.
 #pragma once
 
 #include <array>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/fairing/curves/input_curve.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 
-/// A closed loop of smooth segments, in the order and direction of the loop. Ends that meet are
-/// merged into one point.
+/// Thrown if curves of an outline intersect.
+class OutlineIntersection : public InputError {
+ public:
+  /// `curves`: the names of the two curves that intersect, or of the one that intersects itself.
+  OutlineIntersection(const std::string& message, std::vector<std::string> curves)
+      : InputError(message), curves_(std::move(curves)) {}
+  const std::vector<std::string>& curves() const { return curves_; }
+
+ private:
+  std::vector<std::string> curves_;
+};
+
+/// A closed loop of smooth segments, in the order and direction of the loop. The ends of
+/// consecutive segments are merged into one point.
 struct Outline {
   struct OrientedSegment {
-    SmoothSegment segment;  ///< oriented along the loop
-    bool flipped;           ///< true if the user's line runs against the loop
-    double length;          ///< arc length
-    Vec3 start;             ///< start point: the mean of the two ends that meet there
+    SmoothSegment segment;  ///< the segment, oriented along the loop
+    bool flipped;           ///< true: the input curve runs against the loop
+    double length;          ///< arc length, model units
+    Vec3 start;             ///< start point: mean of the two ends that are joined there
   };
   std::vector<OrientedSegment> segments;
-  /// Index of the first segment after each corner. Side c consists of the segments corners[c] …
-  /// corners[c+1]-1, cyclic.
+  /// Index of the first segment after each corner. Side c consists of the segments from corners[c]
+  /// to corners[c + 1] - 1, cyclically.
   std::vector<int> corners;
-  double size = 0;  ///< diagonal of the bounding box of all lines
+  double size = 0;  ///< diagonal of the bounding box of all curves
 
-  /// True if the segment begins at a corner.
+  /// True if the segment with index `piece` starts at a corner.
   bool is_corner(size_t piece) const;
-  std::vector<size_t> side(size_t c) const;  ///< segments of side c
+  std::vector<size_t> side(size_t c) const;  ///< indices of the segments of side c
   /// Arc length of side c, model units.
   double side_length(size_t c) const;
-  /// End point of a segment: the start of the next one.
+  /// End point of a segment, which is the start of the next segment.
   const Vec3& end_of(size_t piece) const { return segments[(piece + 1) % segments.size()].start; }
 };
 
 /// Joins outline segments into closed loops. Each loop has the direction of its first segment, and
-/// loops are ordered by their first segments. With `reverse_orientation` the first loop is
-/// reversed. `gap_tolerance`: ends within this distance are joined, model units.
+/// loops are ordered by their first segments. `reverse_orientation`: reverses the first loop.
+/// `gap_tolerance`: ends within this distance are joined, model units. `size`: diagonal of the
+/// bounding box of all curves.
 ///
 /// Prescribed curves that are listed in the order of one loop are joined in that order, so that the
-/// loop may pass through a point twice. Two prescribed curves (CharacterLine::prescribed_curve) make a
-/// corner unless their derivative vectors dX/du agree at the common end (relative 1e-12). Other segments make a corner if the direction changes by more
-/// than `corner_angle` (degrees).
+/// loop may pass through a point twice. Two prescribed curves (CharacterLine::prescribed) make a
+/// corner unless their derivative vectors dX/du agree at the common end (relative 1e-12). Other
+/// segments make a corner if the direction changes by more than `corner_angle` (degrees).
 ///
-/// Throws InputError, with a message for the user: an open loop (with the gap), three lines at one
-/// end, lines that cross or touch, all lines on one straight line, or a loop that mixes prescribed
-/// curves with others.
+/// Throws OutlineIntersection for curves that cross or touch, and InputError for an open loop (the
+/// message contains the gap), three curves that meet at one point, curves that all lie on one
+/// straight line, or a loop in which only some of the curves are prescribed.
 std::vector<Outline> make_loops(const std::vector<SmoothSegment>& segments, double size,
                                 double gap_tolerance, double corner_angle,
                                 bool reverse_orientation = false);
 
-/// The vertex at which a segment of a loop begins. Both segments that meet there share the position
-/// and, unless it is a corner, the unit tangent. `outgoing` is the tangent of the segment that
-/// begins there, `incoming` that of the segment before it.
+/// A vertex between two consecutive segments of a loop, with unit tangents. `incoming`: tangent at
+/// the end of the previous segment. `outgoing`: tangent at the start of the next segment. The
+/// tangents are equal unless the vertex is a corner.
 struct LoopVertex {
   Vec3 position, outgoing, incoming;
 };
-/// Computes the vertex at which segment p begins.
+/// Computes the vertex at the start of segment p.
 LoopVertex loop_vertex_at(const Outline& outline, size_t p);
 
-/// Adds a warning for each vertex with a kink of more than 1 degree that is not a corner: it will
-/// be rounded.
+/// Adds a warning for each vertex that is not a corner but has a kink of more than 1 degree,
+/// because the kink will be rounded. `corner_angle`: degrees.
 void warn_about_rounded_kinks(const Outline& outline, double corner_angle,
                               std::vector<std::string>& warnings);
 
-/// The loop in the opposite direction.
+/// The same loop in the opposite direction.
 Outline reversed(const Outline& outline);
 
 // Tests whether input curves cross or touch.
@@ -78,25 +93,27 @@ constexpr int kCurveChords = 48;
 /// Samples kCurveChords + 1 points of the curve, evenly spaced in its parameter.
 std::vector<Vec3> polyline(const InputCurve& curve);
 
-/// Result of a proximity test of two curves: whether they come closer than a distance, and where.
+/// Result of a proximity test of two curves: whether they come closer than a given distance, and
+/// the position at which they do.
 struct CurveCrossing {
   bool found = false;
   Vec3 where = Vec3::Zero();
 };
 
-/// A curve with its sampled polyline and a bounding-box hierarchy, built once for tests against
-/// many other curves. The curve must outlive it.
+/// A curve with a sampled polyline and a bounding-box hierarchy, for proximity tests with many
+/// other curves. The curve must outlive this object.
 class BoxedCurve {
  public:
   explicit BoxedCurve(const InputCurve& curve);
 
-  /// Tests whether the other curve comes closer than `distance`, first by boxes and polylines, then
-  /// on the curves themselves. Points within `skip` of one of `common_ends` do not count. Cost:
-  /// O(chords²), far less if the boxes are disjoint.
+  /// Tests whether the two curves come closer than `distance`: first with boxes and polylines, then
+  /// with the curves themselves. Points within the distance `skip` of a point in `common_ends` are
+  /// ignored. All distances are in model units. Cost: O(chords²), far less if the boxes are
+  /// disjoint.
   CurveCrossing crossing(const BoxedCurve& other, double distance,
                          const std::vector<Vec3>& common_ends, double skip) const;
-  /// Tests whether the curve comes closer than `distance` to itself. The point where a closed curve
-  /// closes does not count.
+  /// Tests whether the curve comes closer than `distance` (model units) to itself. The common start
+  /// and end point of a closed curve is ignored.
   CurveCrossing self_crossing(double distance) const;
 
  private:
@@ -116,24 +133,23 @@ class BoxedCurve {
 
 // Enclosed area of a loop, and its interior angles.
 
-/// Computes the unit normal of the loop from its area vector: seen from its tip, the loop runs
-/// counter-clockwise. Throws InputError if the area vector vanishes (below 1e-6 · size²).
+/// Computes the unit normal of a loop from the area vector. The loop is counter-clockwise seen from
+/// the tip of the normal. Throws InputError if the area vector is shorter than 1e-6 · size².
 Vec3 loop_normal(const Outline& outline);
-/// True if the area vector of the loop does not vanish (at least 1e-6 · size²).
+/// True if the length of the area vector of the loop is at least 1e-6 · size².
 bool encloses_area(const Outline& outline);
-/// Norm of the area vector, which is the area enclosed in projection along loop_normal(), model
-/// units².
+/// Length of the area vector of a loop, model units². This is the area that the projection of the
+/// loop along loop_normal() encloses.
 double enclosed_area(const Outline& outline);
 
 /// Computes the interior angle at each corner, in radians in (0, 2π), or in (0, π) if `convex`.
 ///
-/// Without `convex`, a corner is convex if the loop turns left there. That is decided in projection
-/// along loop_normal(). There are two exceptions, decided on developable_triangulation() of the
-/// loop: the loop leaves its plane by more than a fifth of the size, or the corner's own plane is
-/// within 30 degrees of perpendicular to the loop's plane.
+/// If `convex` is false, a corner is convex if the loop turns left there, in the projection along
+/// loop_normal(). In two cases, developable_triangulation() of the loop is used instead of the
+/// projection: if the loop deviates from a plane by more than a fifth of the size, or if the plane
+/// of the two curves at the corner is within 30 degrees of perpendicular to the plane of the loop.
 ///
-/// Throws InputError if the loop has no area vector. It takes microseconds, or up to 10 ms with a
-/// triangulation.
+/// Throws as loop_normal() does. Cost: microseconds, or up to 10 ms if the triangulation is needed.
 std::vector<double> corner_angles(const Outline& outline, bool convex);
 
 }  // namespace batten

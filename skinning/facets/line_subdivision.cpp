@@ -370,10 +370,8 @@ CurvePoint FacetLine::closest(const Vec2& p) const {
 }
 
 void FacetLine::make_segments() {
-  for (size_t k = 0; k + 1 < points_.size(); ++k) {
-    const Vec2 third = (points_[k + 1] - points_[k]) / 3;
-    arcs_.push_back({{points_[k], points_[k] + third, points_[k + 1] - third, points_[k + 1]}});
-  }
+  for (size_t k = 0; k + 1 < points_.size(); ++k)
+    arcs_.push_back(PlanarCubic::straight(points_[k], points_[k + 1]));
 }
 
 size_t FacetLine::segment(double t) const {

@@ -1,19 +1,19 @@
-// Conforming quadratic elements of a whole model: regions that share a line share its nodes.
+// Conforming quadratic elements of a whole model: faces that share a curve share its nodes.
 //
-// Two regions share a line if one line of each (edge-aligned or embedded) has the same name. It is
-// then the same curve in space, whatever its direction and parametrisation in each region. A point
+// Two faces share a curve if one curve of each (mesh-aligned or embedded) has the same name. It is
+// then the same curve in space, whatever its direction and parametrisation in each face. A point
 // on it is identified by its fraction f of the parameter range,
 //
-//      f = (t - t0) / (t1 - t0)   along the first region's curve; others may run against it.
+//      f = (t - t0) / (t1 - t0)   along the curve of the first face.
 //
-// Edges on a line end at the same fractions in all adjacent regions. These are the vertices of the
-// regions in which it is edge-aligned or, if there are none, the subdivision of the first region.
-// If a region needs more points (lines that meet there, triangles that would fold), the others get
-// them too: regions are meshed again until none needs more. Edge midpoints are at the middle of the
-// parameter interval, and therefore shared as well.
+// Edges on a curve end at the same fractions in all adjacent faces. These are the vertices of the
+// faces in which it is mesh-aligned or, if there are none, the subdivision of the first face. If a
+// face needs more points (because curves meet there, or triangles would fold), the other faces get
+// the same points: faces are meshed again until no face needs more points. Edge midpoints are at
+// the middle of the parameter interval, and therefore shared as well.
 //
-// Nodes are not merged by distance, with one exception: ends of lines that are closer than 1e-6 of
-// the model's size become one node.
+// Nodes are not merged by distance, with one exception: ends of curves that are closer than 1e-6 of
+// the model size become one node.
 #pragma once
 
 #include <array>
@@ -24,33 +24,38 @@
 
 namespace batten {
 
-/// The elements of all regions, with common node numbers.
+/// Quadratic elements of all faces, with node numbers that are common to the model.
 struct ModelElements {
-  /// The elements of each region, with the region's own node numbers.
+  /// Elements of each face. Their nodes are numbered within the face.
   std::vector<QuadraticElements> regions;
-  /// For each region and each of its nodes: the node number in the model, from 0, in the order of
-  /// first occurrence.
+  /// For each face and each node of this face: the number of the node in the model, starting at 0,
+  /// in the order of first occurrence.
   std::vector<std::vector<int>> node;
-  /// Position of each node of the model, on the surface. A node of several regions has the position
-  /// of the first region in which its line is edge-aligned, which is exactly on the line. If the
-  /// line is embedded in all regions, it is the point of the first region's curve.
+  /// Position of each node of the model. The position of a shared node is taken from the first face
+  /// in which the curve is mesh-aligned, so that the node is exactly on the curve. If all faces
+  /// have the curve embedded, the node is on the curve of the first face.
   std::vector<Vec3> positions;
   struct Line {
     std::string name;
-    /// Node numbers of each edge, listed once: first end, second end, midpoint.
+    /// Node numbers of the element edges on the curve: first end, second end, midpoint. An edge of
+    /// several faces is listed once.
     std::vector<std::array<int, 3>> edges;
   };
-  std::vector<Line> lines;  ///< one per name, in the order of first occurrence
+  std::vector<Line> lines;  ///< one entry per curve name, in the order of first occurrence
 };
 
-/// Computes the elements of a model. Target lengths are as in quadratic_elements(), per region. A
-/// model of one region has that region's own elements and numbers. It is as fast as
-/// quadratic_elements() if all shared lines are edge-aligned; otherwise regions with embedded lines
-/// are meshed about twice.
+/// Computes conforming quadratic elements of a model. A model of one face has the elements and node
+/// numbers of this face.
 ///
-/// Throws InputError for an empty list; lines of one name that are not the same curve (farther
-/// apart than 1e-2 of the smaller region's size); neighbours for which no common subdivision is
-/// found; and as quadratic_elements() does.
+/// `regions`: one or more faces, not null, in the order of the result. `edge_length`: target length
+/// of edges on embedded curves, model units; 0: facet_length() of each face.
+///
+/// Cost: that of quadratic_elements() for each face if all shared curves are mesh-aligned;
+/// otherwise faces with embedded curves are meshed about twice.
+///
+/// Throws InputError if `regions` is empty; if curves of the same name differ by more than 1e-2 of
+/// the size of the smaller face; if no common subdivision of two adjacent faces is found; or if two
+/// nodes of an element become one node. Also throws as quadratic_elements() does.
 ModelElements model_elements(const std::vector<const SkinnedRegion*>& regions,
                              double edge_length = 0);
 

@@ -19,7 +19,6 @@
 #include "batten/skinning/domains/annulus_domain.h"
 #include "batten/skinning/domains/domain_input.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/domains/surface_interpolation.h"
 #include "batten/skinning/region/polygon_fit.h"
 #include "batten/skinning/region/skinned_region.h"
 
@@ -413,9 +412,7 @@ void erase_embedded(RegionGeometry& geometry, size_t index) {
 
 [[noreturn]] void no_such_line(const std::string& region, const std::string& name,
                                const std::vector<std::string>& names) {
-  const std::string near = closest_match(name, names);
-  throw InputError("face '" + region + "' has no curve '" + name + "'" +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  throw InputError("face '" + region + "' has no curve '" + name + "'" + did_you_mean(name, names));
 }
 
 }  // namespace

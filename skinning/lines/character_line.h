@@ -1,4 +1,5 @@
-// Character lines: the user's curves that define a surface, and their smooth segments.
+// The input curves that define a surface (character lines), their smooth segments, and their
+// samples for fairing.
 #pragma once
 
 #include <memory>
@@ -10,85 +11,98 @@
 
 namespace batten {
 
-/// A C1 cubic curve that represents a line without any further fitting, shared by the regions on
-/// both sides. Their meshes have vertices at the same points of it.
+struct CurveSamples;  // fairing/curves/staged_fairing.h
+
+/// A C1 cubic curve that replaces an input curve exactly, without further fitting. The faces on
+/// both sides share the curve, and their meshes have vertices at the same points of the curve.
 struct PrescribedCurve {
-  HermiteCurve curve;  ///< in the direction of the line, with an almost uniform parametrisation
-  /// Parameters of the mesh vertices on it, for a region in which it is edge-aligned. Ascending,
-  /// from start to end; they include the nodes of the curve.
+  /// The C1 cubic curve, in the direction of the input curve, with an almost uniform
+  /// parametrisation.
+  HermiteCurve curve;
+  /// Parameters of `curve` at the mesh vertices of faces in which the curve is mesh-aligned:
+  /// ascending, from start to end, including the nodes of the curve.
   std::vector<double> vertices;
 };
 
-/// A character line: a curve that the surface must contain, as given by the user.
+/// An input curve that the surface must contain, with its role and its options.
 struct CharacterLine {
   enum class Role {
-    Outline,  ///< part of the loop around the region, or of one of the two loops of an annulus
+    Outline,  ///< part of the loop around the face, or of one of the two loops of an annulus
     Hole,     ///< part of a loop around a hole
-    Inner     ///< inside the region, or from side to side
+    Inner     ///< curve inside the face, or across it from side to side
   };
-  /// How the mesh represents the line (docs/theory/domains.md).
+  /// How the mesh represents the curve (docs/theory/domains.md).
   enum class MeshAlignment {
-    Auto,  ///< edge-aligned if the domain permits a straight chain of edges, otherwise embedded
-    EdgeAligned,  ///< conforming: a straight chain of element edges, exactly on the line
+    Auto,  ///< mesh-aligned if the domain permits a straight chain of edges, otherwise embedded
+    EdgeAligned,  ///< conforming: a straight chain of element edges, exactly on the curve
     Embedded      ///< immersed: imposed at collocation points; the gap between them is measured
   };
   std::string name;
   std::shared_ptr<const InputCurve> curve;
   Role role = Role::Outline;
   MeshAlignment mesh_alignment = MeshAlignment::Auto;
-  /// The prescribed curve of an outline or hole line, or null. In a loop either all lines have one
-  /// or none. Two prescribed curves meet in a corner unless their slopes are the same vector.
+  /// C1 cubic curve that replaces `curve` exactly, or null; only for outlines and holes. Within a
+  /// loop, either all curves have a prescribed curve, or none of them. Two prescribed curves meet
+  /// at a corner unless their derivative vectors are equal there.
   std::shared_ptr<const PrescribedCurve> prescribed = {};
-  /// For a hole line: false if the line only trims the surface and does not constrain it. Then the
-  /// trim follows the points of the surface closest to the given line.
+  /// False: the curve bounds a hole, but only trims the surface and does not constrain it. The trim
+  /// then follows the points of the surface closest to the curve.
   bool constrains_surface = true;
 };
 
-// Splits input lines into the smooth segments that become C1 cubic curves.
+// Smooth segments of input curves, each of which becomes a C1 cubic curve.
 
-/// A part of an input curve without interior corners, in either direction.
+/// A part of an input curve without interior corners, in the direction of the input curve or
+/// against it.
 struct SmoothSegment {
-  /// The line's name, followed by ".1", ".2", … if the line was split at corners.
+  /// Name of the input curve, followed by ".1", ".2", … if the curve was split at corners.
   std::string name;
   CharacterLine::Role role;
-  /// The segment in its own direction; the prescribed curve, if the line has one.
+  /// Geometry in the direction of the segment: the part of the input curve or, if the input curve
+  /// has a prescribed curve, that curve.
   std::shared_ptr<const InputCurve> curve;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
-  std::shared_ptr<const PrescribedCurve> prescribed = {};  ///< in the direction of the line
-  std::shared_ptr<const InputCurve> input = {};            ///< with `prescribed`: the user's curve
+  /// Prescribed curve in the direction of the input curve, or null.
+  std::shared_ptr<const PrescribedCurve> prescribed = {};
+  /// The input curve, if `prescribed` is set.
+  std::shared_ptr<const InputCurve> input = {};
   bool constrains_surface = true;
 
-  /// Converts the segment to a line in the user's direction. `flipped`: `curve` runs against it.
+  /// Converts the segment to a CharacterLine in the direction of the input curve. `flipped`: true
+  /// if `curve` runs against the input curve.
   CharacterLine line(bool flipped) const;
-  /// The prescribed curve in the direction of `curve`. `flipped`: `curve` runs against the user's
-  /// line.
+  /// The prescribed curve in the direction of `curve`. `flipped`: true if `curve` runs against the
+  /// input curve.
   HermiteCurve prescribed_along(bool flipped) const;
 };
 
-/// Splits a line at its corners; a line with a prescribed curve stays whole. `corner_angle`:
-/// degrees. Throws InputError for a curve of zero length or with non-finite points. Also for a
-/// prescribed curve with interior corners, or whose vertices do not ascend from start to end or do
-/// not include its nodes.
+/// Splits an input curve at its corners, unless it has a prescribed curve. `corner_angle`: change
+/// of direction at a corner, degrees. Throws InputError if the curve has zero length or points that
+/// are not finite, or if a prescribed curve has interior corners. Also throws InputError if the
+/// vertices of a prescribed curve do not ascend from start to end, or do not include the nodes of
+/// the curve.
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle);
 
-/// The part of a curve between two parameters, from < to.
+/// The part of a curve between the parameters `from` < `to`.
 std::shared_ptr<const InputCurve> subcurve(std::shared_ptr<const InputCurve> curve, double from,
                                            double to);
 /// The curve in the opposite direction.
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve);
 
-/// Converts a curve whose end coincides with its start, in position and slope, to a closed one.
+/// Converts an open curve into a closed one. The end of the curve must coincide with the start, in
+/// position and slope.
 HermiteCurve as_closed_curve(const HermiteCurve& curve);
 
-/// Uses piecewise cubic input unchanged if possible (exact_curve()). Conditions: it is open; its
-/// speed is even (fastest/slowest ≤ 3); no segment is shorter than `shortest`, unless it is the
-/// only one; and its ends are within 1e-8 of its length from `start` and `end`, to which they are
-/// then moved. Returns nullopt otherwise.
+/// Converts a piecewise cubic segment to a HermiteCurve without approximation (exact_curve()), if
+/// the following conditions hold: the segment is open; the ratio of the largest to the smallest
+/// parametric speed is at most 3; no cubic piece is shorter than `shortest`, unless it is the only
+/// one; and the ends are within 1e-8 of the length from `start` and `end`, to which they are then
+/// moved. Returns nullopt otherwise.
 std::optional<HermiteCurve> reuse_cubic_input(const SmoothSegment& segment, double shortest,
                                               const Vec3& start, const Vec3& end);
 
-/// Distances of points from one curve, by sampling (once) and Newton's method. Keeps a reference to
-/// the curve.
+/// Computes distances of points from a curve, by Newton's method from samples that are computed
+/// once. The curve must outlive this object.
 class CurveDistance {
  public:
   explicit CurveDistance(const InputCurve& curve);
@@ -99,5 +113,18 @@ class CurveDistance {
   std::vector<double> t_;
   std::vector<Vec3> x_;
 };
+
+// Samples of curves for fairing.
+
+/// Samples a curve for fair_in_stages(), evenly by arc length in each segment between corners.
+///
+/// Each segment gets at least eight points, eight per span between breaks, and its share of about
+/// 200 points. CurveSamples::extra_points contains three more points between adjacent points. The
+/// last point of a closed curve equals the first one.
+///
+/// `corner_angle`: change of direction at a corner, degrees; see corner_angle_of().
+/// CharacterLine::prescribed is ignored. Throws InputError if the curve has zero length or points
+/// that are not finite.
+CurveSamples sample_line(const CharacterLine& line, double corner_angle);
 
 }  // namespace batten

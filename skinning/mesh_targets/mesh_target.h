@@ -11,37 +11,39 @@
 
 namespace batten {
 
-/// Facets of one or several targets.
+/// Facets (triangles, curved triangles, mesh elements) of one or several targets.
 struct TargetFaces {
-  ShellMesh shells;
-  /// Corner normals of curved (PN) triangles.
+  ShellMesh shells;  ///< facets of the targets; points in model units
+  /// For each facet, the unit normals at the corners if it is a curved (PN) triangle; empty if it
+  /// is flat.
   std::vector<std::optional<PnTriangle::Corners>> normals;
-  std::vector<int> part;  ///< index of the CAD face of each triangle; -1: from a mesh
-  /// Next free CAD face index.
+  std::vector<int> part;  ///< for each facet, index of its CAD face; -1: from a mesh
+  /// Next unused index of a CAD face.
   int next_part = 0;
 
   TargetFaces() { shells.points.resize(0, 3); }
-  /// Appends facets, multiplied by `scale`. `corners`: unit normals of curved triangles, or empty;
-  /// `faces`: CAD face of each facet, or empty. Omits degenerate curved triangles, whose height is
-  /// at most 1e-9 of the longest edge: no point is nearest to their interior.
+  /// Appends facets, with coordinates multiplied by `scale`. `corners`: unit normals at the corners
+  /// of each facet, or empty for flat facets. `faces`: CAD face of each facet, or empty for meshes.
+  /// Curved triangles whose height is at most 1e-9 of the longest edge are omitted: their interior
+  /// is never the closest part of the target.
   void append(const ShellMesh& more, double scale,
               const std::vector<PnTriangle::Corners>& corners = {},
               const std::vector<int>& faces = {});
 };
 
-/// A target, and its parts if there are several: CAD faces, and mesh patches enclosed by creases
-/// (feature_lines()). See ModelFitOptions::parts.
+/// A target, and the parts of which it consists if there are several: CAD faces, and mesh patches
+/// enclosed by creases (feature_lines()). See ModelFitOptions::parts.
 struct TargetParts {
   std::shared_ptr<const TargetSurface> whole;
   std::vector<std::shared_ptr<const TargetSurface>> parts;
 };
 
-/// Creates a target from facets. Triangles with normals are curved PN triangles (PnTriangle), the
-/// others are flat.
+/// Creates a target from facets. Facets with normals are curved PN triangles (PnTriangle)
+/// [Vlachos2001]; the others are flat.
 ///
-/// Its samples are spaced by at most 1/100 of the size, with at most 64 per edge of a triangle. A
-/// part with one boundary has a harmonic parametrization (HarmonicMap). Throws InputError like
-/// prepare(). O(facets · log facets).
+/// The distance between samples is at most 1/100 of the size of the target, with at most 64 samples
+/// per triangle edge. A part with a single boundary loop has a harmonic parametrization
+/// (HarmonicMap). Throws InputError as prepare() does. O(n log n) for n facets.
 TargetParts target_parts(const TargetFaces& faces);
 
 }  // namespace batten

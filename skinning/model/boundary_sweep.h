@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batten/fem/curves/hermite_curve.h"
+#include "batten/fem/surface.h"
 #include "batten/skinning/domains/mesher.h"
-#include "batten/skinning/domains/surface_interpolation.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/model/sweep.h"
 

@@ -1,4 +1,4 @@
-// Layout of a model without a shape: its regions, their shared lines, and the joins along these.
+// Layout of a model without a shape: its faces, their shared curves, and the joins along these.
 #pragma once
 
 #include <memory>
@@ -12,68 +12,70 @@
 
 namespace batten {
 
-/// A region's representation of a line: edge-aligned or embedded.
+/// The representation of a curve in one face: mesh-aligned or embedded.
 struct LineSide {
   int region = 0;
   bool embedded = false;
   int index = 0;  ///< index into RegionLayout::edge_aligned() or ::embedded()
 };
 
-/// A curve of the model, listed once for all faces that contain it. All sides have the same curve
-/// in space.
+/// A curve of the model, listed once for all faces that contain the curve.
 struct ModelLine {
   std::string name;
-  /// One per face that contains the curve: mesh-aligned ones first, then embedded ones; each kind
-  /// sorted by face.
+  /// One entry per face that contains the curve: first mesh-aligned, then embedded representations,
+  /// each sorted by face. All represent the same curve in space.
   std::vector<LineSide> sides;
 };
 
-/// A point of the model: a region and a point of its domain.
+/// A point of the model, given by a face and a point in the domain of this face.
 struct ModelPoint {
   int region = 0;
-  Vec2 uv = Vec2::Zero();  ///< parameters in that region's domain
+  Vec2 uv = Vec2::Zero();  ///< parameters (u, v) in the domain of the face
 };
 
-/// Data common to all regions of a model.
+/// Data common to all faces of a model.
 struct ModelMetadata {
   std::string name;
-  double size = 1;  ///< S: length scale of the model, model units
+  /// Length scale S of the model: diagonal of the bounding box of the curves, model units.
+  double size = 1;
   /// Largest allowed distance between an input curve and its C1 cubic approximation, model units.
   double tolerance = 0;
-  /// Point relative to which dofs are solved for, model units.
+  /// Origin of the coordinates in which the dofs are computed, model units.
   Vec3 origin = Vec3::Zero();
-  /// If the tangent planes at a node differ by more than this angle (degrees), smooth joins end as
-  /// creases there.
+  /// A smooth join ends as a crease at a node at which the two tangent planes differ by more than
+  /// this angle, degrees.
   double max_plane_angle_deg = 0.1;
-  /// Regions have a rest shape, which their boundary curves suggest (model_shapes.h). If false,
-  /// bending energy is that of the shape itself (rest shape zero).
+  /// True: the rest shape of each face is the surface that the boundary curves suggest
+  /// (model_shapes.h). False: the rest state is flat, so that a face has the bending energy of the
+  /// shape itself.
   bool rest = true;
 };
 
-/// Regions that share lines, as one system of unknowns. A single region is a model with one region;
-/// it keeps its mesh, numbering and constraints.
+/// Faces that share curves, as one system of unknowns. A model of a single face has the mesh, the
+/// numbering and the constraints of this face.
 ///
-/// The model has one mesh: the concatenated meshes of the regions (ParametricMesh::concatenated()),
-/// each in its own (u, v). So everything that is done per triangle (stiffness, loads, display)
-/// handles one surface. The dofs of one coordinate are 3 per vertex, region after region, then 1
-/// per edge, region after region.
+/// The model has one mesh: the concatenated meshes of the faces (ParametricMesh::concatenated()),
+/// each in its own (u, v). Computations per triangle (stiffness, loads, display) therefore handle
+/// one surface. For each coordinate, the 3 dofs of each vertex come first, face after face, and
+/// then the dof of each edge, face after face.
 ///
-/// Each region, of size s_r, is scaled to 1. The model's energy is that of the model scaled to size
-/// 1, by U = u s_r/S. In its own (u, v), a region's bending stiffness therefore has the factor
-/// (S/s_r)², its stretching stiffness the factor 1, and an area of its domain the factor (s_r/S)².
-/// See domain_scale() and scale_to_regions().
+/// The domain of each face is scaled by the size s_r of the face. The energy of the model is that
+/// of the model scaled to size 1, with the parameters U = u s_r/S. In the parameters u of a face,
+/// the bending stiffness therefore has the factor (S/s_r)², the membrane stiffness the factor 1,
+/// and an area of the domain the factor (s_r/S)². See domain_scale() and scale_to_regions().
 ///
-/// Each region constrains its own copy of a line. Smooth joins are constraints on the dofs of both
-/// sides (join.h). Other lines with several regions are creases (G0): the regions share the line
-/// only.
+/// Each face has its own constraints for a shared curve. Smooth joins are additional constraints on
+/// the dofs of both faces (join.h). All other shared curves are creases (G0): the faces share only
+/// the curve.
 ///
-/// Copies share the regions' layouts; an edit replaces the layouts that it changes.
+/// Copies of a ModelLayout share the layouts of the faces; an edit replaces the layouts that it
+/// changes.
 class ModelLayout {
  public:
-  /// Constructs a model of one region.
-  ModelLayout(RegionLayout region);  // NOLINT: a region is a model
-  /// Constructs a model of several regions; join lines refer to them by index. Throws InputError if
-  /// there is no region, or if their elements differ.
+  /// Constructs a model of one face.
+  ModelLayout(RegionLayout region);  // NOLINT: a face is a model
+  /// Constructs a model of one or more faces. The joins refer to faces by index. Throws InputError
+  /// if there is no face, or if the faces have different types of elements.
   ModelLayout(ModelMetadata metadata, std::vector<std::shared_ptr<const RegionLayout>> regions,
               std::vector<JoinPlan> join_lines);
 
@@ -81,114 +83,123 @@ class ModelLayout {
   bool has_rest() const { return metadata_.rest; }
   double size() const { return metadata_.size; }
   double tolerance() const { return metadata_.tolerance; }
-  /// Point relative to which dofs are solved for, to reduce round-off; model units.
+  /// Origin of the coordinates in which the dofs are computed, to reduce round-off errors; model
+  /// units.
   const Vec3& origin() const { return metadata_.origin; }
   int region_count() const { return isize(regions_); }
   const RegionLayout& region(int r) const { return *regions_[r]; }
   const std::vector<std::shared_ptr<const RegionLayout>>& regions() const { return regions_; }
   const ModelMetadata& metadata() const { return metadata_; }
-  /// Index of a region. Throws InputError, suggesting the closest name, if there is none.
+  /// Index of the face with this name. Throws InputError if there is no such face; the message
+  /// suggests the closest name.
   int region_named(const std::string& name) const;
-  /// Warnings of all regions; if there are several, each begins with "face 'NAME': ".
+  /// Warnings of all faces. In a model of several faces, each warning begins with "face 'NAME': ".
   std::vector<std::string> warnings() const;
 
   const std::shared_ptr<const ParametricMesh>& mesh() const { return mesh_; }
   const std::shared_ptr<const Trim>& trim() const { return trim_; }
   TriangleElement element() const { return region(0).element(); }
 
-  // -- lines --------------------------------------------------------------------------------------
+  // -- curves -------------------------------------------------------------------------------------
   const std::vector<ModelLine>& lines() const { return lines_; }
   bool has_line(const std::string& name) const;
-  /// The line of this name. Throws InputError, suggesting the closest name, if there is none.
+  /// The curve of this name and its representations. Throws InputError if there is no such curve;
+  /// the message suggests the closest name.
   const ModelLine& model_line(const std::string& name) const;
-  /// The curve X(t) in space with this name: the cubic approximation that its first side stores
-  /// (ModelLine::sides). Throws InputError as model_line() does.
+  /// The curve of this name in space, X(t): the C1 cubic approximation in the first face that
+  /// contains the curve (ModelLine::sides). Throws as model_line() does.
   const HermiteCurve& line(const std::string& name) const;
-  /// The curve X(t) of a line in space, as approximated on one side, that is in one of the regions
-  /// that meet there.
+  /// The C1 cubic curve X(t) in space that represents a model curve in one face.
   const HermiteCurve& curve(const LineSide& side) const;
-  /// The same curve in the parametric domain of that region, c(t) = (u, v), with the parameter t of
-  /// curve().
+  /// The pcurve c(t) = (u, v) that represents a model curve in the domain of one face. The
+  /// parameter t is that of curve().
   HermiteCurve pcurve(const LineSide& side) const;
-  /// True if the curve of a side runs against that of the first side of the line.
+  /// True if curve(side) runs against curve(line.sides[0]).
   bool against(const ModelLine& line, const LineSide& side) const;
-  /// Each line that regions share, smooth or crease: one entry for its first side with each further
-  /// one. Which side lies to the left is not determined here: JoinSide::left is only a placeholder.
+  /// All shared curves, smooth or creases, as pairs of faces: the first face that contains the
+  /// curve with each of the others. JoinSide::left is not determined here, and its value is
+  /// meaningless.
   std::vector<JoinLine> shared_lines() const;
   const std::vector<JoinPlan>& join_plans() const { return join_plans_; }
-  /// The plan of the line's smooth join, or null.
+  /// The plan of the smooth join along a curve; null if there is no smooth join.
   const JoinPlan* join_plan(const std::string& line) const;
 
   // -- constraints and numbering -----------------------------------------------------------------
-  /// Builds the constraints of every line in every region, with the names of the lines, and those
-  /// of smooth joins, "smooth curve NAME". None couples x, y and z.
+  /// Builds the constraints of all curves in all faces, named after the curves, and those of smooth
+  /// joins, named "smooth curve NAME". The constraints do not couple x, y and z.
   ConstraintSet line_constraints() const;
-  /// Builds the constraints of the corners only, without lines. They are "corner 1" (with several
-  /// regions "REGION corner 1"), those that keep regions together along shared lines, "joined curve
-  /// NAME", and those of smooth joins. Throws InputError for a model without corners.
+  /// Builds the constraints of a model whose corners are fixed, but not its curves: the corner
+  /// positions, named "corner 1", … (with several faces "FACE corner 1", …); the constraints that
+  /// keep faces together along shared curves, named "joined curve NAME"; and those of smooth joins.
+  /// Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
-  /// join_stiffness() of all embedded join lines, for isotropic β = 1 on the model scaled to size
-  /// 1. Add it, multiplied by β, to every bending stiffness.
+  /// The penalty matrix join_stiffness() of all smooth joins on embedded curves, for the isotropic
+  /// bending stiffness β = 1 and the model scaled to size 1. Multiply it by β and add it to the
+  /// bending stiffness matrix.
   SparseMatrix join_stiffness() const;
-  /// A vector with 1 at position dofs and 0 elsewhere.
+  /// A vector over the dofs of one coordinate, with 1 at position dofs (w) and 0 elsewhere.
   VecX position_dofs() const;
-  /// A fill-reducing ordering of all dofs. Empty if joins couple regions: then a better ordering is
-  /// computed from the matrix.
+  /// A fill-reducing ordering of all dofs. Empty if joins couple faces, because an ordering
+  /// computed from the matrix is then better.
   std::vector<int> dof_order() const;
-  /// The factor (s_r/S)² of each triangle; empty if it is 1 everywhere.
+  /// The factor (s_r/S)² for each triangle, where s_r is the size of its face and S that of the
+  /// model. Empty if the factor is 1 everywhere.
   const VecX& domain_scale() const { return domain_scale_; }
-  /// Converts materials of the model scaled to size 1 (one for all, or one per triangle) to
-  /// materials in the regions' own (u, v), one per triangle. If all factors are 1, they are
-  /// returned unchanged.
+  /// Converts materials from the parameters of the model scaled to size 1 to the parameters (u, v)
+  /// of each face. `materials`: one for all triangles, or one per triangle. The result has one per
+  /// triangle, or equals `materials` if all factors are 1.
   std::vector<SurfaceStiffness> scale_to_regions(std::vector<SurfaceStiffness> materials) const;
-  /// Offsets from a region's dof numbers to the model's; first_triangle(): the model's number of
-  /// its triangle 0.
+  /// Offsets from the dof numbers of face r to those of the model. first_triangle(r) is the number
+  /// of the first triangle of face r in the model.
   const DofOffsets& dof_offsets(int r) const { return dof_offsets_[r]; }
   int first_triangle(int r) const { return first_triangle_[r]; }
-  /// Extends a vector of one region's dofs to all dofs of the model, with zeros elsewhere.
+  /// Extends a vector over the dofs of face r to all dofs of the model, with zeros elsewhere.
   VecX spread(int r, const VecX& own) const;
-  int region_of(int triangle) const;  ///< index of the region that contains a triangle of the model
-  /// Converts a location in a region's mesh to one in the model's mesh.
+  int region_of(int triangle) const;  ///< index of the face that contains a triangle of the model
+  /// Converts a location in the mesh of face r to a location in the mesh of the model.
   Location to_model_location(int r, Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
-  /// Extracts the dofs of one region from those of the model.
+  /// Extracts the dofs of face r from those of the model.
   Points region_dofs(int r, const Points& all) const;
-  /// Combines the dofs of all regions to those of the model.
+  /// Combines the dofs of all faces into those of the model.
   Points all_dofs(const std::vector<Points>& of_regions) const;
-  /// All regions as one surface, for evaluation by location. Its (u, v) are ambiguous, because each
-  /// region has its own.
+  /// All faces as one surface, for evaluation by location. Do not evaluate this surface by (u, v):
+  /// each face has its own parameters. `all`: dofs of the model.
   Surface surface(Points all) const;
-  /// Builds one region from a shape of the model (absolute dofs).
+  /// Builds face r in a shape of the model. `all`: dofs of the model in absolute coordinates.
   SkinnedRegion skinned(int r, const Points& all) const;
-  /// Computes the shape of minimum energy through the lines, in absolute coordinates. `rest`: the
-  /// shape of zero energy, absolute dofs, 0 in regions without one; no rows: no region has one.
-  /// Cost: one factorization. Throws ConflictError, NoSolutionError.
+  /// Computes the shape of minimum energy that satisfies line_constraints(). The result and `rest`
+  /// are dofs in absolute coordinates. `rest`: the rest shape (zero energy), with zeros in faces
+  /// without a rest shape; no rows: no face has a rest shape. Cost: one factorization. Throws
+  /// ConflictError, NoSolutionError.
   Points minimize_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
-  /// Computes the shape through the lines that is closest to `wanted`, in absolute dofs: the
-  /// bending energy of the difference is minimal. Cost: one factorization. Throws as
-  /// minimize_energy().
+  /// Computes the shape that satisfies line_constraints() and is closest to `wanted`: the bending
+  /// energy of the difference is minimal. Dofs are in absolute coordinates. Cost: one
+  /// factorization. Throws as minimize_energy() does.
   Points nearest(const Points& wanted) const;
 
   // -- edits: if one throws, the layout is unchanged --------------------------------------------
-  /// Bisects the marked triangles, and others as needed for conformity, within each region and
-  /// along edge-aligned lines that regions share. Returns false if nothing is marked. If lines with
-  /// a smooth join are embedded, call plan_joins() afterwards.
+  /// Bisects the marked triangles (one mark per triangle), and others as needed to keep the mesh
+  /// conforming within each face and along shared mesh-aligned curves. Returns false if no triangle
+  /// is marked. If there are smooth joins on embedded curves, call plan_joins() afterwards.
   bool refine(const std::vector<char>& marked);
-  /// Replaces the curve of a line by another one over the same CurveMesh, in all regions that have
-  /// it.
+  /// Replaces the curve of this name, in all faces that contain it, by `curve`, which must have the
+  /// same CurveMesh (RegionLayout::set_line()).
   void set_line(const std::string& name, const HermiteCurve& curve);
-  /// Adds an inner line to the region closest to it (RegionLayout::add_inner_line()).
+  /// Adds an inner curve to the closest face (RegionLayout::add_inner_line()). `shape`: dofs of the
+  /// model in absolute coordinates.
   void add_inner_line(const CharacterLine& line, const Points& shape);
-  void remove_inner_line(const std::string& name);  ///< RegionLayout::remove_inner_line()
-  /// Plans γ and δ of all smooth joins again, from a shape on this layout. Joins that turn out to
-  /// be impossible are rejected (JoinPlan::rejection_reason). O(join lines).
+  void remove_inner_line(const std::string& name);  ///< see RegionLayout::remove_inner_line()
+  /// Computes the gluing functions γ and δ of all smooth joins again, from a shape on this layout.
+  /// Impossible joins are rejected (JoinPlan::rejection_reason). O(joins).
   void plan_joins(const Points& shape);
-  /// Turns the line's smooth join into a crease; `why` is the message for the user.
+  /// Turns the smooth join along a curve into a crease. `why`: the reason, as a message for the
+  /// user.
   void reject_join(const std::string& line, const std::string& why);
-  /// Largest relative change of γ and δ at the ends of smooth joins if they were planned from this
-  /// shape. Infinite if an end would open or close, or if a join is impossible. Call plan_joins()
-  /// if it is not small.
+  /// Largest relative change of γ and δ at the ends of smooth joins if plan_joins(shape) were
+  /// called. Infinite if a crease at an end would appear or disappear, or if a join would be
+  /// rejected. Call plan_joins() if the value is not small.
   double gluing_change(const Points& shape) const;
 
  private:
@@ -212,10 +223,11 @@ class ModelLayout {
 
 // Scale factors of loads and materials for a model scaled to size 1.
 
-/// Scale factors between a model of size S and its domain divided by S, on which it is solved. In
-/// relative units alpha, beta and loads are pure numbers there, while dofs keep their length, so
-/// that forces get a factor S. In absolute units forces are unchanged and areas of the domain get a
-/// factor S². (For factors between the regions of a model see ModelLayout::domain_scale().)
+/// Scale factors between a model of size S and the domain scaled to size 1, on which the model is
+/// solved. In relative units, alpha, beta and loads are dimensionless on the scaled domain, but
+/// dofs are lengths, so that forces have the factor S. In absolute units, forces are unchanged and
+/// areas of the domain have the factor S². See ModelLayout::domain_scale() for factors between the
+/// faces of a model.
 class ModelScale {
  public:
   ModelScale(LoadUnits units, double size)
@@ -224,15 +236,16 @@ class ModelScale {
   SurfaceStiffness material(const SurfaceStiffness& m) const {
     return scaled_to_unit_domain(m, units_, size_);
   }
-  /// Factor of a force.
+  /// Factor by which a force on the model is multiplied in the scaled problem.
   double force() const { return relative_ ? size_ : 1; }
-  /// Factors of a force per area of the domain and, with per_area(), per area of the surface
-  /// itself.
+  /// Factor of a force per area of the domain. per_area() is the factor of a force per area of the
+  /// surface.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Factor of mass and damping per area of the domain.
+  /// Factor of the mass and the damping per area of the domain.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// Factors from forces and energies of the scaled problem to reported ones.
+  /// Factor from reaction forces of the scaled problem to those in reports. energy_factor() is the
+  /// factor for energies.
   double reaction_factor() const { return relative_ ? 1 / size_ : 1; }
   double energy_factor() const { return relative_ ? 1 / (size_ * size_) : 1; }
 
@@ -240,6 +253,36 @@ class ModelScale {
   bool relative_;
   LoadUnits units_;
   double size_;
+};
+
+// Refinement of a model along embedded curves, after solving.
+
+/// Bisects triangles where loads and constraints pull a surface off its embedded curves:
+///
+///     GapRefinement refinement(layout);
+///     do regions = solve(layout);
+///     while (refinement.bisect(layout, regions));
+///
+/// The refinement ends when the gaps are at most 0.7 of the tolerance of the model, after eight
+/// rounds, or before the number of triangles exceeds both 20,000 and four times the initial number.
+/// The deviation of the fitted curves from the input curves may use the remaining 0.3 of the
+/// tolerance.
+class GapRefinement {
+ public:
+  /// Prepares the refinement. `layout`: the model before the first round.
+  explicit GapRefinement(const ModelLayout& layout);
+
+  /// Bisects the triangles of `layout` with gaps above half of the tolerance. Returns false, and
+  /// does not change `layout`, if the refinement ends. `regions`: the faces of the solved shape on
+  /// `layout`, in order. O(triangles + samples of embedded curves).
+  bool bisect(ModelLayout& layout, const std::vector<SkinnedRegion>& regions);
+
+  /// True after the last round: bisect() will return false.
+  bool exhausted() const { return rounds_ == kMaxRounds; }
+
+ private:
+  static constexpr int kMaxRounds = 8;
+  int max_triangles_, rounds_ = 0;
 };
 
 }  // namespace batten

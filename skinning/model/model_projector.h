@@ -1,4 +1,4 @@
-// Closest-point queries on all regions of a model.
+// Closest-point queries on all faces of a model.
 #pragma once
 
 #include <memory>
@@ -11,27 +11,34 @@
 
 namespace batten {
 
-/// Finds closest points on a model, for many queries. It has one SurfaceProjector per region, built
-/// on first use. Bounding boxes exclude regions that are too far away. It keeps copies of the
-/// regions' surfaces, and its queries are thread-safe.
+/// Finds closest points on a model; efficient for many queries. Each face has a SurfaceProjector,
+/// which is built on first use. Bounding boxes exclude faces that are too far away. The object
+/// contains copies of the surfaces. Queries are thread-safe.
+///
+/// Cost: O(triangles) for the construction; per query, that of SurfaceProjector::nearest() in each
+/// face that the boxes do not exclude.
 class ModelProjector {
  public:
-  /// `dofs`: a shape on the layout, absolute coordinates.
+  /// Prepares queries for one shape of a model. `dofs`: the shape on `layout`, n×3, absolute
+  /// coordinates in model units.
   ModelProjector(const ModelLayout& layout, const Points& dofs);
 
   /// Result of a closest-point query; `distance` in model units.
   struct Nearest {
     ModelPoint at;
-    Location where;  ///< location in the mesh of its region
+    Location where;  ///< location of the point in the mesh of its face
     double distance = 0;
-    bool inside = true;  ///< true if the point is inside the region's trim
+    bool inside = true;  ///< true: the point is inside the trim of its face
   };
-  /// Finds the closest point on the meshes of all regions, inside or outside of their trims. A
-  /// point inside of a trim takes precedence over all points outside.
+  /// Finds the closest point on the meshes of all faces, inside or outside of their trims. A
+  /// point inside of a trim takes precedence over all points outside. `p`: model units.
   Nearest nearest(const Vec3& p) const;
-  /// Finds the closest point inside of the trims. If the closest one of all is outside, it falls
-  /// back on Surface::closest_point(), which is slower.
+  /// Finds the closest point inside the trims, so that Nearest::inside is true. If the closest
+  /// point of all is outside, Surface::closest_point() is called, which is slower. `p`: model
+  /// units.
   Nearest nearest_inside(const Vec3& p) const;
+  /// The surface of a face in the shape that was passed to the constructor. `region`: index of the
+  /// face in the layout.
   const Surface& surface(int region) const { return regions_[region].surface; }
 
  private:

@@ -54,7 +54,8 @@ constexpr int kBoundarySamples = 24;  // per boundary curve
 std::vector<Vec3> samples(const HermiteCurve& curve) {
   std::vector<Vec3> points;
   for (int i = 0; i <= kBoundarySamples; ++i)
-    points.push_back(curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kBoundarySamples));
+    points.push_back(
+        curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kBoundarySamples));
   return points;
 }
 
@@ -311,7 +312,7 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout) {
 namespace {
 
 // Edge-aligned outline and hole lines that are no smooth joins, as vertices of the model.
-std::vector<std::vector<int>> boundary_sides(const ModelLayout& layout) {
+std::vector<std::vector<int>> outline_sides(const ModelLayout& layout) {
   std::vector<std::vector<int>> sides;
   for (const ModelLine& line : layout.lines()) {
     if (layout.join_plan(line.name)) continue;
@@ -343,7 +344,7 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
       inner_lines = inner_lines || line.line.role != CharacterLine::Role::Outline;
   }
   if (corners)
-    options.sides = boundary_sides(layout);
+    options.sides = outline_sides(layout);
   else if (!inner_lines)
     options.gauss = 100;
   options.joins = curvature_join_points(layout);

@@ -1,11 +1,13 @@
 // Shapes of a whole model: rest shapes, lofts, and fair (minimum-variation) shapes.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "batten/constraints/constraint_set.h"
 #include "batten/core/progress.h"
 #include "batten/fairing/minimum_variation/minimum_variation_surface.h"
 #include "batten/skinning/layout/region_layout.h"
@@ -13,72 +15,99 @@
 
 namespace batten {
 
-/// Computes the dofs of the rest shapes of all regions, in absolute coordinates. A rest shape is
-/// the surface that a region's boundary curves suggest; a region with SkinOptions::rest = false has
-/// none. Regions without one have zeros. The result has no rows if no region has one, or if
-/// ModelMetadata::rest is false.
+/// Computes the dofs of the rest shapes of all faces, in absolute coordinates. A rest shape is the
+/// surface that a face's boundary curves suggest; a face with SkinOptions::rest = false has no rest
+/// shape. The dofs of faces without a rest shape are zero. The result has no rows if no face has a
+/// rest shape, or if ModelMetadata::rest is false.
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
 ///     annulus                    the loft through its boundary circles and its closed inner curves
 ///     others                     none: five or more sides, a closed outline, a planar boundary
 ///
-/// As the rest shape of ModelLayout::minimize_energy() it has zero energy. The solution is the rest
-/// shape plus the displacement of minimum energy that inner curves, smooth joins and loads require.
-/// O(vertices + edges) of these regions.
+/// Pass the result to ModelLayout::minimize_energy(): the solution is then the rest shape plus the
+/// displacement of minimum energy that inner curves, smooth joins and loads require. Cost:
+/// O(vertices + edges) of the faces with a rest shape.
 Points rest_dofs(const ModelLayout& layout);
 
-/// Assembles the model's dofs from known rest shapes, one per region (no rows: none).
+/// Assembles the dofs of the model from known rest shapes, one per face. A rest shape with no rows
+/// means that the face has none.
 Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions);
 
-/// Computes the rest shape of one region, with its own dof numbers; no rows if it has none.
+/// Computes the dofs of the rest shape of one face, in the numbering of this face. The result has
+/// no rows if the face has no rest shape.
 Points rest_dofs(const RegionLayout& region);
 
-/// True if the region has five or more sides that are not coplanar. No side is opposite to another
-/// one, so there is nothing to sweep. The minimum-variation surface (fair_shape()) is then the best
-/// choice among surfaces through the boundary curves: see the table in docs/fairness.md.
+/// True if the face has five or more sides that are not coplanar. Such a face has no pairs of
+/// opposite sides, and therefore no sweep as rest shape. The minimum-variation surface
+/// (fair_shape()) is then the best choice among the surfaces through the boundary curves: see the
+/// table in docs/fairness.md.
 bool has_many_sides(const RegionLayout& region);
 
-/// Bending energy ½ qᵀKq of a shape, that of a flat rest state being 0, on the model scaled to size
-/// 1; at least 0. `dofs`: absolute. `material`: its alpha is not used. One assembly.
+/// Bending energy ½ qᵀKq ≥ 0 of a shape relative to a flat rest state, on the model scaled to size
+/// 1. `dofs`: absolute coordinates. `material`: only the bending stiffness beta is used. Cost: one
+/// assembly of K.
 double bending_energy(const ModelLayout& layout, const Points& dofs, SurfaceStiffness material);
+
+// Rest shapes of sessions as functions: sculpting/session calls them, skinning/shapes makes them.
+
+/// Input of a RestShapeFunction. All dofs are in absolute coordinates.
+struct RestShapeInput {
+  const ModelLayout& layout;
+  const ConstraintSet& rows;  ///< current constraints, including curves and offsets
+  const Points& bent;         ///< shape of minimum bending energy that satisfies `rows`
+  /// The shape that satisfies `rows` and has the least bending energy relative to the first rest
+  /// shape on this mesh. It is a good initial shape and does not depend on the order of previous
+  /// changes. No rows: this is the first call on this mesh.
+  const Points& near;
+  const Progress& progress;
+};
+
+/// Computes the rest shape of a session: the reference configuration of zero elastic energy, from
+/// which loads, offsets and constraints bend the surface.
+///
+/// The rest shape need not satisfy the constraints. A result without rows means a flat rest state:
+/// the elastic energy is then that of the shape itself, as in thin-plate interpolation of the
+/// curves.
+using RestShapeFunction = std::function<Points(const RestShapeInput&)>;
 
 // Deviation of a surface from the rest shape of its boundary curves.
 
-/// Largest distance of a region from its rest shape (rest_dofs()), with lengths for comparison.
+/// Largest distance of a face from its rest shape (rest_dofs()), and two lengths for comparison.
 struct RestShapeDeviation {
-  double distance = 0;  ///< maximum over the vertices of the mesh, model units
+  double distance = 0;  ///< largest distance at a vertex of the mesh, model units
   Vec3 at = Vec3::Zero();
-  /// Distance between the sides: the shorter side of the rectangle with the rest shape's area and
-  /// perimeter.
+  /// Width of the face: the shorter side of the rectangle with the area and the perimeter of the
+  /// rest shape, model units.
   double across = 0;
-  /// Depth of the sections, model units. For each boundary curve it is the largest distance from
-  /// its chord or, if it is closed, the smallest distance from its centre. The depth is the minimum
-  /// over the curves whose value exceeds 1e-2 of the size; 0 if there is none.
+  /// Depth of the boundary curves, model units. The depth of an open curve is its largest distance
+  /// from its chord; that of a closed curve is the smallest distance from its centre. The value is
+  /// the minimum over all curves with a depth above 1e-2 of the size; 0 if there is no such curve.
   double depth = 0;
 
-  /// True if the surface differs from what its boundary curves suggest: by more than a tenth of the
-  /// distance between the sides, or half of the depth. Examples are soap films, and sections that
-  /// shrink in between.
+  /// True if the surface differs from the rest shape by more than a tenth of `across`, or by more
+  /// than half of `depth`. Examples are soap films, and tubes that narrow between their sections.
   bool is_large() const { return distance > 0.1 * across || (depth > 0 && distance > 0.5 * depth); }
 };
 
-/// Measures the deviation; nullopt if the region has no rest shape. Cost: one rest_dofs().
+/// Measures the deviation of a face from its rest shape; nullopt if the face has no rest shape.
+/// Cost: one rest_dofs().
 std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layout,
                                                        const SkinnedRegion& made);
 
 // Lofts: shapes that are splines, or straight, across sections.
 
-/// Computes the loft through sections: the shape closest (ModelLayout::nearest()) to one that is a
-/// spline across them. On each line across the sections it is the not-a-knot cubic through their
-/// points, straight between two sections (section_surface.h).
+/// Computes the loft through sections: the shape closest (ModelLayout::nearest()) to a surface that
+/// interpolates corresponding points of all sections by cubic splines with not-a-knot end
+/// conditions. Between only two sections, the surface is ruled (section_surface.h).
 ///
-/// Sections of an annulus are its boundary circles. Those of a region with four corners are the
-/// side that one of `sections` is part of, and the opposite side. Inner lines that run along them
-/// are sections too. Other regions get the shape of minimum bending. All lines are constrained as
-/// usual. Dofs are in absolute coordinates.
+/// The sections of an annulus are its boundary circles. The sections of a face with four corners
+/// are the side that contains one of the curves named in `sections`, and the opposite side. Inner
+/// curves that run along the sections are sections, too. Other faces get the shape of minimum
+/// bending energy. The result satisfies ModelLayout::line_constraints(). Dofs are in absolute
+/// coordinates.
 ///
-/// Throws InputError if there are neither annuli nor sections, or if a section is not a line of the
-/// model or not a side of a region with four corners; ConflictError, NoSolutionError. Cost: one
+/// Throws InputError if there are neither annuli nor sections, or if a section is not a curve of
+/// the model or not a side of a face with four corners; ConflictError; NoSolutionError. Cost: one
 /// factorization for one coordinate.
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections);
 
@@ -88,47 +117,48 @@ struct LoftedModel {
   Points dofs;
 };
 
-/// Computes loft_shape() and refines the mesh for it. Triangles in which the surface deviates from
-/// the exact loft by more than `most` (model units) are bisected, in at most four iterations. This
-/// is necessary between the noses of two wing sections, for example: the curves alone would give a
-/// mesh that is too coarse there. After each bisection, the constraints of smooth edges are planned
-/// again.
+/// Computes loft_shape() on an adaptively refined mesh. Triangles in which the surface deviates
+/// from the exact loft by more than `most` (model units) are bisected, in at most four iterations.
+/// For example, the initial mesh is too coarse between the leading edges of two wing sections.
+/// After each bisection, the smooth joins are planned again.
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most);
 
 // Curvature-continuous (G2) joins.
 
-/// Determines whether fairing makes the curvature continuous across a smooth join.
-/// JoinLine::curvature decides if it is set. Otherwise the lines that cross the join line at its
-/// ends decide. Two lines that continue each other there, one on each side, have normal curvatures
-/// κ_A and κ_B, which the surfaces must share. The curvature is continuous unless, summed over the
-/// ends with such lines,
+/// Determines whether fairing makes the curvature continuous (G2) across a smooth join.
+/// JoinLine::curvature decides if it is set. Otherwise the curves that cross the join at its ends
+/// decide. Let κ_A and κ_B be the normal curvatures, at an end, of two curves that continue each
+/// other across the join; the surfaces must have the same curvatures there. The curvature is made
+/// continuous unless, summed over the ends with such curves,
 ///
 ///     Σ |κ_A - κ_B| > ½ Σ max(|κ_A|, |κ_B|),
 ///
-/// as where a cap meets a cylinder. Without such lines it is continuous. False for a rejected plan.
+/// for example between a cylinder and its cap. It is also made continuous if there are no such
+/// curves. False for a rejected join.
 bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan);
 
-/// Samples all curvature-continuous joins, and all joins on embedded lines, at two Gauss points per
-/// edge or hat. On embedded lines the jump of the tangent plane is penalised too, because the
-/// constraints of such a join leave it open between its hats. On other lines the constraints
-/// enforce it.
+/// Samples all curvature-continuous joins, and all smooth joins on embedded curves, at two Gauss
+/// points per mesh edge or hat function. On embedded curves, the angle between the tangent planes
+/// is penalised, too, because the constraints of such a join control only averages over hat
+/// functions.
 std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
 
 // Fair shapes of models: minimum-variation surfaces [MoretonSequin1992] under the constraints of
-// the lines.
+// the curves.
 
 /// Computes the minimum-variation surface of a model under the given constraints, by descent from
-/// `start`. It calls minimize_curvature_variation() with the sides of all regions, and a suitable
-/// weight of Gaussian curvature. The weight is 100 if no region has corners or inner lines: annuli
-/// then become cylinders and cones if possible.
+/// `start`. It calls minimize_curvature_variation() with the sides of all faces, and with a
+/// suitable weight of the Gaussian curvature. This weight is 100 if no face has corners or inner
+/// curves: annuli then become cylinders and cones if possible.
 ///
-/// A model with annuli also starts from loft_shape(), which avoids pinched long tubes, unless
-/// `options` has other starts. Smooth joins stay smooth, and the curvature is continuous across
-/// those for which is_curvature_continuous() is true. Dofs are in absolute coordinates.
+/// For a model with annuli, loft_shape() is a second initial shape, which prevents long tubes from
+/// being pinched, unless `options` specifies other initial shapes. Smooth joins stay smooth, and
+/// the curvature is continuous across those for which is_curvature_continuous() is true. Dofs are
+/// in absolute coordinates.
 ///
-/// `options`: gauss, sides and joins are overwritten here. `constraints`: those of
-/// ModelLayout::line_constraints(), and any others. Throws as minimize_curvature_variation().
+/// `constraints`: ModelLayout::line_constraints() and any others. `options`: the members gauss,
+/// sides and joins are overwritten. Throws as minimize_curvature_variation() does.
 MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                                    const ConstraintSet& constraints,
                                    MinimumVariationOptions options = {},
@@ -136,9 +166,10 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
 
 // Transfer of a shape to another mesh.
 
-/// Interpolates a shape onto a finer layout of the same regions, for example after
-/// ModelLayout::refine(). `dofs`: absolute dofs on `layout`; returns those on `finer`. Exact where
-/// the meshes agree; see interpolate_onto(Surface, ParametricMesh) in fem/refinement.h.
+/// Interpolates a shape onto a finer layout of the same faces, for example after
+/// ModelLayout::refine(). `dofs`: absolute dofs on `layout`. The result contains absolute dofs on
+/// `finer`. It is exact where the meshes agree; see interpolate_onto(Surface, ParametricMesh) in
+/// fem/refinement.h.
 Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
 
 }  // namespace batten

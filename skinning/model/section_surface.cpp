@@ -8,7 +8,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/skinning/domains/surface_interpolation.h"
+#include "batten/fem/surface.h"
 
 namespace batten {
 

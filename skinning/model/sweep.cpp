@@ -6,10 +6,12 @@
 #include <limits>
 #include <numbers>
 
+#include "batten/fem/curves/cubic.h"
+
 namespace batten {
 namespace {
 
-constexpr int kSteps = 96;    // along the rails: 4 degrees per step for a full turn
+constexpr int kSteps = 96;           // along the rails: 4 degrees per step for a full turn
 constexpr int kSectionSamples = 48;  // of the sections, for twist and mismatch
 // Of the longest chord: below it the rails meet and the frame is undefined.
 constexpr double kMinChord = 1e-3;
@@ -29,9 +31,8 @@ Mat3 between(const Vec3& a, const Vec3& b) {
 }
 
 // 0 at `from`, 1 at `to`, smooth in between.
-double smooth_step(double x, double from, double to) {
-  const double f = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return f * f * (3 - 2 * f);
+double ramp(double x, double from, double to) {
+  return smooth_step(std::clamp((x - from) / (to - from), 0.0, 1.0));
 }
 
 }  // namespace
@@ -75,8 +76,8 @@ Sweep::Sweep(const Curve& c0, const Curve& c1, const Curve& r0, const Curve& r1)
   // Fractions of the other section's bulge: below the first one a section counts as straight.
   constexpr double kStraight = 0.05, kBulged = 0.25, kQuarter = std::numbers::pi / 2;
   constexpr double kMaxTwist = 130 * std::numbers::pi / 180;
-  const double twist = turn * smooth_step(std::abs(turn), std::numbers::pi, kMaxTwist) *
-                       smooth_step(alike / std::max({bulge0, bulge1, 1e-24}), kStraight, kBulged);
+  const double twist = turn * ramp(std::abs(turn), std::numbers::pi, kMaxTwist) *
+                       ramp(alike / std::max({bulge0, bulge1, 1e-24}), kStraight, kBulged);
   slerp_angle_ = std::clamp(twist, -kQuarter, kQuarter);
   twist_ = twist - slerp_angle_;
   to_first_ = rotation(e, -twist_) * back;

@@ -7,6 +7,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/skinning/network/sampled_curve.h"
 
@@ -398,18 +399,17 @@ std::vector<Chord> chords_of(const std::vector<SampledCurve>& sampled_curves) {
   return chords;
 }
 
-AabbTree tree_of(const std::vector<SampledCurve>& sampled_curves,
-                 const std::vector<Chord>& chords) {
-  std::vector<Aabb> boxes;
+BoxTree<3> tree_of(const std::vector<SampledCurve>& sampled_curves,
+                   const std::vector<Chord>& chords) {
+  std::vector<Box3> boxes;
   for (const Chord& c : chords) {
     const SampledCurve& sampled_curve = sampled_curves[c.sampled_curve];
     const Vec3 sag = Vec3::Constant(sampled_curve.sag[c.segment]);
-    Aabb box;
+    Box3& box = boxes.emplace_back();
     for (const Vec3& p : {sampled_curve.x[c.segment], sampled_curve.x[c.segment + 1]})
-      box.add({p - sag, p + sag});
-    boxes.push_back(box);
+      box.extend(Box3(p - sag, p + sag));
   }
-  return AabbTree(std::move(boxes));
+  return BoxTree<3>(boxes);
 }
 
 // Parameter of the point closest to p on the curve near one of its chords.
@@ -433,7 +433,7 @@ ChordTree::ChordTree(const std::vector<SampledCurve>& sampled_curves)
 
 std::vector<NearPoint> ChordTree::near_points(const Vec3& p, double reach) const {
   std::vector<int> near;
-  tree_.for_each_near_box({p, p}, reach, [&](int i) { near.push_back(i); });
+  tree_.for_each_near(Box3(p), reach, [&](int i) { near.push_back(i); });
   std::sort(near.begin(), near.end());
   std::vector<NearPoint> points;
   for (const int i : near) {

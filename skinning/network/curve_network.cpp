@@ -9,6 +9,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/skinning/network/network_edge.h"
 #include "batten/skinning/network/network_nodes.h"
 
@@ -396,9 +397,7 @@ std::vector<int> CurveNetwork::edges_of(const std::string& name) const {
     names.push_back(edges_[i].name);
   }
   for (const auto& line : lines_) names.push_back(line.name);
-  const std::string meant = closest_match(name, names);
-  throw InputError("the network has no curve '" + name + "'" +
-                   (meant.empty() ? "" : "; did you mean '" + meant + "'?"));
+  throw InputError("the network has no curve '" + name + "'" + did_you_mean(name, names));
 }
 
 Vec3 CurveNetwork::direction(const EdgeEnd& end) const {
@@ -439,7 +438,7 @@ class DisplacedCurve final : public InputCurve {
   double end() const override { return input_->end(); }
   std::vector<double> breaks() const override { return input_->breaks(); }
   Vec3 evaluate(double t, int order) const override {
-    const double s = arc_length_.length_at(t), f = s / length_, h = f * f * (3 - 2 * f),
+    const double s = arc_length_.length_at(t), f = s / length_, h = smooth_step(f),
                  dh = 6 * f * (1 - f) / length_;
     if (order == 0)
       return input_->evaluate(t, 0) + (1 - h) * shift_[0] + h * shift_[1] +

@@ -15,39 +15,43 @@ struct NetworkOptions {
   /// Gap tolerance, model units: ends and curves closer than this are joined. 0: automatic, that is
   /// 1e-3 of the network size, or more for imprecise input such as sketches.
   ///
-  /// It is raised if fewer than half of the curve ends and crossings are joined within 1e-3 of the
-  /// size. It is then derived from the gaps between ends and the nearest other curve. Only gaps up
-  /// to 2e-2 of the size count, and at least half of all ends must have one. An end that overshoots
-  /// a crossing by less than 2e-2 of the size counts as joined to the curve that it crosses. The
-  /// tolerance becomes 1.4 times the largest gap if that is at most twice the 80th percentile of
-  /// the gaps, otherwise 1.4 times that percentile. It never exceeds 2e-2 of the size.
+  /// The automatic tolerance is raised if fewer than half of the curve ends and crossings are
+  /// joined within 1e-3 of the size. It is then derived from the gaps between ends and the nearest
+  /// other curve. Only gaps up to 2e-2 of the size count, and at least half of all ends must have
+  /// such a gap. An end that overshoots a crossing by less than 2e-2 of the size counts as joined
+  /// to the curve that it crosses. The tolerance becomes 1.4 times the largest gap if that is at
+  /// most twice the 80th percentile of the gaps, otherwise 1.4 times that percentile. It never
+  /// exceeds 2e-2 of the size.
   double tolerance = 0;
-  /// Largest distance between an input curve and the curves of its edges if nothing had to be
-  /// repaired, model units. 0: 1e-4 of the network size.
+  /// Largest allowed distance between an input curve and the curves of its edges, model units, if
+  /// the input curve was not repaired. 0: 1e-4 of the network size.
   double fit_tolerance = 0;
-  /// Corner angle in degrees, 0 to 180: a curve is split where its tangent turns by more.
+  /// Corner angle, degrees, from 0 to 180: a curve is split where its tangent turns by more than
+  /// this angle.
   double corner_angle = 20;
-  /// Two edges that continue each other at a node within this angle get a common tangent there,
-  /// degrees, 0 to 180. Edges of one smooth curve always do. Each edge end has at most one
-  /// continuation, the straightest.
+  /// Largest angle between the tangents of two edges at a node at which one edge continues the
+  /// other, degrees, from 0 to 180. The two edges then get a common tangent. Edges of one smooth
+  /// curve always continue each other. Each edge end has at most one continuation: the edge with
+  /// the smallest angle.
   double tangent_angle = 20;
 };
 
 /// A network of smooth edges between nodes, made from unordered input curves: curves are joined
 /// where their ends meet other ends or the interior of other curves, and split where they cross.
 ///
-/// Canonical result: it depends only on the geometry of the curves. Edges and nodes are ordered and
-/// edges are oriented by their position; names follow their curves. Shuffled input gives
-/// bit-identical networks; reversed curves give the same network up to rounding. A closed smooth
-/// curve without any contact gets one node, at its farthest point along a fixed direction.
+/// The result is canonical: it depends only on the geometry of the curves. Edges and nodes are
+/// ordered, and edges are oriented, by their position; edges are named after their curves. Shuffled
+/// input gives bit-identical networks; reversed curves give the same network up to rounding. A
+/// closed smooth curve without any contact gets one node, at its farthest point along a fixed
+/// direction.
 ///
 /// Repairs: a curve is displaced by at most the tolerance. Ends are moved to their common node, and
-/// the displacement fades out along the edge. The node lies at the mean of the joined ends, or on
-/// the curve if an end meets the interior or a corner of it. Rotation to a common tangent adds a
-/// displacement of at most half a tolerance. A node joins only ends within the tolerance of it,
-/// nearest first; the others are reported as near misses. Curves that stay close to each other over
-/// less than 3 √(tolerance · size) are tangent, not overlapping, unless they coincide.
-/// NetworkDiagnostic lists what is repaired and what is only reported.
+/// the displacement fades out along the edge. The node lies at the mean of the joined ends or, if
+/// an end meets the interior or a corner of a curve, on that curve. The rotation to a common
+/// tangent adds a displacement of at most half the tolerance. A node joins only ends within the
+/// tolerance, nearest first; other ends nearby are reported as near misses. Curves that stay close
+/// to each other over less than 3 √(tolerance · size) are tangent, not overlapping, unless they
+/// coincide. NetworkDiagnostic describes which problems are repaired and which are only reported.
 class CurveNetwork {
  public:
   /// Builds the network.
@@ -59,25 +63,28 @@ class CurveNetwork {
   explicit CurveNetwork(const std::vector<CharacterLine>& lines, const NetworkOptions& options = {},
                         const Progress& progress = {});
 
-  /// The input curves, unchanged.
+  /// The input curves, as passed to the constructor.
   const std::vector<CharacterLine>& lines() const { return lines_; }
   const std::vector<NetworkEdge>& edges() const { return edges_; }
   const std::vector<NetworkNode>& nodes() const { return nodes_; }
   const std::vector<NetworkDiagnostic>& diagnostics() const { return diagnostics_; }
   /// Diagonal of the bounding box of all curves, model units.
   double size() const { return size_; }
-  /// Gap tolerance that was used, model units: the option, or the automatic value.
+  /// Gap tolerance with which the network was built, model units: NetworkOptions::tolerance or the
+  /// automatic value.
   double tolerance() const { return tolerance_; }
-  /// Fraction of the curve ends within 1e-3 of the size of another curve, 0 to 1.
+  /// Fraction of the curve ends whose distance from another curve is at most 1e-3 of the network
+  /// size, from 0 to 1.
   ///
-  /// If that is below 0.5, crossings of curves are counted as joined ends. 1 if a tolerance was
-  /// given in the options. If the result is below 0.5, the automatic tolerance() may be larger than
-  /// 1e-3 of the size (see NetworkOptions::tolerance).
+  /// If the fraction is below 0.5, crossings of curves are counted as joined ends. The result is 1
+  /// if the options specify a tolerance. If the result is below 0.5, the automatic tolerance() may
+  /// be larger than 1e-3 of the size (see NetworkOptions::tolerance).
   double joined_fraction() const { return joined_fraction_; }
-  /// Indices of the edges with this name, or of all edges of the curve with this name, in order
-  /// along that curve. Throws InputError if there is none, with the most similar name.
+  /// Indices of the edges of the input curve with this name, in order along the curve, or the index
+  /// of the edge with this name. Throws InputError if there is neither; the message contains the
+  /// most similar name.
   std::vector<int> edges_of(const std::string& name) const;
-  /// Unit tangent of an edge at one of its ends, pointing away from the node.
+  /// Unit tangent of an edge at one of its ends. It points from the node into the edge.
   Vec3 direction(const EdgeEnd& end) const;
 
  private:

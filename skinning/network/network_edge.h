@@ -14,7 +14,7 @@ namespace batten {
 /// One end of a network edge.
 struct EdgeEnd {
   int edge = -1;
-  bool end = false;  ///< true: the end of the edge; false: its start
+  bool end = false;  ///< true: end of the edge; false: start of the edge
   bool operator==(const EdgeEnd&) const = default;
 };
 
@@ -22,20 +22,21 @@ struct EdgeEnd {
 struct NetworkEdge {
   std::string name;  ///< name of the input curve; "name.1", "name.2", … if the curve was split
   int line = 0;      ///< index into CurveNetwork::lines()
-  /// True if the edge runs against its input curve. The network orients edges canonically.
+  /// True if the edge runs against the input curve. The orientation of edges is canonical: it does
+  /// not depend on the direction of the input curves.
   bool reversed = false;
-  /// Geometry X(t), C1, from the position of nodes[0] to that of nodes[1] exactly.
+  /// C1 cubic curve X(t) of the edge, exactly from the position of nodes[0] to that of nodes[1].
   ///
-  /// The parameter t runs from 0 to (arc length / network size), rounded to a multiple of 2⁻³⁰, at
-  /// constant speed |X'| ≈ size. The values of t therefore do not depend on the length unit. At an
-  /// end with a `continuation`, X' is bit-identical on both sides, up to sign.
+  /// The parameter t runs from 0 to (arc length / network size), rounded to a multiple of 2⁻³⁰,
+  /// with almost constant speed |X'| ≈ network size. The values of t therefore do not depend on the
+  /// length unit. At an end with a `continuation`, X' is bit-identical on both sides, up to sign.
   HermiteCurve curve;
   /// The part of the input curve that this edge represents, in the direction of the edge.
   std::shared_ptr<const InputCurve> input;
   std::array<int, 2> nodes{};  ///< nodes at the start and end; equal for a closed edge
   std::array<EdgeEnd, 2>
-      continuation{};    ///< the edge ends that continue it at its start and end; edge = -1: none
-  double length = 0;     ///< arc length, model units
+      continuation{};  ///< edge ends that continue this edge at its start and end; edge = -1: none
+  double length = 0;   ///< arc length, model units
   double deviation = 0;  ///< largest distance between `curve` and `input`, model units
 };
 
@@ -46,27 +47,27 @@ struct NetworkNode {
   std::vector<EdgeEnd> ends;
 };
 
-/// Something about the network that the user should know: a repair, or a possible defect. Positions
-/// and distances are in model units.
+/// A message about the network for the user: a repair or a possible defect. Positions and distances
+/// are in model units.
 struct NetworkDiagnostic {
   enum class Kind {
-    EndsJoined,    ///< ends with a gap between them, merged into one node
+    EndsJoined,    ///< curve ends with a gap between them were merged into one node
     EndOnLine,     ///< T-junction: an end met the interior of a curve, which was split there
-    Crossing,      ///< two curves crossed and were split there
-    SelfCrossing,  ///< a curve crossed itself and was split there
-    Duplicate,     ///< a curve that coincides with another one over its whole length; removed
-    Overlap,       ///< curves that coincide over a part; the common part is kept once
+    Crossing,      ///< two curves crossed and were split at the crossing
+    SelfCrossing,  ///< a curve crossed itself and was split at the crossing
+    Duplicate,     ///< a curve coincided with another one over its whole length; removed
+    Overlap,       ///< two curves coincide in part; the common part is kept once
     NearMiss,      ///< an end or a crossing with a gap of 1 to 5 tolerances; not joined
-    Dangling,      ///< a dangling end: it meets no other curve
+    Dangling,      ///< a dangling end: a curve end that meets no other curve
     Short,  ///< a curve or segment shorter than the tolerance; removed unless it connects two nodes
-    Disconnected  ///< a connected component apart from the largest one
+    Disconnected  ///< curves that are not connected to the largest component
   };
   Kind kind;
   std::vector<std::string> lines;  ///< names of the input curves involved
   Vec3 where = Vec3::Zero();
-  double distance = 0;    ///< size of the gap (or length, for Short)
+  double distance = 0;    ///< width of the gap; for Short, length of the curve
   bool repaired = false;  ///< true: repaired; false: only reported
-  std::string text;       ///< a sentence for the user
+  std::string text;       ///< the message, a sentence for the user
 };
 
 }  // namespace batten

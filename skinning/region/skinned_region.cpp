@@ -280,6 +280,19 @@ class ElementMeasures {
 
 }  // namespace
 
+double line_gap(const SkinnedRegion& region) {
+  double gap = 0;
+  for (const EmbeddedLine& line : region.embedded)
+    gap = std::max(gap, line_gap(region.surface, line));
+  return gap;
+}
+
+double max_line_gap(const std::vector<SkinnedRegion>& regions) {
+  double gap = 0;
+  for (const SkinnedRegion& region : regions) gap = std::max(gap, line_gap(region));
+  return gap;
+}
+
 void mark_gaps(const SkinnedRegion& region, double target, char* marks) {
   const Surface& surface = region.surface;
   const TriangleLocator locator(surface.mesh());

@@ -1,4 +1,4 @@
-// A skinned region (one C1 surface with its lines), its options, and quality measures.
+// A skinned face (one C1 surface with its curves), its options, and quality measures.
 #pragma once
 
 #include <memory>
@@ -17,78 +17,80 @@ namespace batten {
 struct EdgeAlignedLine {
   CharacterLine line;   ///< the input curve
   HermiteCurve fitted;  ///< the C1 cubic curve that the surface interpolates
-  /// Mesh vertices from the start of the curve to its end. A closed curve repeats the first one.
+  /// Mesh vertices on the curve, from start to end. For a closed curve, the last vertex equals the
+  /// first one.
   std::vector<int> vertices;
-  std::vector<double> parameters;  ///< for each entry of `vertices`, the parameter of `fitted`
+  std::vector<double> parameters;  ///< parameters of `fitted` at the entries of `vertices`
   std::vector<int> edges;          ///< mesh edges between consecutive entries of `vertices`
 };
 
-/// An embedded (immersed) curve: the mesh does not follow it. The surface contains the curve at
-/// collocation points; between them there is a gap, which is measured.
+/// An embedded (immersed) curve, which the mesh does not follow. The surface contains the curve at
+/// collocation points. Between these, line_gap() measures the distance.
 struct EmbeddedLine {
   CharacterLine line;          ///< the input curve
-  HermiteCurve fitted;         ///< curve in space X(t), model units
-  HermiteCurve pcurve;         ///< parameter curve c(t) in (u, v), z = 0, with the same t
-  std::vector<double> points;  ///< collocation parameters t: x(c(t)) = X(t); ascending
-  /// True if `fitted` runs against line.prescribed, because outlines are oriented along their loop.
+  HermiteCurve fitted;         ///< C1 cubic curve X(t) in space, model units
+  HermiteCurve pcurve;         ///< curve c(t) in (u, v), z = 0, with the parameter t of `fitted`
+  std::vector<double> points;  ///< parameters t of the collocation points, ascending
+  /// True if `fitted` runs against `line.prescribed`. Outline curves are oriented along their loop,
+  /// not along the input curve.
   bool opposite_to_prescribed = false;
 };
 
-/// One line of the region's boundary, edge-aligned or embedded.
+/// One curve of the boundary of a face, mesh-aligned or embedded.
 struct BoundarySegment {
   enum class Kind { EdgeAligned, Embedded } kind = Kind::EdgeAligned;
   int index = 0;          ///< index into SkinnedRegion::edge_aligned or ::embedded
-  bool reversed = false;  ///< the loop runs against the line's direction
+  bool reversed = false;  ///< true: the loop runs against the curve
 };
 
-/// A surface with its lines and boundary.
+/// The surface of a face, with its curves and its boundary.
 struct SkinnedRegion {
   std::string name;
   Surface surface;
   std::vector<EdgeAlignedLine> edge_aligned;
-  /// Length scale of the region, model units: diagonal of the bounding box of its lines.
+  /// Length scale of the face, model units: diagonal of the bounding box of its curves.
   double size = 1;
   std::vector<EmbeddedLine> embedded = {};
-  /// Closed loops with the region to their left in (u, v): the outline first, then holes. In an
-  /// annular domain (mesh periodic in u) the first two loops are the boundary circles, which run
-  /// once around the period.
+  /// Closed boundary loops, with the face on the left in (u, v): first the outline, then the holes.
+  /// In an annular domain (mesh periodic in u) the first two loops are the boundary circles, which
+  /// run once around the period.
   std::vector<std::vector<BoundarySegment>> boundary = {};
 };
 
-/// Straight pcurve of an edge-aligned line in (u, v) (z = 0), with the parameter of its fitted
-/// curve.
+/// The pcurve of a mesh-aligned curve: a straight line in (u, v), with z = 0 and the parameter of
+/// the fitted curve.
 HermiteCurve edge_aligned_pcurve(const ParametricMesh& mesh, const EdgeAlignedLine& aligned_line);
 
-/// Pcurve of a boundary segment, in the direction of its loop, in (u, v) (z = 0). It has the
+/// The pcurve of a boundary segment in (u, v), with z = 0, in the direction of the loop. It has the
 /// parameter of boundary_curve().
 HermiteCurve boundary_pcurve(const SkinnedRegion& region, const BoundarySegment& piece);
-/// Curve of a boundary segment in space, in the direction of its loop.
+/// The curve of a boundary segment in space, in the direction of the loop.
 HermiteCurve boundary_curve(const SkinnedRegion& region, const BoundarySegment& piece);
-/// The boundary as loops in the (u, v) plane. Not for annular domains.
+/// The boundary as closed loops in the (u, v) plane. The domain must not be annular.
 DomainLoops boundary_loops(const SkinnedRegion& region);
 
-// Options for skinning a region.
+// Options for skinning a face.
 
 class SizeField;  // skinning/domains/mesher.h
 
-/// Options for building a region's surface from its lines.
+/// Options for building the surface of a face from its curves.
 struct SkinOptions {
-  /// Largest distance between a line and its C1 cubic curve, model units. 0: 1e-4 of the region's
-  /// size.
+  /// Largest allowed distance between an input curve and the C1 cubic curve fitted to it, model
+  /// units. 0: 1e-4 of the size of the face.
   double tolerance = 0;
-  /// A line has a corner where its direction changes by more than this angle, degrees.
+  /// Corner angle, degrees: a curve has a corner where its tangent turns by more than this angle.
   double corner_angle = 20;
   TriangleElement element = TriangleElement::HCT;
   enum class Mesher {
     Delaunay,  ///< CGAL's Mesh_2; falls back to Fan, with a warning, in a build without CGAL
-    /// Triangles from the domain's centroid to its sides, each split into four repeatedly; needs
-    /// one line per side and no inner lines.
+    /// A fan of triangles from the centroid of the domain to its sides, each repeatedly split into
+    /// four. The domain must have one curve per side and no inner curves.
     Fan
   };
   Mesher mesher = Mesher::Delaunay;
   /// Type of the flat parameter domain.
   enum class Domain {
-    Auto,  ///< chosen by the loops, as described for the other types
+    Auto,  ///< selected from the loops, as described for the other types
     /// Polygon with straight sides, for a loop with three or more corners; the outline curves are
     /// mesh-aligned.
     Polygon,
@@ -101,77 +103,90 @@ struct SkinOptions {
     Annulus  ///< periodic in u, for two smooth loops; boundary curves are mesh-aligned
   };
   Domain domain = Domain::Auto;
-  /// Treats every corner as convex (a left turn of the loop), even if the lines alone suggest a
-  /// right turn. Set it for a face to which the region will be fitted and whose corners are convex.
-  /// Such a face may be far from any surface that the lines alone define.
+  /// True: every corner is convex (a left turn of the loop), even if the curves alone suggest a
+  /// right turn. Set this option if the face will be fitted to a target whose corners are convex.
+  /// Such a target may be far from any surface that the curves alone define.
   bool convex = false;
-  /// The region has a rest shape, the surface that its boundary curves suggest (model_shapes.h), if
-  /// there is one. If false, its bending energy is that of the shape itself (rest shape zero).
+  /// True: the rest shape of the face is the surface that its boundary curves suggest, if there is
+  /// one (model_shapes.h). False: the rest state is flat, so that the face has the bending energy
+  /// of the shape itself.
   bool rest = true;
-  /// True: the region is an annulus, and each inner line is a closed cross-section of it. The lines
+  /// True: the face is an annulus, and each inner curve is a closed cross-section of it. The curves
   /// are ordered from one boundary circle to the other.
   bool sections = false;
-  /// The outline runs against its first line, so that the normal points to the other side.
+  /// True: the outline runs against its first curve, so that the normal points to the other side.
   bool reverse_orientation = false;
-  /// Moves the corners of a polygonal domain and remeshes, until the surface defined by the lines
-  /// has as little stretch and shear as straight sides allow. At most three rounds, one solve each.
+  /// True: the corners of a polygonal domain are moved, and the domain is remeshed, to minimise the
+  /// stretch and shear of the surface relative to the domain. There are at most three rounds with
+  /// one solve each.
   bool minimize_distortion = false;
-  /// Number of times that the triangles of the fan are split into four; -1: until edges are short
-  /// enough. Throws if a line needs more nodes for the tolerance than the fan then has on a side.
+  /// Number of times that the triangles of Mesher::Fan are split into four. -1: until the edges are
+  /// short enough (`edge_length`). InputError is thrown if a side of the fan then has too few nodes
+  /// to fit a curve within `tolerance`.
   int fan_refinements = -1;
-  /// Target length of element edges, model units. 0: 1/20 of the region's size.
+  /// Target length of element edges, model units. 0: 1/20 of the size of the face.
   double edge_length = 0;
-  /// Spatially varying lengths below `edge_length`, for polygonal domains of prescribed curves;
-  /// null: none.
+  /// Target edge lengths that vary over the domain, below `edge_length`. Used only for polygonal
+  /// domains with prescribed curves; null: `edge_length` everywhere.
   std::shared_ptr<const SizeField> size_field{};
 };
 
-// Geometry of a region: everything except its shape.
+// Geometry of a face: everything except its shape.
 
-/// A corner of the domain's outline: its position, its interior angle in the domain and the angle
-/// between the lines in space, degrees.
+/// A corner of the outline: the position in the domain, the interior angle in the domain, and the
+/// angle between the two curves in space. Angles are in degrees.
 struct DomainCorner {
   Vec2 uv;
   double domain_angle_deg, line_angle_deg;
 };
 
-/// Mesh, lines and boundary of a region: everything except its shape (dofs).
+/// Mesh, curves and boundary of a face: everything except its shape (dofs).
 struct RegionGeometry {
   std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const Trim> trim;  ///< null if no embedded line bounds the region
+  std::shared_ptr<const Trim> trim;  ///< null if no embedded curve bounds the face
   std::vector<EdgeAlignedLine> edge_aligned;
   std::vector<EmbeddedLine> embedded;
   std::vector<std::vector<BoundarySegment>> boundary;
-  std::vector<DomainCorner> corners;  ///< counter-clockwise
+  std::vector<DomainCorner> corners;  ///< corners of the outline, counter-clockwise
   std::vector<std::string> warnings;
 };
 
 // Quality measures of a finished surface.
 
-/// Largest distance |x(c(t)) - X(t)| between a surface and an embedded line, model units: sampled
-/// 20 times between adjacent collocation points.
+/// Largest distance |x(c(t)) - X(t)| between a surface and an embedded curve, model units: sampled
+/// at 20 points between adjacent collocation points.
 double line_gap(const Surface& surface, const EmbeddedLine& line);
 
-/// Marks triangles under intervals between collocation points in which the surface is farther than
-/// `target` (model units) from an embedded line. `marks`: one per triangle of the region; others
-/// are left unchanged.
+/// Largest gap between one or several faces and their embedded curves, model units. 0 if there are
+/// no embedded curves.
+double line_gap(const SkinnedRegion& region);
+double max_line_gap(const std::vector<SkinnedRegion>& regions);
+
+/// Marks the triangles in which the surface is farther than `target` (model units) from an embedded
+/// curve between two adjacent collocation points. `marks`: one entry per triangle of the face;
+/// entries of other triangles are not changed.
 void mark_gaps(const SkinnedRegion& region, double target, char* marks);
 
 /// Quality of a finished surface, measured by sampling.
 struct SkinQuality {
-  double max_line_residual = 0;    ///< surface to edge-aligned curves, over the region's size
-  double max_line_gap = 0;         ///< surface to the curves of embedded lines, model units
-  double max_line_deviation = 0;   ///< surface to input lines, symmetric, model units
-  double max_normal_jump_deg = 0;  ///< between normals across interior element edges, degrees
-  double min_jacobian_ratio = 0;   ///< smallest |x_u × x_v| (with sign) over the median
-  double max_shear = 1;            ///< largest σ1/σ2 of (x_u, x_v)
-  double rms_strain = 0;           ///< Distortion::rms of the surface relative to its domain
-  int singular_nodes = 0;          ///< vertices where |x_u × x_v| is below 1e-6 of the median
-  double area = 0;                 ///< model units²
+  /// Largest distance from the surface to its mesh-aligned curves, divided by the size of the face.
+  double max_line_residual = 0;
+  double max_line_gap = 0;  ///< largest gap at embedded curves (line_gap()), model units
+  /// Largest distance between the surface and the input curves, in both directions, model units.
+  double max_line_deviation = 0;
+  /// Largest angle between the normals on both sides of an interior element edge, degrees.
+  double max_normal_jump_deg = 0;
+  /// Smallest signed Jacobian |x_u × x_v|, divided by the median.
+  double min_jacobian_ratio = 0;
+  double max_shear = 1;    ///< largest ratio σ1/σ2 of the singular values of (x_u, x_v)
+  double rms_strain = 0;   ///< distortion relative to the domain (Distortion::rms)
+  int singular_nodes = 0;  ///< number of vertices with |x_u × x_v| below 1e-6 of the median
+  double area = 0;         ///< area of the surface, model units²
 };
-/// Measures all quality figures of a region, by sampling.
+/// Measures all quality figures of a face, by sampling.
 SkinQuality measure(const SkinnedRegion& region);
-/// Measures only what needs no lines: normals, Jacobians, singular nodes, area. Ten times faster.
+/// Measures only the quantities that do not depend on curves: normals, Jacobians, singular nodes,
+/// area. This is ten times faster than measure(const SkinnedRegion&).
 SkinQuality measure(const Surface& surface);
 
 }  // namespace batten

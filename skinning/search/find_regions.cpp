@@ -61,9 +61,8 @@ class SpecResolver {
       names.push_back(edge.name);
       names.push_back(edge.line);
     }
-    const std::string near = closest_match(name, names);
     throw InputError(context_ + ": the network has no curve '" + name + "'" +
-                     (near.empty() ? "" : "; did you mean '" + near + "'?"));
+                     did_you_mean(name, names));
   }
 
   // Chains the named edges into one closed trail (Hierholzer's algorithm). An edge occurs as often

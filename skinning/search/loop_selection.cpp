@@ -96,7 +96,7 @@ class Solver {
     int capacity = problem_.capacity[edge];
     candidates_.clear();
     for (int s = 0; s < isize(edge_items); ++s) {
-      const int fixed = fixed_[edge_items[s].item];
+      const signed char fixed = fixed_[edge_items[s].item];
       if (s == left || (fixed == 0 && s != taken)) continue;
       if (s == taken || fixed == 1) {
         capacity -= edge_items[s].uses;

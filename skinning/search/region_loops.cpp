@@ -246,7 +246,7 @@ class Tracer {
   bool complete_ = true;
 };
 
-bool before(const EdgeLoop& a, const EdgeLoop& b) {
+bool loop_before(const EdgeLoop& a, const EdgeLoop& b) {
   const std::vector<int> x = edges_of(a), y = edges_of(b);
   return x != y ? x < y
                 : std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(),
@@ -282,7 +282,7 @@ TracedLoops trace_loops(const RegionGraph& graph, const LoopCosts& costs,
 
   std::vector<EdgeLoop> loops;
   for (auto& some : found) loops.insert(loops.end(), some.begin(), some.end());
-  std::sort(loops.begin(), loops.end(), before);
+  std::sort(loops.begin(), loops.end(), loop_before);
   loops.erase(std::unique(loops.begin(), loops.end()), loops.end());
 
   TracedLoops traced;

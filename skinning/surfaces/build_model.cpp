@@ -8,6 +8,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/skinning/domains/outline.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/normal_side.h"
@@ -114,7 +115,8 @@ class ModelBuilder {
     } catch (const InputError& e) {
       std::string text = e.what();
       const size_t named = options_.sections.size();
-      if (!sections.empty() && text.find("'rail ") != std::string::npos)
+      const auto* crossing = dynamic_cast<const OutlineIntersection*>(&e);
+      if (!sections.empty() && crossing && std::ranges::any_of(crossing->curves(), is_rail))
         text += "; rails run through the ends of the sections in their order";
       else if (sections.empty() && named > 1)
         text +=

@@ -16,63 +16,70 @@ namespace batten {
 
 /// Options of build_model().
 struct ModelBuildOptions {
-  /// Name of the model and of its only face, options of faces, material, joins, rest shapes.
+  /// Options of skin_network(). A single face has the name of the model.
   ModelOptions model;
-  NetworkOptions network;      ///< fit_tolerance and corner_angle are those of model.skin
-  RegionSearchOptions search;  ///< requested and excluded faces
-  /// True: the curves bound one face, laid out as model.skin says, or are the sections of one.
+  /// Tolerances of the network; its fit_tolerance and corner_angle are taken from `model.skin`.
+  NetworkOptions network;
+  RegionSearchOptions search;  ///< faces that the user requests or excludes
+  /// True: the curves bound one face, which is laid out with the options in `model.skin`, or are
+  /// the sections of one loft.
   bool single_face = false;
-  /// With single_face: names of the sections, in order. They alone define the face if they are all
-  /// of the curves; otherwise the curves bound it.
+  /// Names of the sections of a loft, in order; used only with `single_face`. If every curve is a
+  /// section, the sections alone define the face; otherwise the curves bound it.
   std::vector<std::string> sections;
-  /// True: only the corners of faces are constrained (SessionOptions::fix_corners_only), so that
-  /// outlines alone may be a single face instead of a network.
+  /// True: only the corners of faces are constrained, not the curves
+  /// (SessionOptions::fix_corners_only). Outlines that bound one face then make a single face
+  /// instead of a network.
   bool fix_corners_only = false;
-  /// Tolerance of curves for a model of a given size, both in model units, of networks. Empty:
-  /// model.skin.tolerance, or 1e-4 of the size.
+  /// Computes the fit tolerance of the curves of a network from the size of the model; both are in
+  /// model units. Empty: `model.skin.tolerance` or, if that is 0, 1e-4 of the size.
   std::function<double(double size)> tolerance;
-  std::string unit;  ///< length unit, for messages
-  /// Prefixes of messages about the model and about its network, such as "scene.toml: " and
-  /// "scene.toml:8:1: ".
+  std::string unit;  ///< name of the length unit in messages, or ""
+  /// Prefixes of error messages about the model and about the curve network, such as "scene.toml: "
+  /// and "scene.toml:8:1: ".
   std::string where, network_where;
 };
 
-/// A model and the data that it was built from.
+/// Result of build_model(): a model, and the data that it was built from.
 struct BuiltModel {
-  // Set unless the model is a single face or a series of sections:
+  // The curve network and the faces found in it; both are empty if no network was needed.
   std::optional<CurveNetwork> network;
   std::optional<FoundRegions> found;
-  /// The model. Without a network it has one face, which is not solved yet.
+  /// The surface model. Without a network it has one face, whose shape is not computed yet.
   SurfaceModel model;
-  /// Names of curves recognised as a series of sections, in order: the shape is their loft.
+  /// Names of the curves that ordered_sections() recognised as sections, in the order of the loft.
+  /// Empty: the model is not such a loft.
   std::vector<std::string> sections;
-  double fit_tolerance = 0;  ///< tolerance of edge-aligned and embedded lines, model units
+  /// Largest allowed distance from an input curve to its fit, model units.
+  double fit_tolerance = 0;
 
-  /// Names of the skinned faces, to which loads and weights may refer.
+  /// Names of the faces that were skinned. Loads and stiffness fields may refer to these names.
   std::vector<std::string> region_names() const;
 };
 
-/// The curve network with the tolerances of build_model(). Throws the exceptions of CurveNetwork,
-/// beginning with ModelBuildOptions::network_where.
+/// Builds the curve network with the tolerances that build_model() uses. Throws as CurveNetwork
+/// does; the messages of InputError get the prefix ModelBuildOptions::network_where.
 CurveNetwork build_network(const std::vector<CharacterLine>& lines,
                            const ModelBuildOptions& options, const Progress& progress = {});
 
-/// find_regions() that throws InputError, with the diagnostics of the network, if there are none.
+/// Calls find_regions() and throws InputError if no face is found. The message contains the
+/// diagnostics of the network.
 FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOptions& options,
                              const Progress& progress = {});
 
-/// Builds the model of curves in any order:
+/// Builds a model from curves given in any order. The first applicable case determines the model:
 ///
 ///     single_face                           one face; a loft if `sections` are all of the curves
 ///     outlines bound one face               one face with the holes and inner curves on it
 ///     ordered_sections() of the network     the loft of a series of sections
 ///     otherwise                             skin_network(): all faces that the curves bound
 ///
-/// Requested faces or joins exclude the two in the middle. Sections with a corner get two surfaces
-/// in each bay (corner_rails()). The normals of a single face point to the side of normal_side.h.
+/// The second and third cases do not apply if faces or joins are requested. Between closed sections
+/// with a corner, the loft consists of two faces (corner_rails()). The normals of a single face
+/// point to the side that normal_side.h defines.
 ///
-/// Throws the exceptions of build_network(), require_regions(), RegionLayout and skin_network();
-/// InputError if the only face cannot be skinned.
+/// Throws as build_network(), require_regions(), RegionLayout and skin_network() do, and InputError
+/// if the model has a single face and that face cannot be skinned.
 BuiltModel build_model(const std::vector<CharacterLine>& lines, const ModelBuildOptions& options,
                        const Progress& progress = {});
 

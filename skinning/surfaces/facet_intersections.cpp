@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iterator>
-#include <limits>
 #include <tuple>
 
+#include "batten/core/box_tree.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
@@ -16,19 +15,6 @@ namespace {
 
 using Facet = std::array<int, 3>;
 using Corners = std::array<Vec3, 3>;
-
-struct Box {
-  Vec3 low, high, sum;
-  explicit Box(const Corners& c)
-      : low(c[0].cwiseMin(c[1]).cwiseMin(c[2])),
-        high(c[0].cwiseMax(c[1]).cwiseMax(c[2])),
-        sum(c[0] + c[1] + c[2]) {}
-  // The sum is finite only if all corners are; minima and maxima may drop a NaN.
-  bool is_finite() const { return sum.allFinite(); }
-  bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-};
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
@@ -108,144 +94,49 @@ void cross_pair(const Corners& a, const Corners& b, std::vector<Vec3>& found) {
   if (found.empty()) overlap(a, b, found);
 }
 
-using Cell = std::array<int, 3>;
-
-// Uniform grid of cubes over all facets, divided into slabs across the longest side.
-struct Grid {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  double side = 0;  // cell size; 0: no facet has an extent
-  int axis = 0, slabs = 1, cells_of_slab = 1;
-
-  explicit Grid(const std::vector<Vec3>& points, const std::vector<Facet>& facets) {
-    Vec3 high = -low;
-    double extent = 0, largest = 0;
-    for (const Facet& f : facets) {
-      const Box box({points[f[0]], points[f[1]], points[f[2]]});
-      if (!box.is_finite()) continue;
-      low = low.cwiseMin(box.low);
-      high = high.cwiseMax(box.high);
-      extent += (box.high - box.low).maxCoeff();
-      largest = std::max(largest, (box.high - box.low).maxCoeff());
-    }
-    if (!(extent > 0)) return;
-    constexpr double kMaxCells = 16;  // per side of the largest facet's bounding box
-    side = std::max(1.5 * extent / static_cast<double>(facets.size()), largest / kMaxCells);
-    (high - low).maxCoeff(&axis);
-    constexpr int kFacetsOfSlab = 4096;
-    const int cells = at(high)[axis] + 1;
-    slabs = std::clamp(isize(facets) / kFacetsOfSlab, 1, cells);
-    cells_of_slab = (cells + slabs - 1) / slabs;
-  }
-  Cell at(const Vec3& p) const {
-    Cell cell;
-    for (int k = 0; k < 3; ++k)
-      cell[k] = static_cast<int>(std::clamp((p[k] - low[k]) / side, 0.0, 2097151.0));
-    return cell;
-  }
-  int slab_of(const Cell& cell) const { return cell[axis] / cells_of_slab; }
-  static std::uint64_t key(const Cell& c) {
-    return static_cast<std::uint64_t>(c[0]) << 42 | static_cast<std::uint64_t>(c[1]) << 21 |
-           static_cast<std::uint64_t>(c[2]);
-  }
-};
-
 // Two intersecting facets and their common points.
 struct IntersectingPair {
   int a, b;
   std::vector<Vec3> found;
 };
 
-class Search {
- public:
-  Search(const std::vector<Vec3>& points, const std::vector<Facet>& facets,
-         const std::vector<Facet>& joined)
-      : points_(points), facets_(facets), joined_(joined), grid_(points, facets) {}
-
-  std::vector<IntersectingPair> run() {
-    if (!(grid_.side > 0)) return {};
-    put_in_slabs();
-    std::vector<std::vector<IntersectingPair>> parts(static_cast<size_t>(grid_.slabs));
-    parallel_for(grid_.slabs, [&](int slab) { parts[slab] = in_slab(slab); });
-    std::vector<IntersectingPair> all;
-    for (auto& part : parts)
-      all.insert(all.end(), std::make_move_iterator(part.begin()),
-                 std::make_move_iterator(part.end()));
-    std::sort(all.begin(), all.end(), [](const IntersectingPair& x, const IntersectingPair& y) {
-      return std::tie(x.a, x.b) < std::tie(y.a, y.b);
-    });
-    return all;
-  }
-
- private:
-  struct Entry {
-    std::uint64_t cell;
-    int slot;  // index within the slab
-    bool operator<(const Entry& o) const { return std::tie(cell, slot) < std::tie(o.cell, o.slot); }
+// All pairs of facets that intersect, ascending. `joined`: the facets with merged points; facets
+// with a common point are not tested.
+std::vector<IntersectingPair> intersecting_pairs(const std::vector<Vec3>& points,
+                                                 const std::vector<Facet>& facets,
+                                                 const std::vector<Facet>& joined) {
+  const auto corners = [&](int f) -> Corners {
+    return {points[facets[f][0]], points[facets[f][1]], points[facets[f][2]]};
   };
-
-  Corners corners(int f) const {
-    return {points_[facets_[f][0]], points_[facets_[f][1]], points_[facets_[f][2]]};
+  // Facets with a point that is not finite, and facets without extent, intersect nothing: their
+  // boxes stay empty.
+  std::vector<Box3> boxes(facets.size());
+  for (int f = 0; f < isize(facets); ++f) {
+    const Corners c = corners(f);
+    const Box3 box = bounding_box(c);
+    if ((c[0] + c[1] + c[2]).allFinite() && box.sizes().maxCoeff() > 0) boxes[f] = box;
   }
-
-  // Two passes: counts, then fills in the facets of each slab, in ascending order.
-  void put_in_slabs() {
-    first_.assign(static_cast<size_t>(grid_.slabs) + 1, 0);
-    const auto each = [&](const auto& put) {
-      for (int f = 0; f < isize(facets_); ++f) {
-        const Box box(corners(f));
-        if (!box.is_finite()) continue;
-        const int last = grid_.slab_of(grid_.at(box.high));
-        for (int s = grid_.slab_of(grid_.at(box.low)); s <= last; ++s) put(s, f);
-      }
-    };
-    each([&](int s, int) { ++first_[s + 1]; });
-    for (size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
-    std::vector<size_t> next(first_.begin(), first_.end() - 1);
-    of_slab_.resize(first_.back());
-    each([&](int s, int f) { of_slab_[next[s]++] = f; });
-  }
-
-  std::vector<IntersectingPair> in_slab(int slab) const {
-    const int* facets = of_slab_.data() + first_[slab];
-    const int count = static_cast<int>(first_[slab + 1] - first_[slab]);
-    std::vector<Box> boxes;
-    std::vector<Entry> entries;
-    for (int i = 0; i < count; ++i) {
-      boxes.emplace_back(corners(facets[i]));
-      Cell from = grid_.at(boxes[i].low), to = grid_.at(boxes[i].high);
-      from[grid_.axis] = std::max(from[grid_.axis], slab * grid_.cells_of_slab);
-      to[grid_.axis] = std::min(to[grid_.axis], (slab + 1) * grid_.cells_of_slab - 1);
-      for (int x = from[0]; x <= to[0]; ++x)
-        for (int y = from[1]; y <= to[1]; ++y)
-          for (int z = from[2]; z <= to[2]; ++z) entries.push_back({Grid::key({x, y, z}), i});
-    }
-    std::sort(entries.begin(), entries.end());
-    std::vector<IntersectingPair> all;
+  const BoxTree<3> tree(boxes);
+  constexpr int kFacetsOfPart = 256;
+  const auto parts = tree.pair_parts(0, kFacetsOfPart);
+  std::vector<std::vector<IntersectingPair>> of_parts(parts.size());
+  parallel_for(isize(parts), [&](int part) {
     std::vector<Vec3> found;
-    const auto test = [&](std::uint64_t cell, int i, int j) {
-      // Each pair is tested in one cell only: the lower corner of the intersection of both boxes.
-      if (!boxes[i].meets(boxes[j]) ||
-          Grid::key(grid_.at(boxes[i].low.cwiseMax(boxes[j].low))) != cell)
-        return;
-      if (have_common_point(joined_[facets[i]], joined_[facets[j]])) return;
-      cross_pair(corners(facets[i]), corners(facets[j]), found);
-      if (!found.empty()) all.push_back({facets[i], facets[j], found});
-    };
-    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-      while (end < entries.size() && entries[end].cell == entries[begin].cell) ++end;
-      for (size_t i = begin; i < end; ++i)
-        for (size_t j = i + 1; j < end; ++j)
-          test(entries[begin].cell, entries[i].slot, entries[j].slot);
-    }
-    return all;
-  }
-
-  const std::vector<Vec3>& points_;
-  const std::vector<Facet>&facets_, &joined_;
-  Grid grid_;
-  std::vector<size_t> first_;  // offset of each slab in of_slab_
-  std::vector<int> of_slab_;
-};
+    tree.for_each_near_pair(parts[part], 0, [&](int a, int b) {
+      if (have_common_point(joined[a], joined[b])) return;
+      cross_pair(corners(a), corners(b), found);
+      if (!found.empty()) of_parts[part].push_back({a, b, found});
+    });
+  });
+  std::vector<IntersectingPair> all;
+  for (auto& part : of_parts)
+    all.insert(all.end(), std::make_move_iterator(part.begin()),
+               std::make_move_iterator(part.end()));
+  std::sort(all.begin(), all.end(), [](const IntersectingPair& x, const IntersectingPair& y) {
+    return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+  });
+  return all;
+}
 
 // Boundary sides of each facet, and the points at their ends.
 struct FreeEdges {
@@ -305,7 +196,7 @@ std::vector<FacetIntersection> facet_intersections(const std::vector<Vec3>& poin
                                                    const std::vector<std::array<int, 3>>& joined,
                                                    const std::vector<int>& surface_of,
                                                    double near) {
-  const std::vector<IntersectingPair> passing = Search(points, facets, joined).run();
+  const std::vector<IntersectingPair> passing = intersecting_pairs(points, facets, joined);
   if (passing.empty()) return {};
   const FreeEdges free_edges(points, facets, joined, surface_of);
   std::vector<FacetIntersection> result;

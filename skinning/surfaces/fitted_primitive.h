@@ -10,22 +10,26 @@ namespace batten {
 ///     primitive   origin                  axis                        lengths and angle
 ///     plane       a point of the plane    mean normal of the surface
 ///     cylinder    a point of the axis     along the axis              radius
-///     sphere      its centre              (arbitrary)                 radius
-///     cone        its apex                from the apex to the surface radius, half_angle
-///     torus       its centre              normal to the major circle  major_radius, radius
+///     sphere      centre                  (arbitrary)                 radius
+///     cone        apex                    from apex to surface        radius, half_angle
+///     torus       centre                  normal to the major circle  major_radius, radius
 struct FittedPrimitive {
   enum class Kind { Free, Plane, Cylinder, Sphere, Cone, Torus };
   Kind kind = Kind::Free;
-  Vec3 origin = Vec3::Zero();  ///< model units
-  Vec3 axis = Vec3::UnitZ();   ///< unit vector
-  double radius = 0;  ///< torus: of the tube; cone: the largest one of the surface; model units
-  double major_radius = 0;  ///< of a torus; model units
-  double half_angle = 0;    ///< of a cone, radians in (0, π/2)
-  double deviation = 0;     ///< largest distance of the samples from the primitive; model units
+  Vec3 origin = Vec3::Zero();  ///< position as listed above, model units
+  Vec3 axis = Vec3::UnitZ();   ///< direction as listed above, unit vector
+  /// Radius, model units. Torus: radius of the tube. Cone: largest radius on the surface.
+  double radius = 0;
+  /// Distance from the centre of a torus to the centre of its tube, model units.
+  double major_radius = 0;
+  double half_angle = 0;  ///< angle between axis and surface of a cone, radians, in (0, π/2)
+  /// Largest distance of the sampled points from the primitive, model units.
+  double deviation = 0;
 
-  /// Signed distance of a point in model units, positive outside (plane: on the side of its axis).
+  /// Signed distance of p from the primitive, model units. It is positive outside of the primitive
+  /// (plane: on the side to which the axis points).
   double distance(const Vec3& p) const;
-  /// Outward unit normal at the point of the primitive closest to p.
+  /// Outward unit normal of the primitive at its point closest to p.
   Vec3 normal(const Vec3& p) const;
 };
 
@@ -36,7 +40,7 @@ const char* primitive_name(FittedPrimitive::Kind kind);
 ///
 /// The order is plane, cylinder or sphere, cone, torus. The first one whose largest deviation is at
 /// most `tolerance` (model units, > 0) is selected, or a later one if its deviation is less than a
-/// fifth of that.
+/// fifth of that of the first.
 ///
 /// Initial values come from the normals n at points p. The axis a of a cylinder minimises Σ (n·a)²,
 /// that of a cone the variance of n·a. Centre and radius R are linear least squares of p - R n. The
@@ -44,19 +48,21 @@ const char* primitive_name(FittedPrimitive::Kind kind);
 /// lines: it is the linear complex closest to them [PottmannWallner2001]. Levenberg–Marquardt then
 /// minimises the sum of squared distances.
 ///
-/// The patch also has to determine the primitive: its normals vary by at least 3° (torus: 30°), and
-/// its deviation from a plane is at least 20 times that from the primitive. Otherwise the result is
-/// Kind::Free. The result is invariant to units and rigid motions, up to rounding. Radii are known
-/// to within the deviation, and are rounded to as few decimals as that permits. Cost: O(samples),
-/// that is four per triangle, and the vertices.
+/// The surface must also be curved enough to determine the primitive: its normals must vary by at
+/// least 3° (torus: 30°), and its deviation from a plane must be at least 20 times its deviation
+/// from the primitive. Otherwise the result is Kind::Free. The result is invariant to units and
+/// rigid motions, up to rounding. Radii are known to within the deviation, and are rounded to as
+/// few decimals as that permits. Cost: O(samples); the samples are the vertices and four points per
+/// triangle.
 FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance);
 
-/// The same for positions and unit normals, one row each; zero normal: unknown.
+/// Fits a primitive to points and their unit normals, one point per row, in the same way as above.
+/// A zero row in `normals` means that the normal is unknown.
 FittedPrimitive fit_primitive(const Points& positions, const Points& normals, double tolerance);
 
-/// Tolerance used in reports, model units: 1e-4 of the model size, but at most 5e-4 of the region's
-/// size. The second bound prevents small regions of large models from being recognised as
-/// primitives that they only resemble.
+/// Tolerance with which reports call fit_primitive(), model units: 1e-4 of the model size, but at
+/// most 5e-4 of the face's size. The second bound prevents small faces of large models from being
+/// recognised as primitives that they only resemble.
 double primitive_tolerance(const SkinnedRegion& region, double model_size);
 
 }  // namespace batten

@@ -97,8 +97,7 @@ void score(ScoredCandidate& made, double filling_area) {
   const SkinnedRegion region = layout.region(made.candidate.shape);
   if (layout.embedded().empty() && !suspicious(region, filling_area)) return;
   SkinQuality quality = measure(region.surface);
-  for (const EmbeddedLine& line : region.embedded)
-    quality.max_line_gap = std::max(quality.max_line_gap, line_gap(region.surface, line));
+  quality.max_line_gap = line_gap(region);
   constexpr double kFarOff = 20;  // times the hole filling: the surface is unrelated to its lines
   if (!std::isfinite(quality.area) || (filling_area > 0 && quality.area > kFarOff * filling_area))
     throw NoSolutionError("the surface deviates far from its curves");
@@ -134,9 +133,7 @@ LayoutCandidate laid_out(const RegionRequest& request, const SkinOptions& skin, 
     candidate.shape = alone.minimize_energy(material, candidate.rest);
     if (layout.embedded().empty() || round == kMaxRounds) return candidate;
     const SkinnedRegion made = layout.region(candidate.shape);
-    const double before = std::exchange(gap, 0);
-    for (const EmbeddedLine& line : made.embedded)
-      gap = std::max(gap, line_gap(made.surface, line));
+    const double before = std::exchange(gap, line_gap(made));
     if (gap <= 0.9 * layout.tolerance() || !(gap < before) ||
         !layout.refine(made.surface, 0.5 * layout.tolerance()))
       return candidate;

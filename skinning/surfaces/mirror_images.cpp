@@ -63,10 +63,10 @@ void add_mirror_images(const SymmetryPlane& plane, std::vector<CharacterLine>& l
                        " to " + format_point(*high) +
                        ", expected curves that lie on one side of the plane or in it");
     if (height(*low) >= -tolerance && height(*high) <= tolerance) continue;
-    CharacterLine twin = lines[i];
-    twin.name = kMirrored + twin.name;
-    twin.curve = transformed(lines[i].curve, mirror);
-    lines.push_back(std::move(twin));
+    CharacterLine image = lines[i];
+    image.name = kMirrored + image.name;
+    image.curve = transformed(lines[i].curve, mirror);
+    lines.push_back(std::move(image));
   }
 }
 
@@ -75,8 +75,8 @@ std::vector<JoinSpec> with_mirror_images(const std::vector<JoinSpec>& joins,
   const MirrorImages images(lines);
   std::vector<JoinSpec> all;
   for (const JoinSpec& join : joins)
-    if (const std::string twin = images.of(join.line); twin != join.line)
-      all.push_back({twin, join.kind, join.where});
+    if (const std::string image = images.of(join.line); image != join.line)
+      all.push_back({image, join.kind, join.where});
   all.insert(all.end(), joins.begin(), joins.end());
   return all;
 }
@@ -91,20 +91,20 @@ std::vector<RegionSpec> with_mirror_images(const std::vector<RegionSpec>& region
     return names;
   };
   for (const RegionSpec& region : regions) {
-    RegionSpec twin = region;
+    RegionSpec image = region;
     bool whole = false;  // contains lines of both halves
-    for (std::string& name : twin.inner) name = images.of(name);
-    for (auto& loop : twin.loops)
+    for (std::string& name : image.inner) name = images.of(name);
+    for (auto& loop : image.loops)
       for (std::string& name : loop) {
         whole |= name.starts_with(kMirrored);
         name = images.of(name);
       }
     const bool given = std::any_of(regions.begin(), regions.end(), [&](const RegionSpec& other) {
-      return names_of(other) == names_of(twin);
+      return names_of(other) == names_of(image);
     });
     if (whole || given) continue;
-    if (!twin.name.empty()) twin.name = kMirrored + twin.name;
-    all.push_back(std::move(twin));
+    if (!image.name.empty()) image.name = kMirrored + image.name;
+    all.push_back(std::move(image));
   }
   return all;
 }

@@ -14,28 +14,29 @@ namespace batten {
 /// A plane of symmetry.
 struct SymmetryPlane {
   Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitX();  ///< its length does not matter
-  /// Curves within this distance of the plane lie in it, model units; 0: 1e-3 of the diagonal of
-  /// the bounding box of all curves.
+  Vec3 normal = Vec3::UnitX();  ///< normal vector of any length above zero
+  /// Curves within this distance of the plane count as lying in the plane, model units. 0: 1e-3 of
+  /// the diagonal of the bounding box of all curves.
   double tolerance = 0;
 };
 
 /// Adds the mirror images of the curves of a half model, named "mirrored NAME". A curve that ends
 /// in the plane continues in its mirror image; curves in the plane are not mirrored.
 ///
-/// Throws InputError for a curve that crosses the plane, and for a normal of length zero.
-/// O(curves).
+/// Throws InputError if a curve crosses the plane, or if the normal has length zero. O(curves).
 void add_mirror_images(const SymmetryPlane& plane, std::vector<CharacterLine>& lines);
 
-/// Specifications of joins, extended by the mirror images of those whose curve is mirrored.
+/// The join specifications `joins`, and the mirror image of each one whose curve is mirrored.
 ///
-/// `lines`: the curves with their mirror images. Names may be those of edges, such as "rail.2",
-/// whose mirror image is "mirrored rail.2". The given specifications come last and take precedence.
+/// `lines`: all curves, including the mirror images. A specification may name an edge, such as
+/// "rail.2", whose mirror image is "mirrored rail.2". The given specifications come last in the
+/// result and take precedence. O(joins · log curves).
 std::vector<JoinSpec> with_mirror_images(const std::vector<JoinSpec>& joins,
                                          const std::vector<CharacterLine>& lines);
 
-/// Specifications of faces, extended by their mirror images. A face with curves of both halves, and
-/// one whose mirror image is specified, too, are not mirrored. `lines`: as above.
+/// The face specifications `regions` and their mirror images. A face is not mirrored if it has
+/// curves of both halves, or if its mirror image is specified, too. `lines`: all curves, including
+/// the mirror images. O(n²) for n faces.
 std::vector<RegionSpec> with_mirror_images(const std::vector<RegionSpec>& regions,
                                            const std::vector<CharacterLine>& lines);
 

@@ -419,11 +419,11 @@ std::vector<double> estimate_chains(const CurveNetwork& network, const RegionMak
   return result;
 }
 
-using Kind = JoinSpec::Kind;
+using SpecKind = JoinSpec::Kind;
 
 // User specifications by network edge.
-std::map<int, Kind> specs_of(const CurveNetwork& network, const ModelOptions& options) {
-  std::map<int, Kind> specs;
+std::map<int, SpecKind> specs_of(const CurveNetwork& network, const ModelOptions& options) {
+  std::map<int, SpecKind> specs;
   for (const JoinSpec& spec : options.joins) {
     try {
       for (const int a : network.edges_of(spec.line)) specs[a] = spec.kind;
@@ -435,7 +435,7 @@ std::map<int, Kind> specs_of(const CurveNetwork& network, const ModelOptions& op
 }
 
 // Adds the join of one network edge, and a join line if its two regions can be joined.
-void add_join(int edge, const std::string& name, const RegionMaker& maker, const Kind* spec,
+void add_join(int edge, const std::string& name, const RegionMaker& maker, const SpecKind* spec,
               JoinClassification& classification) {
   const std::vector<EdgeUse>& uses = maker.sides(edge);
   if (uses.empty()) return;
@@ -447,7 +447,7 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
               : uses.size() == 2 ? ModelJoin::Kind::Crease
                                  : ModelJoin::Kind::NonManifold;
   join.requested = spec != nullptr;
-  const bool smooth = spec && *spec != Kind::Crease;
+  const bool smooth = spec && *spec != SpecKind::Crease;
   if (smooth && uses.size() != 2)
     join.why = "it belongs to " + std::to_string(uses.size()) +
                (uses.size() == 1 ? " face" : " faces") + ", expected two";
@@ -455,7 +455,7 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
     const auto one = maker.side_of(uses[0], edge), two = maker.side_of(uses[1], edge);
     if (one && two) {
       JoinLine& line = classification.join_lines.emplace_back(JoinLine{name, {*one, *two}});
-      if (smooth && *spec != Kind::Smooth) line.curvature = *spec == Kind::Curvature;
+      if (smooth && *spec != SpecKind::Smooth) line.curvature = *spec == SpecKind::Curvature;
       classification.join_of.push_back(isize(classification.joins));
     } else if (smooth) {
       join.why = !maker.layouts()[uses[0].region] || !maker.layouts()[uses[1].region]
@@ -481,7 +481,7 @@ JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line
 JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker& maker,
                                   const ModelOptions& options,
                                   const std::vector<ModelRegion>& regions) {
-  const std::map<int, Kind> specs = specs_of(network, options);
+  const std::map<int, SpecKind> specs = specs_of(network, options);
   JoinClassification classification;
   for (size_t a = 0; a < network.edges().size(); ++a) {
     const auto spec = specs.find(static_cast<int>(a));
@@ -495,7 +495,7 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
     ModelJoin& join = classification.joins[classification.join_of[s]];
     join.initial_deg = estimates[s];
     const auto spec = specs.find(join.edge);
-    if (spec != specs.end() ? spec->second == Kind::Crease
+    if (spec != specs.end() ? spec->second == SpecKind::Crease
                             : !(join.initial_deg < options.crease_angle_deg))
       continue;
     smooth.push_back(classification.join_lines[s]);

@@ -150,6 +150,8 @@ std::vector<CharacterLine> ordered_sections(const CurveNetwork& network) {
 
 namespace {
 
+constexpr const char* kRails[] = {"rail 1", "rail 2"};
+
 struct Ends {
   Vec3 start, end;
 };
@@ -203,9 +205,15 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
     ends.push_back(end);
   }
   if (closed) return sections;
-  sections.push_back(rail("rail 1", starts));
-  sections.push_back(rail("rail 2", ends));
+  sections.push_back(rail(kRails[0], starts));
+  sections.push_back(rail(kRails[1], ends));
   return sections;
+}
+
+bool is_rail(const std::string& curve) {
+  return std::any_of(std::begin(kRails), std::end(kRails), [&](const std::string& rail) {
+    return curve == rail || curve.starts_with(rail + ".");
+  });
 }
 
 bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle) {
@@ -232,7 +240,7 @@ std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sectio
       if (const double d = (p - corners.back()).norm(); d > most) most = d, noses.back() = p;
     }
   }
-  return {rail("rail 1", corners), rail("rail 2", noses)};
+  return {rail(kRails[0], corners), rail(kRails[1], noses)};
 }
 
 RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,

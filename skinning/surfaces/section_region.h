@@ -1,4 +1,4 @@
-// Lofts: detects curves that are sections of one shape, and makes regions from sections alone.
+// Lofts: detects curves that are sections of one shape, and makes faces from sections alone.
 #pragma once
 
 #include <string>
@@ -17,39 +17,50 @@ namespace batten {
 ///     all are closed with a corner at their seam, two or more: aerofoils;
 ///     all are open, two or more: stations, ribs.
 ///
-/// The order is a chain of nearest neighbours. Each section has to face the next one. The planes of
-/// closed sections may differ by at most 60° and must not coincide. The chords of open sections may
-/// differ by at most 45° and must lie side by side. Otherwise the result is empty. It is also empty
-/// for two closed smooth curves, which are the boundary circles of an annulus (find_regions()).
-/// Cost: O(n²) for n curves.
+/// The order is a chain of nearest neighbours, in which consecutive sections must face each other:
+/// planes of closed sections differ by at most 60° and do not coincide; chords of open sections
+/// differ by at most 45° and lie side by side. The result is empty if the curves do not satisfy
+/// these conditions. It is also empty for two closed smooth curves, which are the boundary circles
+/// of an annulus (find_regions()). Cost: O(n³) for n curves.
 std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
 
-// Regions made from sections alone, as in hulls, wings and bottles.
+// Faces made from sections alone, as in hulls, wings and bottles.
 
-/// Lines of a region through sections, in the given order: the first and the last are outlines, the
-/// others inner lines.
+/// Computes the curves of a face through sections, in the given order. The first and the last
+/// section are outlines; the others are inner curves.
 ///
-/// Closed sections form an annulus. Open sections may run in either direction. They get two rails,
-/// "rail 1" and "rail 2": splines through their starts and their ends, with not-a-knot end
-/// conditions. Start: the end that is nearer to the start of the section before. Throws InputError
-/// if there are fewer than two sections, if open and closed ones are mixed, or if neighbours share
-/// an end point. Cost: O(sections).
+/// Closed sections form an annulus. Open sections may run in either direction. Two rails are added:
+/// "rail 1" through the starts of the sections and "rail 2" through their ends, as cubic splines
+/// with not-a-knot end conditions. The start of each section is chosen so that its two ends are
+/// closest to those of the previous section. Throws InputError if there are fewer than two
+/// sections, if some sections are open and others closed, or if consecutive open sections share an
+/// end point. Cost: O(sections).
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
 
+/// True if `curve` is the name of a rail from section_lines() or corner_rails(), such as "rail 1",
+/// or of a part of a rail, such as "rail 1.2".
+bool is_rail(const std::string& curve);
+
 /// True if all sections are closed and have a corner of more than `corner_angle` degrees at their
-/// seam, as aerofoils at the trailing edge.
+/// seam, like aerofoils at the trailing edge. False if there are no sections. O(sections).
 bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle);
 
-/// Rails of closed sections with a corner: "rail 1" through the corners, "rail 2" through the
-/// points farthest from them, in this order. With the rails, the sections bound two surfaces in
-/// each bay. Throws InputError if there are fewer than two sections. Cost: O(sections).
+/// Computes the rails of closed sections with a corner: "rail 1" through the corners, and "rail 2"
+/// through the point of each section that is farthest from the corner. The rails and two
+/// consecutive sections bound two faces. `sections`: closed curves with a corner at the seam, in
+/// the order of the loft.
+///
+/// Throws InputError if there are fewer than two sections. Cost: O(sections).
 std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections);
 
-/// Lays out the region of section_lines(), for loft_shape().
+/// Lays out the face that has the curves of section_lines(), as input of loft_shape().
 ///
-/// For open sections it has four corners, where rails meet the first and the last section (at 2° or
-/// more), and a polygonal domain. `options.edge_length` 0: 1/33 of the size. Throws as
-/// section_lines() and RegionLayout.
+/// A face through open sections has four corners, at which the rails meet the first and the last
+/// section. The corner angle is at most 2° and the default domain is polygonal.
+///
+/// `name`: name of the face. `options.edge_length`: model units; 0: 1/33 of the diagonal of the
+/// sections' bounding box. `options.sections` is always set to true. Throws as section_lines() and
+/// RegionLayout do. Cost: that of the constructor of RegionLayout.
 RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,
                             SkinOptions options, const Progress& progress = {});
 

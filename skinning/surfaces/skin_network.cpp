@@ -402,13 +402,6 @@ void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Poi
   measure(model, progress);
 }
 
-std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
-  std::vector<const SkinnedRegion*> all;
-  for (const ModelRegion& region : regions)
-    if (region.skinned) all.push_back(&*region.skinned);
-  return all;
-}
-
 SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options, const Progress& progress) {
   return ModelMaker(network, found, options, progress).make();

@@ -1,4 +1,4 @@
-// Makes a surface model of all regions of a curve network, reshapes it and fairs it.
+// Builds the surface model of a curve network, changes its shape, and fairs it.
 #pragma once
 
 #include <memory>
@@ -11,64 +11,67 @@
 
 namespace batten {
 
-/// Skins all regions of a network and joins them to one model.
+/// Skins all faces of a network and joins them into one model.
 ///
-/// 1. Orient the regions: normals agree across edges, and point outwards if a shell is closed.
-/// 2. Lay out each region (RegionLayout) on the curves of its edges, with the same vertices on both
-///    sides of an edge, and solve it on its own. All edges are creases at this stage.
-/// 3. Classify the edges as creases or smooth joins (JoinSpec, or the angle found). At a node where
-///    the tangents of both sides do not lie in one plane, a smooth join ends as a crease, with a
-///    warning.
-/// 4. Solve regions connected by smooth joins together (model/join.h). Halve mesh edges along joins
-///    until they meet the tolerance. A join on an embedded line becomes a crease if more than 0.5°
-///    would remain.
-/// 5. Measure the model and find its defects.
+/// 1. The faces are oriented: normals agree across edges, and point outwards from a closed shell.
+/// 2. Each face is laid out (RegionLayout) on the curves of its edges, with the same vertices on
+///    both sides of an edge, and solved separately. All edges are creases at this stage.
+/// 3. Each edge is classified as a crease or a smooth join: as specified (JoinSpec) or, by default,
+///    by the angle between the two faces. At a node where the tangents of both sides do not lie in
+///    one plane, a smooth join ends as a crease, with a warning.
+/// 4. Faces connected by smooth joins are solved together (model/join.h). Mesh edges along the
+///    joins are halved until the angles between the normals meet the tolerance. A join on an
+///    embedded curve becomes a crease if an angle of more than 0.5° would remain.
+/// 5. The model is measured, and its defects are found.
 ///
-/// A region that cannot be skinned is left out (ModelRegion::rejection_reason); the others are
-/// made. Throws InputError if a specification fits nothing, NoSolutionError, CancelledError.
+/// A face that cannot be skinned is left out of the model (ModelRegion::rejection_reason). Throws
+/// InputError if a specification matches no edge or face; NoSolutionError; CancelledError.
 SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
 
-/// Gives a model the shape of a session, measures it again and finds its defects.
+/// Replaces the shape of a model, for example by that of a session, and updates the quality
+/// measures and defects.
 ///
-/// `layout`: a layout of the same regions, possibly with finer meshes. `dofs`: the shape on it.
-/// `made`: its regions, in order. Joins that the layout has rejected meanwhile become creases.
+/// `layout`: a layout of the same faces, possibly with finer meshes. `dofs`: the new shape on
+/// `layout`. `made`: the faces in the new shape, in the order of `layout`. Joins that `layout`
+/// rejects become creases.
 void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Points dofs,
              std::vector<SkinnedRegion> made, const Progress& progress = {});
 
 // Fairing of a model without introducing defects.
 
-/// A region that was not faired.
+/// A face that was not faired.
 struct UnchangedRegion {
-  int region = 0;   ///< index into the regions of the layout
-  std::string why;  ///< a sentence for the user
+  int region = 0;   ///< index into the faces of the layout
+  std::string why;  ///< reason, as a sentence for the user
 };
 
 /// Result of fair_model().
 struct FairingResult {
   std::shared_ptr<const ModelLayout> layout;
-  MinimumVariationSurface surface;  ///< faired shape, dofs on `layout`
+  MinimumVariationSurface surface;  ///< the faired shape; its dofs refer to `layout`
   std::vector<UnchangedRegion> unchanged_regions;
 };
 
-/// Fairs a model: minimises the variation of curvature (fair_shape()) subject to the line
+/// Fairs a model: minimises the variation of curvature (fair_shape()) subject to the curve
 /// constraints of the model.
 ///
-/// `layout`: has the regions of the model. `start`: dofs on `layout`, from which the functional
-/// decreases. `max_join_angle_deg`: tolerance of smooth joins. `only`: for each region of the
-/// layout, whether it is faired; the others keep their shape and are not listed in
-/// FairingResult::unchanged_regions. Empty: all are faired.
+/// `layout`: a layout of the faces of `model`. `start`: dofs of the initial shape on `layout`.
+/// `max_join_angle_deg`: largest angle between the normals at smooth joins, degrees. `only`: for
+/// each face of the layout, true if the face is to be faired. The other faces keep their shape and
+/// are not listed in FairingResult::unchanged_regions. Empty: all faces are faired.
 ///
-/// A region keeps its shape if it is inverted, because curvature is meaningless there. It also does
-/// if fairing would introduce a defect; the others are then faired again.
+/// A face keeps its shape if it is inverted, because the curvature of an inverted face is
+/// meaningless. A face also keeps its shape if fairing would introduce a defect; the other faces
+/// are then faired again.
 ///
-/// Rounder surfaces meet at larger angles between the nodes of smooth joins, and leave embedded
-/// lines between their points. If these errors exceed `max_join_angle_deg` or the tolerance of the
-/// lines, triangles are halved, joins on embedded lines are planned again, and fairing continues,
-/// at most three times. A refinement that makes the model worse is undone. A region in which only
-/// the finer mesh causes a defect keeps its shape, too.
+/// Fairing may increase the angles at smooth joins between the nodes, and the gaps at embedded
+/// curves between collocation points. If these errors exceed `max_join_angle_deg` or the tolerance
+/// of the curves, triangles are halved, joins on embedded curves are planned again, and fairing
+/// continues, at most three times. A refinement that makes the model worse is undone. A face with a
+/// defect that only the finer mesh causes keeps its shape, too.
 ///
-/// Throws as fair_shape(); NoSolutionError if no region is left to be faired.
+/// Throws as fair_shape() does, and NoSolutionError if no face remains to be faired.
 FairingResult fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,
                          const Points& start, double max_join_angle_deg,
                          const MinimumVariationOptions& options = {}, const Progress& progress = {},

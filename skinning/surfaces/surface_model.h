@@ -1,4 +1,5 @@
-// The surface model of a network: skinned regions, joins, shells, defects and measurements.
+// The surface model of a network: skinned faces, joins, shells, defects and measurements, and its
+// curves as splines.
 #pragma once
 
 #include <array>
@@ -6,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "batten/fem/curves/bspline.h"
+#include "batten/fem/curves/hermite_curve.h"
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/search/regions.h"
@@ -14,71 +17,76 @@
 
 namespace batten {
 
-/// User specification of the continuity across a line. Names are those of edges, or of input
-/// curves.
+class CurveNetwork;  // skinning/network/curve_network.h
+
+/// User specification of the continuity across an edge or an input curve, which `line` names.
 struct JoinSpec {
   enum class Kind {
-    /// G0 continuity: the surfaces share the line only.
+    /// G0 continuity: the surfaces share only the curve.
     Crease,
-    Smooth,     ///< G1; G2 if is_curvature_continuous() finds that the lines allow it
-    Tangent,    ///< G1: curvature may jump
-    Curvature,  ///< G1, and G2 after fairing
+    Smooth,     ///< G1; G2 if is_curvature_continuous() finds that the curves allow it
+    Tangent,    ///< G1; the curvature may be discontinuous
+    Curvature,  ///< G1 before fairing, G2 after it
   };
   std::string line;
   Kind kind = Kind::Crease;
-  std::string where;  ///< prefix for messages
+  std::string where;  ///< prefix of error messages, such as "scene.toml:8:1: "
 };
 
 /// Options for skin_network().
 struct ModelOptions {
   std::string name = "model";
-  /// Options of RegionLayout. Only these fields are used: element; edge_length (0: 1/40 of the
-  /// network size, 1/20 if there is only one region); alpha and beta; tolerance, the largest distance
-  /// of the surface from embedded lines (0: 1e-4 of the network size).
+  /// Options for the layout of each face (RegionLayout). Only these fields are used: element;
+  /// edge_length (0: 1/40 of the network size, 1/20 if there is only one face); tolerance, the
+  /// largest distance of the surface from embedded curves (0: 1e-4 of the network size).
   SkinOptions skin;
   SurfaceStiffness material{};
   std::vector<JoinSpec> joins;
-  /// Crease angle in degrees: lines without a specification are smooth if the initial surfaces meet
-  /// at less than this (ModelJoin::initial_deg).
+  /// Crease angle, degrees: an edge without a JoinSpec is smooth if the initial surfaces meet at a
+  /// smaller angle (ModelJoin::initial_deg).
   double crease_angle_deg = 25;
-  /// Tolerance of smooth joins in degrees: mesh edges along them are halved until the angle between
-  /// the normals is below this.
+  /// Tolerance of smooth joins, degrees: mesh edges along a smooth join are halved until the angle
+  /// between the normals of the two faces is smaller.
   double join_tolerance_deg = 0.1;
-  int max_join_rounds = 3;  ///< largest number of such refinement rounds
-  bool rest = true;         ///< use rest shapes (ModelMetadata::rest)
+  int max_join_rounds = 3;  ///< largest number of refinement rounds along smooth joins
+  bool rest = true;         ///< true: faces have rest shapes (ModelMetadata::rest)
 };
 
-/// A network edge and the regions that meet at it.
+/// An edge of the network, and the faces that meet at this edge.
 struct ModelJoin {
   enum class Kind {
-    FreeEdge,    ///< free (boundary) edge: one region
-    Crease,      ///< G0: two regions share the edge
-    Smooth,      ///< G1: two regions share the edge and their tangent planes along it
-    NonManifold  ///< three or more regions
+    FreeEdge,    ///< free (boundary) edge: one face
+    Crease,      ///< G0: two faces share the edge
+    Smooth,      ///< G1: two faces share the edge and have the same tangent planes there
+    NonManifold  ///< three or more faces share the edge
   };
-  /// Index of the network edge.
+  /// Index into CurveNetwork::edges().
   int edge = 0;
   std::string line;  ///< name of the edge
-  /// Indices into SurfaceModel::regions. A region that meets itself at the edge is listed twice.
+  /// Indices into SurfaceModel::regions. A face that meets itself at the edge is listed twice.
   std::vector<int> regions;
   Kind kind = Kind::FreeEdge;
-  bool requested = false;  ///< specified by the user
-  std::string why;         ///< why it is a crease although smooth was intended, or ""
-  /// For each end: a smooth join that ends as a crease, because there is no tangent plane, or by
-  /// JoinEnd::creased.
+  bool requested = false;  ///< true: the user specified the kind
+  /// Reason why a join that was planned as smooth became a crease; "" if it did not.
+  std::string why;
+  /// For the start and the end of a smooth join: true if the join ends as a crease there, because
+  /// there is no common tangent plane or because of JoinEnd::creased.
   std::array<bool, 2> open{};
-  /// Angle between the normals of the initial shapes (those of each region's lines alone), degrees.
-  /// Weighted mean: 0.4 for each end at which the lines fix both tangent planes, the rest for the
-  /// mean along the line. Averaged over edges that continue each other smoothly.
+  /// Angle between the normals of the initial shapes, for which each face is solved separately,
+  /// degrees. It is a weighted mean: each end at which the curves determine both tangent planes has
+  /// the weight 0.4, and the mean along the edge has the remaining weight. Edges that continue each
+  /// other smoothly have a common average.
   double initial_deg = 0;
-  /// Largest angle between the normals of the result, degrees, sampled between nodes too; and the
-  /// same without the mesh edges at ends that are creases.
+  /// Largest angle between the normals of the two faces in the solved shape, degrees, at and
+  /// between nodes. max_inside_deg excludes the mesh edges at those ends of a smooth join that are
+  /// creases.
   double max_deg = 0, max_inside_deg = 0;
-  bool curvature = false;  ///< smooth join across which fairing makes the curvature continuous (G2)
-  /// See JoinQuality; for creases and smooth joins. Gap in model units, curvatures in 1/length.
+  bool curvature = false;  ///< true: fairing makes the curvature continuous (G2) across the edge
+  /// Largest gap between two faces at the edge (model units), and jumps of the normal curvature
+  /// (1/length), as in JoinQuality. Measured for creases and smooth joins.
   double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
-  /// Both domains unfold into one plane across the edge: the surface is C1 there up to rounding, as
-  /// inside a region.
+  /// True if the domains of both faces unfold into one plane across the edge. The surface is then
+  /// C1 across the edge up to rounding, as it is inside a face.
   bool one_domain = false;
 };
 
@@ -86,55 +94,74 @@ struct ModelJoin {
 struct SurfaceDefect {
   enum class Kind {
     Jacobian,  ///< |x_u × x_v| vanishes, or the surface is locally inverted
-    Fold,      ///< folded by more than 120° inside a region, or back onto a neighbour
-    Crossing,  ///< intersects itself or another region
-    Area       ///< more than twice the area of the hole-filling triangulation
+    Fold,      ///< folded by more than 120° inside a face, or back onto a neighbour
+    Crossing,  ///< the face intersects itself or another face
+    Area       ///< the area is more than twice that of the hole-filling triangulation
   };
   Kind kind;
-  /// Indices of the regions involved.
+  /// Indices of the faces involved.
   std::vector<int> regions;
   Vec3 where = Vec3::Zero();
-  double value = 0;  ///< ratio (Jacobian, Area), degrees (Fold), number of facet pairs (Crossing)
-  std::string text;  ///< a sentence for the user
+  /// Measured value: a ratio (Jacobian, Area), degrees (Fold), or the number of intersecting pairs
+  /// of facets (Crossing).
+  double value = 0;
+  std::string text;  ///< description of the defect, as a sentence for the user
 };
 
-/// A region of the network and its surface.
+/// A face of the network and its surface.
 struct ModelRegion {
-  NetworkRegion plan;  ///< loops are counter-clockwise as seen from the normal side
-  /// The surface; empty if the region could not be skinned.
+  /// The face as found in the network. Its loops are counter-clockwise seen from the tip of the
+  /// normal.
+  NetworkRegion plan;
+  /// The surface; empty if the face could not be skinned.
   std::optional<SkinnedRegion> skinned;
-  int layout_index = -1;  ///< index into the regions of SurfaceModel::layout; -1: not skinned
-  std::string rejection_reason;  ///< why it could not be skinned, or ""
+  int layout_index = -1;  ///< index into the faces of SurfaceModel::layout; -1: not skinned
+  /// Reason why the face could not be skinned, or "".
+  std::string rejection_reason;
   SkinQuality quality;
-  FittedPrimitive shape;    ///< primitive that fits the surface within primitive_tolerance()
-  double filling_area = 0;  ///< area of the hole-filling triangulation of its loops; 0: none
+  FittedPrimitive shape;  ///< primitive that fits the surface within primitive_tolerance()
+  /// Area of the hole-filling triangulation of the loops, model units²; 0: there is no
+  /// triangulation.
+  double filling_area = 0;
   std::vector<std::string> warnings;
 };
 
 /// A connected component of the model: faces that are joined by shared edges.
 struct ModelShell {
   std::vector<int> regions;
-  bool closed = false;     ///< every edge has two faces
-  bool orientable = true;  ///< normals agree across every edge
-  double area = 0;         ///< model units²
+  bool closed = false;     ///< true: every edge is shared by two faces
+  bool orientable = true;  ///< true: the normals agree across every edge
+  double area = 0;         ///< total area, model units²
   double volume = 0;       ///< enclosed volume, model units³; 0 unless closed and orientable
-  NormalSide normals;      ///< direction of the normals, if orientable
+  NormalSide normals;      ///< direction of the normals; valid only if `orientable`
 };
 
-/// The surface model of a network in one shape, with its measured quality.
+/// The surface model of a network: its faces in one shape, their joins, and the measured quality.
 struct SurfaceModel {
-  /// Layout of the skinned regions; null if there are none.
+  /// Layout of the skinned faces; null if there are none.
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;                       ///< dofs of the shape on `layout`
-  std::vector<ModelRegion> regions;  ///< all regions, in the order of FoundRegions
-  std::vector<ModelJoin> joins;  ///< one per network edge that has a region, in the order of edges
+  std::vector<ModelRegion> regions;  ///< all faces, in the order of FoundRegions
+  std::vector<ModelJoin> joins;  ///< one per network edge with a face, in the order of the edges
   std::vector<ModelShell> shells;
   std::vector<SurfaceDefect> defects;
   std::vector<std::string> warnings;
   double area = 0;
   double max_join_deg = 0;  ///< largest max_inside_deg of all smooth joins, degrees
 
-  std::vector<const SkinnedRegion*> skinned() const;  ///< the regions that are skinned, in order
+  std::vector<const SkinnedRegion*> skinned() const;  ///< the faces that are skinned, in order
 };
+
+/// The curves of a model as named C1 cubic splines, as they are in the present shape of its faces.
+/// Curves of the network without a face keep their position in the network.
+///
+/// Edges into which a curve of the network was split are merged if they continue in the same
+/// direction (within 1e-6 rad); their parameters are scaled to make the derivatives equal. A curve
+/// with corners, or one that shares an edge with another curve, gives several splines named after
+/// its edges: NAME.1-3, NAME.4. The splines of a model without a network are NAME.1, NAME.2, …
+///
+/// `network`: the network that the model was built from, or null for a model of a single face.
+/// O(segments · log curves).
+std::vector<CubicSpline> model_curves(const SurfaceModel& model, const CurveNetwork* network);
 
 }  // namespace batten

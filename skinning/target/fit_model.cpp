@@ -210,9 +210,7 @@ class ModelFitter {
     double gap = 0;
     for (int r = 0; r < fit_.layout->region_count(); ++r) {
       if (fit_.layout->region(r).embedded().empty()) continue;
-      const SkinnedRegion region = fit_.layout->skinned(r, fit_.dofs);
-      for (const EmbeddedLine& line : region.embedded)
-        gap = std::max(gap, line_gap(region.surface, line));
+      gap = std::max(gap, line_gap(fit_.layout->skinned(r, fit_.dofs)));
     }
     return std::max(fit_.after.largest() / tolerance_, gap / fit_.layout->tolerance());
   }

@@ -17,19 +17,21 @@ class TargetSurface {
  public:
   /// Result of a closest-point query.
   struct Nearest {
-    Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();  ///< the normal has unit length
-    bool at_boundary = false;                        ///< true on the boundary of the target
+    Vec3 at = Vec3::Zero(), normal = Vec3::UnitZ();  ///< position and unit normal of the target
+    bool at_boundary = false;  ///< true: `at` is on the boundary of the target
   };
   virtual ~TargetSurface() = default;
-  /// Finds the point closest to `p` among those whose normal n satisfies n·along > 0, or among all
-  /// points if `along` is zero. Returns nullopt if there is none. Must be thread-safe.
+  /// Finds the point of the target closest to `p`, among the points with n·along > 0 for the normal
+  /// n, or among all points if `along` is zero. Returns nullopt if there is no such point.
+  /// Implementations must be thread-safe.
   virtual std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const = 0;
-  /// Samples of the target for measuring distances from target to model; dense and even enough for
-  /// that.
+  /// Samples of the target, dense and evenly distributed, from which distances to a model are
+  /// measured.
   virtual std::vector<Nearest> samples() const = 0;
-  /// Computes a parametrization of the target over a plane. `rim` gives the positions in the plane
-  /// of points on the target's boundary; the interior is distributed between them. Returns an empty
-  /// function if that is impossible (the default). Must be thread-safe.
+  /// Computes a parametrization of the target: a function from the (u, v) plane to points of the
+  /// target. `rim`: maps points on the boundary of the target to the plane; the interior is
+  /// distributed between them. Returns an empty function if there is no parametrization (the
+  /// default). Implementations must be thread-safe.
   using Parametrization = std::function<Vec3(const Vec2& uv)>;
   virtual Parametrization parametrize(const std::function<Vec2(const Vec3&)>& rim) const {
     (void)rim;
@@ -42,43 +44,47 @@ class TargetSurface {
 /// Statistics of the distances at many points, model units.
 struct Distances {
   int points = 0;
-  int excluded = 0;  ///< points beyond the boundary of the other surface, which do not count
+  /// Number of points that are not counted, because they are beyond the boundary of the other
+  /// surface.
+  int excluded = 0;
   double rms = 0, largest = 0;
-  Vec3 where = Vec3::Zero();  ///< position of the largest distance
+  Vec3 where = Vec3::Zero();  ///< point with the largest distance
 };
 
 /// Distances between a model and its target.
 struct TargetDistances {
-  /// From each region of the layout: closest-point distances at 15 points per triangle inside the
+  /// Distances from each face of the layout to the target, at 15 points per triangle inside the
   /// trim.
   std::vector<Distances> regions;
-  /// From the target's samples to the closest points of the model: distances_from_target().
+  /// Distances from the samples of the target to the model: distances_from_target().
   Distances back;
-  /// From each line of the layout, at 8 points per segment: a lower bound for any fit.
+  /// Distances from each curve of the layout to the target, at 8 points per segment. No fit can be
+  /// closer to the target than the curves.
   std::vector<Distances> lines;
-  double there() const;    ///< largest distance from the regions to the target
+  double there() const;    ///< largest distance from the faces to the target
   double largest() const;  ///< largest distance in both directions
 };
 
-/// Determines the orientation of each region relative to the target, by the majority of its area: 1
-/// if its normals point to the same side as the target's, -1 if they are opposite. `targets`: one
-/// per region.
+/// Determines the orientation of each face relative to its target: 1 if the normals of face and
+/// target point to the same side on most of the area, -1 if they are opposite. `targets`: the
+/// target of each face. `dofs`: shape of the model.
 std::vector<double> target_orientations(const ModelLayout& layout, const Points& dofs,
                                         const std::vector<const TargetSurface*>& targets);
 
 /// Measures distances from the target's samples to the closest points of the model. Samples beyond
-/// the model's boundary are excluded: the closest point lies outside of a trim; the offset is not
-/// normal to the surface; or the two normals differ by more than 60° (another side of a body).
+/// the boundary of the model are excluded. These are samples whose closest point lies outside of a
+/// trim; whose offset from the closest point is not normal to the surface; or whose normal differs
+/// by more than 60° from that of the surface (because the sample is on another side of a body).
 ///
-/// `largest_of`, unless null, has one value per triangle of the layout's mesh. A triangle's value
-/// is raised to the distance of each sample whose closest point lies in it. O(samples), some ten
-/// microseconds each.
+/// `largest_of`: null, or one value per triangle of the mesh, which is increased to the largest
+/// distance of the samples whose closest point is in this triangle. Cost: about ten microseconds
+/// per sample.
 Distances distances_from_target(const ModelLayout& layout, const Points& dofs,
                                 const TargetSurface& target, VecX* largest_of = nullptr);
 
-/// Measures distances from the regions and lines to the target, but not from the target back.
-/// `largest_of`, unless null, receives the largest distance in each triangle of the layout's mesh.
-/// O(points · log target).
+/// Measures distances from faces and curves to the target, but not from the target to the model
+/// (TargetDistances::back). `largest_of`: null, or the output for the largest distance in each
+/// triangle of the mesh. Cost: one closest-point query per point.
 TargetDistances target_distances(const ModelLayout& layout, const Points& dofs,
                                  const TargetSurface& target, VecX* largest_of = nullptr);
 

@@ -252,10 +252,15 @@ TEST_CASE("a very thin shell comes out the same to eleven digits, whatever facto
           "[analysis][shell]") {
   class EigenBackend : public LinearSolverBackend {
    public:
-    void factorize(const SparseMatrix& A) override { factor_.compute(A); }
+    bool factorize(const SparseMatrix& A) override {
+      factor_.compute(A);
+      return true;
+    }
+    const std::string& message() const override { return message_; }
     void solve_in_place(Eigen::Ref<MatX> b) const override { b = factor_.solve(MatX(b)); }
 
    private:
+    std::string message_;
     Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
   };
   const Arm arm;

@@ -9,6 +9,7 @@
 #include "batten/analysis/models/shell_refinement.h"
 #include "batten/analysis/models/shell_sensitivities.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/tests/analysis/plates.h"
 #include "batten/tests/support/catch.h"
 
@@ -224,6 +225,36 @@ TEST_CASE("refinement stops at the accuracy, on the same surface, and errors fal
     CHECK_THROWS_WITH(refine_shell(strip.layout, strip.shape, Strip::problem(), bad),
                       Contains("expected"));
   }
+}
+
+TEST_CASE("refinement stops before a mesh that does not fit into memory, but not at other errors",
+          "[analysis][results]") {
+  const Strip strip(0.25);
+  ShellRefinementOptions options;
+  options.accuracy = 1e-12;
+  const ShellProblem problem = Strip::problem();
+  int meshes = 0;
+  const auto failing_on_mesh = [&](int number, const auto& fail) {
+    meshes = 0;
+    ShellProblem failing = problem;
+    failing.load_cases = [&, number, fail](const ModelLayout& layout, const Points& shape,
+                                           const ShellDefinition& definition) {
+      if (++meshes == number) fail();
+      return problem.load_cases(layout, shape, definition);
+    };
+    return failing;
+  };
+  const auto too_large = [] { require_memory(1e300, "this mesh"); };
+  const RefinedShell cut =
+      refine_shell(strip.layout, strip.shape, failing_on_mesh(3, too_large), options);
+  CHECK_FALSE(cut.converged);
+  CHECK(cut.meshes.size() == 2);
+  CHECK(meshes == 3);
+  CHECK_THROWS_AS(refine_shell(strip.layout, strip.shape, failing_on_mesh(1, too_large), options),
+                  MemoryError);
+  const auto wrong = [] { throw InputError("found a load outside of the face"); };
+  CHECK_THROWS_WITH(refine_shell(strip.layout, strip.shape, failing_on_mesh(3, wrong), options),
+                    "found a load outside of the face");
 }
 
 TEST_CASE("a longer cantilever deflects with the third power of its length",

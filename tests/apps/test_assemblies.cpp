@@ -274,10 +274,10 @@ TEST_CASE("features tilt with the sheet that is lifted without rotation", "[apps
     CHECK(degrees.at("hole-3") < 36);
     CHECK(degrees.at("hole-1") == Approx(degrees.at("hole-2")).epsilon(0.02));
   }
-  const auto told =
+  const auto angles =
       turned("", "[[edit.rotate_feature]]\nfeature = \"hole-3\"\naxis = [0, 0, 1]\nangle = 12\n");
-  CHECK(told.at("hole-3") == Approx(12));
-  CHECK(told.at("hole-1") > 5);
+  CHECK(angles.at("hole-3") == Approx(12));
+  CHECK(angles.at("hole-1") > 5);
   c.file("s.toml",
          scene + lift +
              "[[edit.rotate_feature]]\nfeature = \"hole-9\"\naxis = [0, 0, 1]\nangle = 12\n");

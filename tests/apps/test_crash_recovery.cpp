@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "batten/apps/commands/documents/document_worker.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten;

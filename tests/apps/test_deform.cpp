@@ -112,6 +112,17 @@ TEST_CASE("the panel's deck comes back with other coordinates and nothing else",
   CHECK(round == 4);
   CHECK(j["edits"].size() == 2);
   CHECK(j["edits"][0]["moving_nodes"].get<int>() < 1000);
+  for (const auto& edit : j["edits"]) {
+    CHECK(edit["unknowns"].get<int>() > 0);
+    CHECK(edit["unknowns"].get<int>() <= edit["moving_nodes"].get<int>());
+    CHECK(edit["feature_constraints"].get<int>() > 0);
+    CHECK(edit["feature_constraints"].get<int>() <= edit["hard_constraints"].get<int>());
+    CHECK(edit["hard_residual"].get<double>() < 1e-12);
+    CHECK(edit["last_correction"].get<double>() < 1e-9);
+    CHECK(edit["converged"].get<bool>());
+    CHECK(edit["setup_s"].get<double>() > 0);
+    CHECK(edit["edit_s"].get<double>() > 0);
+  }
   for (const char* deck : {"out/before.inp", "out/after.inp"})
     CHECK(contents(c / deck).find("*FREQUENCY") != std::string::npos);
 

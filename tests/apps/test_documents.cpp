@@ -2,14 +2,14 @@
 #include <chrono>
 #include <thread>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/documents/line_edits.h"
 #include "batten/apps/commands/documents/load_edits.h"
-#include "batten/apps/commands/shapes/run_scene.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/apps/inflated_panel.h"
 
@@ -265,12 +265,12 @@ TEST_CASE("settings of a curve's join are changed in their place", "[apps][docum
   };
   CHECK(join_edits(scene, "a", "G0").empty());
   CHECK(join_edits(scene, "d", {}).empty());
-  CHECK(after("a", "smooth").words({"join", "#1"}, "curves") == std::vector<std::string>{"b"});
-  CHECK(after("a", "smooth").words({"join", "#3"}, "continuity") ==
+  CHECK(after("a", "smooth").strings({"join", "#1"}, "curves") == std::vector<std::string>{"b"});
+  CHECK(after("a", "smooth").strings({"join", "#3"}, "continuity") ==
         std::vector<std::string>{"smooth"});
-  CHECK(after("c", "G1").words({"join", "#2"}, "continuity") == std::vector<std::string>{"G1"});
+  CHECK(after("c", "G1").strings({"join", "#2"}, "continuity") == std::vector<std::string>{"G1"});
   CHECK_FALSE(after("c", {}).has({"join", "#2"}));
-  CHECK(after("d", "G0").words({"join", "#3"}, "curves") == std::vector<std::string>{"d"});
+  CHECK(after("d", "G0").strings({"join", "#3"}, "curves") == std::vector<std::string>{"d"});
 }
 
 TEST_CASE("a worker skips outdated slides, and stops when asked", "[apps][documents]") {
@@ -307,9 +307,9 @@ TEST_CASE("a worker skips outdated slides, and stops when asked", "[apps][docume
   worker.post({.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "2"});
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   worker.cancel();
-  const auto [after, told] = until_idle();
-  REQUIRE(told.size() == 1);
-  CHECK(told.front().text == "cancelled");
+  const auto [after, cancellation] = until_idle();
+  REQUIRE(cancellation.size() == 1);
+  CHECK(cancellation.front().text == "cancelled");
   REQUIRE(after);
   CHECK(after->text.find("edge_length = 40") != std::string::npos);
   worker.discard_changes();

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "batten/io/lines/cad_lines.h"
-#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/io/step/step.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"

@@ -4,7 +4,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten_test;

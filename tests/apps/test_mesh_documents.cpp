@@ -1,9 +1,9 @@
 // Documents of meshes: successive edits, interactive, with undo, and equal to the results of
 // `batten deform`.
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/documents/document.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/mesh_edits.h"
-#include "batten/apps/commands/meshes/run_deform.h"
 #include "batten/tests/apps/cli_case.h"
 
 #include <algorithm>
@@ -99,7 +99,8 @@ TEST_CASE("a scene that is saved beside its mesh names it as a person does", "[a
   CHECK_THROWS_AS(document.apply({.kind = CommandKind::Export, .file = folder / "panel.bdf"}),
                   InputError);
   document.apply({.kind = CommandKind::Save, .file = folder / "else/far.toml"});
-  CHECK(document.text().value({}, "mesh") == SceneText::word((folder / "panel.bdf").string()));
+  CHECK(document.text().value({}, "mesh") ==
+        SceneText::toml_value((folder / "panel.bdf").string()));
   document.apply({.kind = CommandKind::Open, .file = folder / "panel.bdf"});
   document.apply({.kind = CommandKind::Save, .file = folder / "panel.toml"});
   CHECK(document.text().value({}, "mesh") == "\"panel.bdf\"");
@@ -205,7 +206,7 @@ TEST_CASE("parts of a mesh are made features, handles, fixed, and let go again",
     CHECK(std::count(roles.begin(), roles.end(), role) > 100);
   use("hole-3", PartUse::Interest);
   use("hole-4", PartUse::Interest);
-  CHECK(document.text().words({"edit", "edit 1"}, "region_of_interest") ==
+  CHECK(document.text().strings({"edit", "edit 1"}, "region_of_interest") ==
         std::vector<std::string>{"hole-3", "hole-4"});
   for (int hole = 1; hole <= 6; ++hole) use("hole-" + std::to_string(hole), PartUse::Free);
   CHECK(document.text().text() == opened);

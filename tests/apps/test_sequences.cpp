@@ -155,10 +155,10 @@ TEST_CASE("an unrotated trunk stays on the path, and on a slope follows the mean
              hill = frames("type = \"foot_plants\"\n" + feet + found +
                            "unrotated = \"trunk\"\nterrain = { file = \"hill.obj\" }\n");
   const auto before = trajectory_of(flat, trunk), after = trajectory_of(hill, trunk);
-  const auto told = trajectory_of(
+  const auto expected = trajectory_of(
       frames("type = \"foot_plants\"\n" + feet + found + "unrotated = \"trunk\"\n"), trunk);
   for (int k = 0; k < after.frame_count(); ++k) {
-    CHECK((after.rotations[k] - told.rotations[k]).norm() <
+    CHECK((after.rotations[k] - expected.rotations[k]).norm() <
           1e-9);                                            // as on level ground: it does not lean
     CHECK(after.centres(k, 2) > before.centres(k, 2) + 1);  // the hill is 2 high at its start
   }

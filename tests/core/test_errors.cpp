@@ -47,6 +47,8 @@ TEST_CASE("closest_match finds the intended word, and none if no word is similar
   CHECK(closest_match("point", {}) == "");
   // The closer one of two similar words.
   CHECK(closest_match("lined", {"limes", "lines", "line"}) == "lines");
+  CHECK(did_you_mean("presure", words) == "; did you mean 'pressure'?");
+  CHECK(did_you_mean("temperature", words).empty());
 }
 
 TEST_CASE("an empty progress does nothing, a cancelled one stops the computation",

@@ -1,9 +1,13 @@
 #include "batten/core/solvers/sparse_cholesky.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
+#include "batten/core/solvers/distributed_solver.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/sampling.h"
 
@@ -207,4 +211,94 @@ TEST_CASE("a factor that memory cannot hold is refused before its numbers", "[co
   REQUIRE(cholesky.factorize(A));
   set_memory_limit(0);
   CHECK_NOTHROW(cholesky.analyze(A, order));
+}
+
+TEST_CASE("the library of a factorization is chosen at run time", "[core][cholesky]") {
+  const auto libraries = cholesky_libraries();
+  REQUIRE(!libraries.empty());
+  CHECK(libraries.back() == CholeskyLibrary::Eigen);
+  const int n = 400;
+  const SparseMatrix A = random_spd(n, 5);
+  Random random(3);
+  const MatX b = MatX::NullaryExpr(n, 3, [&] { return random(); });
+  for (const CholeskyLibrary library : libraries) {
+    INFO(library_name(library));
+    const std::unique_ptr<LinearSolverBackend> solver = std::make_unique<SparseCholesky>(library);
+    CHECK(!solver->has_pattern_of(A));
+    solver->analyze(A, {});
+    CHECK(solver->has_pattern_of(A));
+    for (const double scale : {1.0, 3.0}) {
+      REQUIRE(solver->factorize(scale * A));
+      CHECK(solver->message().empty());
+      MatX x = b;
+      solver->solve_in_place(x);
+      CHECK(residual(A, scale * x, b) < 1e-13);
+    }
+    CHECK(!solver->factorize(-1 * A));
+    CHECK(!solver->message().empty());
+  }
+  if (libraries.front() != CholeskyLibrary::Cholmod)
+    CHECK_THROWS_AS(SparseCholesky(CholeskyLibrary::Cholmod), InputError);
+}
+
+namespace {
+
+// A module of one process, which records its calls.
+struct FakeModule {
+  static inline std::map<int, MatX> matrices;
+  static inline int ends = 0;
+  static const char* start(BattenDistributed* module) {
+    ends = 0;
+    *module = {0, 2, [] {}, factorize, solve, [](int id) { matrices.erase(id); }, [] { ++ends; }};
+    return nullptr;
+  }
+  static const char* factorize(int id, int n, const int* outer, const int* inner,
+                               const double* values) {
+    MatX A = MatX::Zero(n, n);
+    for (int c = 0; c < n; ++c)
+      for (int k = outer[c]; k < outer[c + 1]; ++k) A(c, inner[k]) = A(inner[k], c) = values[k];
+    matrices[id] = A;
+    return A(0, 0) > 0 ? nullptr : "the first pivot is not positive";
+  }
+  static const char* solve(int id, double* b, int k) {
+    if (k > 3) return "too many right-hand sides";
+    const MatX& A = matrices.at(id);
+    Eigen::Map<MatX> x(b, A.rows(), k);
+    x = A.ldlt().solve(MatX(x));
+    return nullptr;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a distributed solver passes whole systems to its module", "[core][cholesky]") {
+  const int n = 60;
+  SparseMatrix A = random_spd(n, 9);
+  A.coeffRef(n - 1, 0) = 0.5;  // leaves gaps between the columns
+  const SparseMatrix full = A.selfadjointView<Eigen::Lower>();
+  Random random(2);
+  const MatX b = MatX::NullaryExpr(2 * n, 3, [&] { return random(); });
+  {
+    MpiProcesses processes(FakeModule::start);
+    CHECK(processes.size() == 2);
+    CHECK(!processes.is_worker());
+    const BackendFactory make = processes.solvers();
+    const auto one = make(), two = make();
+    REQUIRE(one->factorize(A));
+    CHECK(one->has_pattern_of(full));
+    REQUIRE(two->factorize(2 * full));
+    CHECK(FakeModule::matrices.size() == 2);
+    MatX x = b;
+    one->solve_in_place(x.topRows(n));  // rows that are not contiguous
+    two->solve_in_place(x.bottomRows(n));
+    CHECK(residual(A, x.topRows(n), b.topRows(n)) < 1e-13);
+    CHECK(residual(A, 2 * x.bottomRows(n), b.bottomRows(n)) < 1e-13);
+    MatX four = MatX::Zero(n, 4);
+    CHECK_THROWS_AS(one->solve_in_place(four), NoSolutionError);
+    CHECK(!two->factorize(-1 * A));
+    CHECK(two->message() == "the first pivot is not positive");
+  }
+  CHECK(FakeModule::matrices.empty());
+  CHECK(FakeModule::ends == 1);
+  CHECK_THROWS_AS(MpiProcesses([](BattenDistributed*) { return "no MPI"; }), InputError);
 }

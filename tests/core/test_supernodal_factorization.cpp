@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "batten/core/simd.h"
-#include "batten/core/solvers/supernodal_factor.h"
+#include "batten/core/solvers/linear_solver_backend.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/solver_matrices.h"
 #include "batten/tests/support/thread_guard.h"
@@ -138,16 +138,22 @@ bool same(const SparseMatrix& a, const SparseMatrix& b) {
 
 }  // namespace
 
-TEST_CASE("L Lᵀ is the permuted matrix, on registers of every width", "[core][cholesky]") {
+TEST_CASE("L Lᵀ is the permuted matrix, on registers of every width and from every library",
+          "[core][cholesky]") {
   for (const SparseMatrix& A : matrices()) {
     INFO(A.rows() << " unknowns, " << A.nonZeros() << " entries");
     for (const int bits : {128, 256, 512}) {
       set_max_vector_bits(bits);
-      SupernodalFactor factor;
-      make(factor, A);
-      CHECK(product_error(A, factor) < 1e-14);
+      const auto factor = make_supernodal_factor();
+      make(*factor, A);
+      CHECK(product_error(A, *factor) < 1e-14);
     }
     set_max_vector_bits(512);
+    for (const CholeskyLibrary library : cholesky_libraries().subspan(1)) {
+      const auto factor = make_supernodal_factor(library);
+      make(*factor, A);
+      CHECK(product_error(A, *factor) < 1e-14);
+    }
   }
 }
 
@@ -157,27 +163,27 @@ TEST_CASE("a factor has the same bits on any number of threads, again and again"
        {grid(40, 40, 3, 3), grid(1, 1, 1000, 1), grid(20, 20, 12, 1), arrow(3000, 200),
         disconnected(grid(60, 60, 3, 1), grid(30, 30, 3, 2)), holed_sheet(14600).normal}) {
     INFO(A.rows() << " unknowns, " << A.nonZeros() << " entries");
-    SupernodalFactor factor;
-    factor.analyze(A, {}, FactorReuse::once);
+    const auto factor = make_supernodal_factor();
+    factor->analyze(A, {}, FactorReuse::once);
     const auto numbers = [&](int threads) {
       const ThreadGuard use(threads);
-      REQUIRE(factor.factorize(A).empty());
-      return unpacked(factor);
+      REQUIRE(factor->factorize(A).empty());
+      return unpacked(*factor);
     };
     const SparseMatrix alone = numbers(1);
     for (const int threads : {2, 2, 3, 2}) CHECK(same(numbers(threads), alone));
-    SupernodalFactor another;
-    make(another, A);
-    CHECK(same(unpacked(another), alone));
+    const auto another = make_supernodal_factor();
+    make(*another, A);
+    CHECK(same(unpacked(*another), alone));
   }
 }
 
 TEST_CASE("of several pivots that fail the first in the order of elimination is named",
           "[core][cholesky]") {
   const SparseMatrix A = grid(40, 40, 3, 3);
-  SupernodalFactor factor;
-  make(factor, A);
-  const std::vector<int> order(factor.order(), factor.order() + A.rows());
+  const auto factor = make_supernodal_factor();
+  make(*factor, A);
+  const std::vector<int> order(factor->order(), factor->order() + A.rows());
   const int n = static_cast<int>(A.rows());
   for (const std::vector<int>& rows : std::vector<std::vector<int>>{
            {0}, {n - 1}, {n / 2, n / 3}, {n - 5, 40}, {n - 200, n - 199}, {2000, 3000, 4000}}) {
@@ -187,9 +193,9 @@ TEST_CASE("of several pivots that fail the first in the order of elimination is 
     const int first = order[*std::min_element(rows.begin(), rows.end())];
     for (const int threads : {1, 2, 2, 2}) {
       const ThreadGuard use(threads);
-      CHECK(factor.factorize(broken) == not_positive_definite(first));
+      CHECK(factor->factorize(broken) == not_positive_definite(first));
     }
   }
-  CHECK(factor.factorize(A).empty());
-  CHECK(product_error(A, factor) < 1e-14);
+  CHECK(factor->factorize(A).empty());
+  CHECK(product_error(A, *factor) < 1e-14);
 }

@@ -6,7 +6,6 @@
 #include "batten/core/errors.h"
 #include "batten/core/simd.h"
 #include "batten/core/solvers/sparse_cholesky.h"
-#include "batten/core/solvers/supernodal_factor.h"
 #include "batten/core/solvers/supernodal_solve.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/solver_matrices.h"
@@ -33,15 +32,15 @@ SparseCholesky factor_of(const BendingMatrix& problem) {
 // CHOLMOD's own solve with the values of our factor: the rounding of another factor, times the
 // condition number, would hide the difference.
 MatX solved_by_cholmod(const BendingMatrix& problem, const MatX& b) {
-  SupernodalFactor factor;
-  factor.analyze(problem.K, problem.order, FactorReuse::once);
-  REQUIRE(factor.factorize(problem.K).empty());
+  const auto factor = make_supernodal_factor();
+  factor->analyze(problem.K, problem.order, FactorReuse::once);
+  REQUIRE(factor->factorize(problem.K).empty());
   if (openblas_set_num_threads) openblas_set_num_threads(1);
   if (omp_set_max_active_levels) omp_set_max_active_levels(0);
   CholmodSolver peer(problem.K, problem.order, problem.K.rows() < CholmodSolver::small);
   peer.analyze();
   peer.factorize();
-  peer.set_factor_values(factor.values());
+  peer.set_factor_values(factor->values());
   peer.solve(b);
   return peer.solution();
 }
@@ -211,12 +210,12 @@ TEST_CASE("a part of a solve gives the wanted rows of the whole, bit by bit", "[
 
 TEST_CASE("a partial solve visits only the supernodes that it needs", "[core][cholesky]") {
   const SparseMatrix A = holed_sheet(3300).normal;
-  SupernodalFactor factor;
-  factor.analyze(A, {}, FactorReuse::once);
-  REQUIRE(factor.factorize(A).empty());
-  SupernodalSolve solve(factor.pattern(), factor.order());
-  solve.pack(factor.values());
-  const SupernodalPattern L = factor.pattern();
+  const auto factor = make_supernodal_factor();
+  factor->analyze(A, {}, FactorReuse::once);
+  REQUIRE(factor->factorize(A).empty());
+  SupernodalSolve solve(factor->pattern(), factor->order());
+  solve.pack(factor->values());
+  const SupernodalPattern L = factor->pattern();
   for (const int unknown : {0, 700, 2100}) {
     const std::vector<int> alone = {unknown};
     const SolveSubset part = solve.subset(alone, alone);
@@ -228,7 +227,7 @@ TEST_CASE("a partial solve visits only the supernodes that it needs", "[core][ch
     for (int s = 0; s < L.count; ++s)
       for (int i = L.columns[s]; i < L.columns[s + 1] && !part.forward[s]; ++i) {
         ++unvisited;
-        changed += !x.row(factor.order()[i]).isZero(0);
+        changed += !x.row(factor->order()[i]).isZero(0);
       }
     CHECK(unvisited > A.rows() / 2);
     CHECK(changed == 0);
@@ -240,10 +239,10 @@ TEST_CASE("trees are cut in chunks for threads where that pays, and only there",
           "[core][cholesky]") {
   const ThreadGuard use(2);
   const auto cut = [](const SparseMatrix& A) {
-    SupernodalFactor factor;
-    factor.analyze(A, {}, FactorReuse::once);
-    REQUIRE(factor.factorize(A).empty());
-    const SupernodalSolve solve(factor.pattern(), factor.order());
+    const auto factor = make_supernodal_factor();
+    factor->analyze(A, {}, FactorReuse::once);
+    REQUIRE(factor->factorize(A).empty());
+    const SupernodalSolve solve(factor->pattern(), factor->order());
     return std::pair(solve.chunk_count(), solve.threads_for(solve.entries()));
   };
   const int two = std::min(2, core_count());

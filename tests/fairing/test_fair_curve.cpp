@@ -9,7 +9,6 @@
 
 #include "batten/core/errors.h"
 #include "batten/fairing/corners/point_sequence.h"
-#include "batten/fairing/curves/fairness.h"
 #include "batten/fairing/curves/penalised_least_squares.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -7,7 +7,7 @@
 
 #include "batten/fairing/curves/fair_curve.h"
 #include "batten/fairing/curves/primitive_curves.h"
-#include "batten/skinning/lines/line_samples.h"
+#include "batten/skinning/lines/character_line.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 

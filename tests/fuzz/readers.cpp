@@ -9,7 +9,7 @@
 #include <new>
 #include <string>
 
-#include "batten/apps/commands/info.h"
+#include "batten/apps/commands/commands.h"
 #include "batten/core/errors.h"
 #include "batten/io/sessions/session_log.h"
 

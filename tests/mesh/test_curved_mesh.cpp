@@ -113,7 +113,7 @@ TEST_CASE("Beyond the boundary of curved triangles the nearest point is on it",
 TEST_CASE("Without normals triangles are flat", "[mesh][curved_mesh]") {
   const PnTriangleMesh curved = cap(3);
   const PnTriangleMesh flat(curved.mesh());
-  const AabbTree search(curved.mesh());
+  const TriangleTree search(curved.mesh());
   for (const Vec3& p : around(0.2)) {
     const auto found = flat.nearest(p);
     REQUIRE(found);

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "batten/mesh/sequence/foot_plants.h"
-#include "batten/mesh/sequence/frame_measures.h"
+#include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/morph.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -221,18 +221,18 @@ TEST_CASE("foot plants are unchanged and blend into what is filtered", "[mesh][s
 TEST_CASE("hierarchies that cannot be are refused by the handle's name", "[mesh][sequences]") {
   const int F = 10;
   const Trajectory root{smooth_path(F, 6), smooth_rotations(F, 7)};
-  const auto told = [&](auto change) {
+  const auto message = [&](auto change) {
     std::vector<FilteredHandle> handles = body_and_arm(F);
     change(handles);
     return error_message([&] { filtered(root, handles, SignalFilter::low_pass(1)); });
   };
-  CHECK(told([](auto& h) { h[1].parent = 2; }) ==
+  CHECK(message([](auto& h) { h[1].parent = 2; }) ==
         "body: found parent 2, expected one of the 2 handles");
-  CHECK(told([](auto& h) { h[1].parent = 0; }) == "arm: its parents form a cycle");
-  CHECK(told([](auto& h) {
+  CHECK(message([](auto& h) { h[1].parent = 0; }) == "arm: its parents form a cycle");
+  CHECK(message([](auto& h) {
           h[0].trajectory = {smooth_path(9, 1), smooth_rotations(9, 1)};
         }) == "arm: found 9 frames, expected 10 as the root has");
-  CHECK(told([](auto& h) {
+  CHECK(message([](auto& h) {
           h[0].foot_contacts = {{3, 10, Vec3::Zero()}};
         }) == "arm: the foot plant in frames 4-11 is outside of frames 1-10");
 }

@@ -154,9 +154,10 @@ TEST_CASE("a morph is the source, then the blend, then the target", "[mesh][sequ
   // With prescribed length and position.
   options.frames = 5;
   options.alignment = RigidMotion{Mat3::Identity(), Vec3(0, 0, 2)};
-  const MeshSequence told = morph(source, target, mesh, options);
-  CHECK(told.frame_count() == 3 + 5 + 3);
-  CHECK(distance(told.frames[7], (b[8].rowwise() + Eigen::RowVector3d(0, 0, 2)).eval()) < 1e-13);
+  const MeshSequence prescribed = morph(source, target, mesh, options);
+  CHECK(prescribed.frame_count() == 3 + 5 + 3);
+  CHECK(distance(prescribed.frames[7], (b[8].rowwise() + Eigen::RowVector3d(0, 0, 2)).eval()) <
+        1e-13);
 
   const auto refused = [&](const MeshSequence& to, const MorphInterval& from,
                            const MorphInterval& until) {
@@ -174,7 +175,7 @@ TEST_CASE("a morph is the source, then the blend, then the target", "[mesh][sequ
 
 TEST_CASE("the nearest point of a mesh is the nearest of all its triangles", "[mesh][sequences]") {
   const TriangleMesh mesh = sphere(2);
-  const AabbTree search(mesh);
+  const TriangleTree search(mesh);
   Random random(73);
   for (int k = 0; k < 300; ++k) {
     const Vec3 x = 2 * random.point();
@@ -208,7 +209,7 @@ TEST_CASE("the nearest point of a mesh is the nearest of all its triangles", "[m
     CHECK((from_weights - found->at).norm() < 1e-13);
     CHECK(search.nearest(x, normal)->distance == Approx(least_facing).epsilon(1e-12));
   }
-  CHECK_FALSE(AabbTree(flat_square(2, 0, 1)).nearest(Vec3::Zero(), Vec3(0, 0, -1)));
+  CHECK_FALSE(TriangleTree(flat_square(2, 0, 1)).nearest(Vec3::Zero(), Vec3(0, 0, -1)));
 }
 
 TEST_CASE("a mesh takes the shape of another one and follows it", "[mesh][sequences]") {
@@ -223,7 +224,7 @@ TEST_CASE("a mesh takes the shape of another one and follows it", "[mesh][sequen
   const TriangleMesh target = ball.with_points(moved(there, shape));
   const TriangleMesh mesh = bar(12, 8, 2.4, 1.6);
   std::vector<LandmarkPair> landmarks;
-  const AabbTree search(ball.with_points(shape));
+  const TriangleTree search(ball.with_points(shape));
   for (const Vec3& d : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1),
                         Vec3(0, 0, -1)}) {
     int node = 0;

@@ -137,18 +137,18 @@ TEST_CASE("an influence ends flat also where the other end goes straight on", "[
 
 TEST_CASE("keyframes that cannot be are refused by name", "[mesh][sequences]") {
   const std::vector<double> t = frame_numbers(10);
-  const auto told = [&](std::vector<int> keys, InfluenceInterval interval = {}) {
+  const auto message = [&](std::vector<int> keys, InfluenceInterval interval = {}) {
     return error_message(
         [&] { KeyframeWeights::of_frames(t, keys, KeyframeExtrapolation::None, interval); });
   };
-  CHECK(told({}) == "found no keyframes, expected one or more");
-  CHECK(told({3, 10}) == "keyframe 11 is not one of the frames 1-10");
-  CHECK(told({5, 5}) == "found keyframe 6 after keyframe 6, expected increasing frames");
-  CHECK(told({3, 5}, {3, 9}) ==
+  CHECK(message({}) == "found no keyframes, expected one or more");
+  CHECK(message({3, 10}) == "keyframe 11 is not one of the frames 1-10");
+  CHECK(message({5, 5}) == "found keyframe 6 after keyframe 6, expected increasing frames");
+  CHECK(message({3, 5}, {3, 9}) ==
         "found the influence start at frame 4, expected it before the first keyframe, 4");
-  CHECK(told({3, 5}, {{}, 5}) ==
+  CHECK(message({3, 5}, {{}, 5}) ==
         "found the influence end at frame 6, expected it after the last keyframe, 6");
-  CHECK(told({3, 5}, {2, 6}).empty());
+  CHECK(message({3, 5}, {2, 6}).empty());
 }
 
 TEST_CASE("logarithms follow rotations through many turns", "[mesh][sequences]") {

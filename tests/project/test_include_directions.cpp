@@ -114,7 +114,7 @@ TEST_CASE("include directives follow the table of modules", "[project][includes]
   int lines = 0;
   for (const File& file : source_files()) {
     const std::string name = component_of(file.path, components);
-    INFO(file.path << " is in the room " << name);
+    INFO(file.path << " is in the module " << name);
     REQUIRE(components.count(name) == 1);
     const Component& component = components.at(name);
     for (const std::string& include : file.includes) {

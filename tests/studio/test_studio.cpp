@@ -188,8 +188,8 @@ TEST_CASE("contradictory constraints are reported, and the shape is unchanged", 
   const std::string before = hand.document().text;
   const Vec3 middle = middle_of(hand.view().actors());
   const auto place = [&](double out) {
-    return "[" + SceneText::word(middle.x()) + ", " + SceneText::word(middle.y() + out) + ", " +
-           SceneText::word(middle.z()) + "]";
+    return "[" + SceneText::toml_value(middle.x()) + ", " +
+           SceneText::toml_value(middle.y() + out) + ", " + SceneText::toml_value(middle.z()) + "]";
   };
   const auto pin = [&](const char* name, double out) {
     window.post({.kind = DocumentCommand::CommandKind::Add,

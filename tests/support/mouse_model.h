@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"

@@ -5,11 +5,11 @@
 #include <functional>
 #include <sstream>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/documents/edited_mesh.h"
 #include "batten/apps/commands/documents/edited_sequence.h"
 #include "batten/apps/commands/documents/edited_shape.h"
 #include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/info.h"
 #include "batten/apps/commands/lines/line_files.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/io/files/atomic_file.h"
@@ -27,12 +27,12 @@ namespace {
 using CommandKind = DocumentCommand::CommandKind;
 
 std::string new_scene(const std::string& unit) {
-  return "unit = " + SceneText::word(unit) + "\n\n[skin]\n";
+  return "unit = " + SceneText::toml_value(unit) + "\n\n[skin]\n";
 }
 
 /// A file as an absolute path in TOML, valid in a scene anywhere.
 std::string path_to_toml(const std::filesystem::path& file) {
-  return SceneText::word(std::filesystem::absolute(file).string());
+  return SceneText::toml_value(std::filesystem::absolute(file).string());
 }
 
 /// Kind of a scene: sequence, mesh, or curves.
@@ -304,7 +304,7 @@ SceneText with_paths(SceneText text, const PathChange& change) {
     const std::string value = text.value(table, key);
     if (value.size() < 2 || (value.front() != '"' && value.front() != '\'')) return;
     const std::string changed = change(value.substr(1, value.size() - 2));
-    if (!changed.empty()) text.set(table, key, SceneText::word(changed));
+    if (!changed.empty()) text.set(table, key, SceneText::toml_value(changed));
   };
   const std::vector<SceneTable> tables = text.tables();
   move({}, "mesh");

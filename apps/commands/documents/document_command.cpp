@@ -63,7 +63,7 @@ const char* meaning(char word) {
 /// A word of a script, quoted if necessary.
 std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word != "-" && word.find_first_of(" \t\"#\\") == word.npos;
-  return plain ? word : SceneText::word(word);
+  return plain ? word : SceneText::toml_value(word);
 }
 std::string quoted_name(const std::string& name) { return name.empty() ? "-" : quoted(name); }
 
@@ -164,7 +164,7 @@ std::string script_line(const DocumentCommand& command) {
           line += command.text;
           break;
         case 'x':
-          line += SceneText::word(command.value);
+          line += SceneText::toml_value(command.value);
           break;
         default:
           line += quoted(command.file.string());

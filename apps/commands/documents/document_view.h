@@ -1,4 +1,5 @@
-// Snapshot of a document for display: plain data that any thread may read.
+// What is displayed of a document: a snapshot as plain data, which any thread may read, and frames
+// of meshes.
 #pragma once
 
 #include <array>
@@ -13,6 +14,10 @@
 #include "batten/io/scene/scene_text.h"
 
 namespace batten {
+
+struct DisplayTopology;
+struct Frame;
+class TriangleMesh;
 
 /// Display data of an edited mesh, beside its facets. Its vertices are display points.
 struct MeshView {
@@ -138,6 +143,23 @@ struct DocumentView {
   const Table* table(const SceneTable& name) const;
   /// The first unused name with this prefix: "push 1", "push 2", …
   std::string free_name(const std::string& beginning) const;
+};
+
+/// Converts shapes of a mesh to frames. A vertex on a crease has several display points with
+/// separate normals. Creases are determined once, on the undeformed mesh.
+class MeshDisplay {
+ public:
+  /// `lines`: vertex chains to draw. Cost: O(triangles · log triangles).
+  MeshDisplay(const TriangleMesh& mesh, const std::vector<std::vector<int>>& lines);
+
+  /// Fills a frame with a shape (n×3). Cost: O(triangles); no allocation once the frame has its
+  /// size.
+  void draw(const Points& shape, Frame& frame) const;
+  const std::vector<int>& vertices() const { return vertices_; }  ///< vertex of each display point
+
+ private:
+  std::shared_ptr<const DisplayTopology> pattern_;
+  std::vector<int> vertices_;
 };
 
 }  // namespace batten

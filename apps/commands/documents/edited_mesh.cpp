@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/text.h"
@@ -75,8 +75,7 @@ struct EditedMesh::State {
       progress.update(rule.name, 0);
       auto session =
           std::make_unique<EditSession>(scene, rule, shared, select, source->prepared, shape());
-      DeformReport::Edit none;
-      session->solve_to_equilibrium(none);
+      session->solve_to_equilibrium();
       edits.push_back(std::move(session));
     }
   }
@@ -161,15 +160,13 @@ void EditedMesh::set_numbers(const DeformScene& scene) {
               std::back_inserter(behind));
     edits.resize(first + 1);
     try {
-      DeformReport::Edit none;
       edits[first]->set(*rules[first]);
-      edits[first]->solve_to_equilibrium(none);
+      edits[first]->solve_to_equilibrium();
       made_->edit(scene, {});
     } catch (const Error&) {  // restores the previous state
-      DeformReport::Edit none;
       edits.resize(first + 1);
       edits[first]->set(before);
-      edits[first]->solve_to_equilibrium(none);
+      edits[first]->solve_to_equilibrium();
       std::move(behind.begin(), behind.end(), std::back_inserter(edits));
       throw;
     }
@@ -214,10 +211,7 @@ bool EditedMesh::solve_preview() {
 }
 
 void EditedMesh::solve_to_equilibrium() {
-  apply_numbers([](EditSession& last) {
-    DeformReport::Edit none;
-    last.solve_to_equilibrium(none);
-  });
+  apply_numbers([](EditSession& last) { last.solve_to_equilibrium(); });
 }
 
 // If there is no solution for the new values, the last ones with a solution are restored.

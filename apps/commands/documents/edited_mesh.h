@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "batten/apps/commands/documents/document_content.h"
-#include "batten/apps/commands/documents/mesh_display.h"
 #include "batten/apps/commands/meshes/edit_session.h"
-#include "batten/apps/commands/meshes/mesh_source.h"
 
 namespace batten {
 

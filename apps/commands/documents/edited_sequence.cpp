@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/sequences/run_sequence.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_parsing.h"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "batten/apps/commands/documents/document_content.h"
-#include "batten/apps/commands/documents/mesh_display.h"
 #include "batten/apps/commands/sequences/sequence_steps.h"
 
 namespace batten {

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/shapes/run_scene.h"
 #include "batten/apps/commands/shapes/shape_files.h"
-#include "batten/apps/commands/shapes/stress_files.h"
+#include "batten/apps/commands/shapes/stress_analysis.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/text.h"
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/skinning/model/model_projector.h"
 
 namespace batten {

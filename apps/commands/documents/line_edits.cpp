@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "batten/io/files/text.h"
-#include "batten/io/scene/scene_lines.h"
 #include "batten/io/scene/scene_parsing.h"
 
 namespace batten {
@@ -121,7 +120,8 @@ std::vector<Vec3> defining_points(const SceneText& scene, const std::string& lin
 }
 
 std::string point_to_toml(const Vec3& p) {
-  return SceneText::list({SceneText::word(p.x()), SceneText::word(p.y()), SceneText::word(p.z())});
+  return SceneText::list(
+      {SceneText::toml_value(p.x()), SceneText::toml_value(p.y()), SceneText::toml_value(p.z())});
 }
 
 Vec3 rounded_point(const Vec3& p, double size) {
@@ -135,7 +135,7 @@ DocumentCommand line_command(const std::string& name, const std::vector<Vec3>& p
                              LineKey key) {
   return {.kind = CommandKind::Add,
           .table = {"curve", ""},
-          .text = "{ name = " + SceneText::word(name) + ", " + key_name(key) + " = " +
+          .text = "{ name = " + SceneText::toml_value(name) + ", " + key_name(key) + " = " +
                   list_of(points) + " }"};
 }
 
@@ -205,17 +205,17 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
   std::reverse(tables.begin(), tables.end());
   for (const SceneTable& table : tables) {
     if (table.kind != "join") continue;
-    std::vector<std::string> lines = scene.words(table, "curves");
+    std::vector<std::string> lines = scene.strings(table, "curves");
     const auto found = std::find(lines.begin(), lines.end(), line);
     if (found == lines.end()) continue;
-    const std::vector<std::string> stated = scene.words(table, "continuity");
+    const std::vector<std::string> stated = scene.strings(table, "continuity");
     if (continuity && !stated.empty() && stated.front() == *continuity && !said) {
       said = true;
     } else if (lines.size() == 1 && continuity && !said) {
       edits.push_back({.kind = CommandKind::Set,
                        .table = table,
                        .key = "continuity",
-                       .text = SceneText::word(*continuity)});
+                       .text = SceneText::toml_value(*continuity)});
       said = true;
     } else if (lines.size() == 1) {
       edits.push_back({.kind = CommandKind::Remove, .table = table});
@@ -231,7 +231,7 @@ std::vector<DocumentCommand> join_edits(const SceneText& scene, const std::strin
     edits.push_back({.kind = CommandKind::Add,
                      .table = {"join", ""},
                      .text = "{ curves = " + SceneText::toml_string_list({line}) +
-                             ", continuity = " + SceneText::word(*continuity) + " }"});
+                             ", continuity = " + SceneText::toml_value(*continuity) + " }"});
   return edits;
 }
 

@@ -70,7 +70,7 @@ std::string support_of(const SceneText& scene, const std::string& line) {
 std::vector<DocumentCommand> support_edits(const SceneText& scene, const std::string& line,
                                            const std::string& kind) {
   const std::string support =
-      "{ curve = " + SceneText::word(line) + ", type = " + SceneText::word(kind) + " }";
+      "{ curve = " + SceneText::toml_value(line) + ", type = " + SceneText::toml_value(kind) + " }";
   if (!scene.has(kStress)) {
     const bool metres = scene.value({}, "unit") == "\"m\"";
     return {{.kind = CommandKind::Add,
@@ -158,7 +158,8 @@ std::vector<Stroke> strokes_of(const SceneText& scene, const SceneTable& table) 
 }
 
 std::string dab_to_toml(const BrushDab& dab) {
-  return "{ at = " + point_to_toml(dab.at) + ", radius = " + SceneText::word(dab.radius) + " }";
+  return "{ at = " + point_to_toml(dab.at) + ", radius = " + SceneText::toml_value(dab.radius) +
+         " }";
 }
 
 }  // namespace
@@ -201,9 +202,9 @@ DocumentCommand new_paint(const std::string& name, const std::string& kind,
   const bool load = kind == "pressure";
   return {.kind = CommandKind::Add,
           .table = {load ? "load" : "stiffness", ""},
-          .text = "{ name = " + SceneText::word(name) + ", type = " + SceneText::word(kind) +
-                  ", value = 0" + (load ? "" : ", min = 0") +
-                  ", paint = " + SceneText::list(words) + " }"};
+          .text = "{ name = " + SceneText::toml_value(name) +
+                  ", type = " + SceneText::toml_value(kind) + ", value = 0" +
+                  (load ? "" : ", min = 0") + ", paint = " + SceneText::list(words) + " }"};
 }
 
 }  // namespace batten

@@ -24,7 +24,7 @@ std::optional<SceneTable> last_edit(const SceneText& scene) {
 /// The selections that a key of the last edit names.
 std::vector<std::string> listed(const SceneText& scene, const char* key) {
   const auto edit = last_edit(scene);
-  return edit ? scene.words(*edit, key) : std::vector<std::string>{};
+  return edit ? scene.strings(*edit, key) : std::vector<std::string>{};
 }
 
 bool lists_part(const SceneText& scene, const char* key, const std::string& part) {
@@ -59,7 +59,7 @@ void release_part(const SceneText& scene, const MeshView& mesh, const std::strin
     if (table == SceneTable{"feature", part})
       edits.push_back({.kind = CommandKind::Remove, .table = table});
     if (table.kind != "features") continue;
-    const std::vector<std::string> words = scene.words(table, "of");
+    const std::vector<std::string> words = scene.strings(table, "of");
     const std::vector<std::string> left = without(words, mesh, part);
     if (left.empty())
       edits.push_back({.kind = CommandKind::Remove, .table = table});
@@ -93,7 +93,7 @@ PartUse use_of(const SceneText& scene, const std::string& part) {
   if (lists_part(scene, "region_of_interest", part)) return PartUse::Interest;
   for (const SceneTable& table : scene.tables()) {
     const std::vector<std::string> of =
-        table.kind == "features" ? scene.words(table, "of") : std::vector<std::string>{};
+        table.kind == "features" ? scene.strings(table, "of") : std::vector<std::string>{};
     const bool named = std::any_of(of.begin(), of.end(),
                                    [&](const auto& word) { return matches_wildcard(word, part); });
     if (named || table == SceneTable{"feature", part})
@@ -109,7 +109,7 @@ std::vector<DocumentCommand> use_edits(const SceneText& scene, const MeshView& m
   if (use_of(scene, part) == use) return edits;
   release_part(scene, mesh, part, edits);
   if (use == PartUse::Free) return edits;
-  const std::string name = SceneText::word(part);
+  const std::string name = SceneText::toml_value(part);
   for (const Part& one : mesh.parts)
     if (one.name == part && one.kind == Part::Kind::Set && !scene.has({"select", part}))
       edits.push_back({.kind = CommandKind::Add,
@@ -152,7 +152,7 @@ DocumentCommand nodes_edit(const SceneText& scene, const std::string& name,
     return {.kind = CommandKind::Set, .table = table, .key = "nodes", .text = list};
   return {.kind = CommandKind::Add,
           .table = {"select", ""},
-          .text = "{ name = " + SceneText::word(name) + ", nodes = " + list + " }"};
+          .text = "{ name = " + SceneText::toml_value(name) + ", nodes = " + list + " }"};
 }
 
 std::vector<long> nodes_of(const SceneText& scene, const std::string& name) {
@@ -172,10 +172,10 @@ namespace {
 std::string handle_move_to_toml(const std::string& handle, const Vec3& shift,
                                 const Vec3& rotation_vector) {
   std::string text =
-      "{ name = " + SceneText::word(handle) + ", translate = " + point_to_toml(shift);
+      "{ name = " + SceneText::toml_value(handle) + ", translate = " + point_to_toml(shift);
   if (rotation_vector.norm() > 0)
     text += ", rotate = { axis = " + point_to_toml(rotation_vector.normalized()) +
-            ", angle = " + SceneText::word(rotation_vector.norm()) + " }";
+            ", angle = " + SceneText::toml_value(rotation_vector.norm()) + " }";
   return text + " }";
 }
 
@@ -205,7 +205,7 @@ SceneTable last_operation(const SceneText& scene, const std::string& type = "") 
 std::string free_operation(const SceneText& scene, const std::string& beginning) {
   int number = 1;
   while (scene.has({"operation", beginning + std::to_string(number)})) ++number;
-  return SceneText::word(beginning + std::to_string(number));
+  return SceneText::toml_value(beginning + std::to_string(number));
 }
 
 }  // namespace
@@ -264,7 +264,7 @@ std::vector<DocumentCommand> sequence_handle_edits(const SceneText& scene,
   if (scene.has({"handle", selection})) return {};
   return {{.kind = CommandKind::Add,
            .table = {"handle", ""},
-           .text = "{ name = " + SceneText::word(selection) + " }"}};
+           .text = "{ name = " + SceneText::toml_value(selection) + " }"}};
 }
 
 }  // namespace batten

@@ -1,11 +1,9 @@
-#include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "batten/apps/commands/exchange/cad_summary.h"
-#include "batten/apps/commands/info.h"
-#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
@@ -19,6 +17,27 @@
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
+
+/// Names that occur more often in `before` than in `after`: "'hull' (3 of 4)", the first few; empty
+/// if none. `edges`: true: include edges of faces.
+std::string missing_names(const std::vector<CadAttribute>& before,
+                          const std::vector<CadAttribute>& after, bool edges) {
+  std::string text;
+  size_t lost = 0;
+  for (const CadAttribute& use : before) {
+    const auto at = std::find_if(after.begin(), after.end(),
+                                 [&](const CadAttribute& other) { return other.name == use.name; });
+    const auto count = [&](const CadAttribute& one) {
+      return one.solids + one.faces + one.curves + (edges ? one.edges : 0);
+    };
+    const int all = count(use), kept = at == after.end() ? 0 : count(*at);
+    if (kept >= all) continue;
+    if (++lost <= 5)
+      text += (text.empty() ? "'" : ", '") + use.name + "' (" + std::to_string(kept) + " of " +
+              std::to_string(all) + ")";
+  }
+  return lost > 5 ? text + " and " + std::to_string(lost - 5) + " more" : text;
+}
 
 bool has(const std::vector<std::string>& endings, const fs::path& file) {
   return std::find(endings.begin(), endings.end(), lower_extension(file)) != endings.end();

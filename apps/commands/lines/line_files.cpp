@@ -12,9 +12,8 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/io/lines/drawing.h"
-#include "batten/io/lines/point_lines.h"
-#include "batten/io/lines/sketch_graph.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten {

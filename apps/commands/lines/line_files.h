@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "batten/fairing/curves/staged_fairing.h"
 #include "batten/io/scene/scene.h"
-#include "batten/skinning/lines/line_samples.h"
+#include "batten/skinning/lines/character_line.h"
 
 namespace batten {
 

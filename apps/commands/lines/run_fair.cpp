@@ -1,11 +1,11 @@
-#include "batten/apps/commands/lines/run_fair.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
-#include "batten/apps/commands/lines/fair_lines.h"
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/text.h"

@@ -1,4 +1,4 @@
-#include "batten/apps/commands/meshes/run_deform.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,13 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "batten/apps/commands/meshes/deform_task.h"
 #include "batten/apps/commands/meshes/edit_session.h"
-#include "batten/apps/commands/meshes/mesh_source.h"
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
-#include "batten/io/decks/modal_deck.h"
+#include "batten/io/decks/calculix_decks.h"
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/io/report/deform_report.h"
 #include "batten/io/vtk/vtk_files.h"
@@ -237,13 +235,13 @@ class DeformRun {
 
   void edit_once(const EditSpec& rule) {
     EditSession session(scene_, rule, shared_, select_, prepared_, states_.back());
-    DeformReport::Edit report;
-    states_.push_back(session.solve_to_equilibrium(report));
+    states_.push_back(session.solve_to_equilibrium());
     tasks_.push_back(session.task());
-    report_.edits.push_back(report);
-    if (!report.found)
+    const MeshEditStatistics& statistics = session.statistics();
+    report_.edits.push_back({rule.name, statistics});
+    if (!statistics.converged)
       report_.warnings.push_back(rule.name + ": the estimated rotations did not converge in " +
-                                 std::to_string(report.iterations) + " iterations");
+                                 std::to_string(statistics.iterations) + " iterations");
     for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
   }
 
@@ -362,14 +360,14 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
   std::string text = report.name + "\n";
   text += summary_line("mesh", std::to_string(report.nodes) + " nodes, " +
                                    std::to_string(report.faces) + " faces, " + report.format);
-  for (const auto& e : report.edits)
-    text += summary_line("edit", e.name + ": " + std::to_string(e.unknowns) +
+  for (const auto& [name, e] : report.edits)
+    text += summary_line("edit", name + ": " + std::to_string(e.counts.unknowns) +
                                      " unknowns per coordinate, largest displacement " +
                                      format_number(e.largest_displacement) + unit + ", set-up " +
-                                     format_number(1000 * e.setup_s) + " ms, edit " +
-                                     format_number(1000 * e.edit_s) + " ms");
+                                     format_number(1000 * e.setup_seconds) + " ms, edit " +
+                                     format_number(1000 * e.edit_seconds) + " ms");
   double residual = 0, rigid = 0;
-  for (const auto& e : report.edits) residual = std::max(residual, e.hard_residual);
+  for (const auto& e : report.edits) residual = std::max(residual, e.statistics.hard_residual);
   for (const auto& f : report.features) rigid = std::max(rigid, f.max_rigid_error);
   text += summary_line("constraints", "residual " + format_number(residual) + " of the size");
   if (!report.features.empty())

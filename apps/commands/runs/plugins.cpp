@@ -37,4 +37,16 @@ void* load_plugin(const fs::path& file, const char* function, bool global) {
   return entry;
 }
 
+std::unique_ptr<MpiProcesses> connect_mpi_processes() {
+  if (MpiProcesses::count() < 2) return nullptr;
+  const fs::path file = find_plugin("batten_petsc.so");
+  if (file.empty())
+    throw InputError("found " + std::to_string(MpiProcesses::count()) +
+                     " MPI processes, expected one: this program was built without PETSc "
+                     "(libpetsc-real-dev)");
+  // Open MPI's own plugins need its symbols to be global.
+  return std::make_unique<MpiProcesses>(reinterpret_cast<decltype(&batten_distributed)>(
+      load_plugin(file, "batten_distributed", true)));
+}
+
 }  // namespace batten

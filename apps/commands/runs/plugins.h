@@ -1,8 +1,12 @@
-// Plugins: shared libraries that are loaded on demand.
+// Plugins: shared libraries that are loaded on demand, so that programs that do not use them do not
+// depend on their libraries.
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
+
+#include "batten/core/solvers/distributed_solver.h"
 
 namespace batten {
 
@@ -17,5 +21,9 @@ void add_plugin_folder(const std::filesystem::path& folder);
 /// Loads a plugin and finds its entry function. `global`: true makes its symbols visible to
 /// libraries loaded later. Throws InputError with the dynamic linker's message.
 void* load_plugin(const std::filesystem::path& file, const char* function, bool global = false);
+
+/// The MPI processes of this run, connected by the PETSc plugin; null if there is only one process.
+/// Throws InputError if the plugin was not built (no PETSc) or cannot be started.
+std::unique_ptr<MpiProcesses> connect_mpi_processes();
 
 }  // namespace batten

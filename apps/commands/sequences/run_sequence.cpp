@@ -1,14 +1,14 @@
-#include "batten/apps/commands/sequences/run_sequence.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "batten/apps/commands/runs/run_support.h"
 #include "batten/apps/commands/sequences/frame_store.h"
-#include "batten/apps/commands/sequences/sequence_parts.h"
 #include "batten/apps/commands/sequences/sequence_steps.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -18,6 +18,8 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/mesh_pictures.h"
+#include "batten/mesh/rotation_fitting.h"
+#include "batten/mesh/sequence/mesh_sequence.h"
 
 namespace batten {
 
@@ -39,6 +41,62 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const OutputFolder& out);
 
 namespace {
+
+// Measurements of the output frames.
+
+/// Largest deviation of features and handles from a rigid-body motion by a step, over all frames.
+class PartDeviation {
+ public:
+  explicit PartDeviation(const SequenceParts& parts)
+      : features(parts.features.size(), 0), handles(parts.handles.size(), 0) {}
+  /// Adds one frame: its positions before and after the step.
+  void measure(const SequenceParts& parts, const Points& before, const Points& after);
+
+  std::vector<double> features, handles;  ///< largest errors, relative to each part's size
+};
+
+template <class Part>
+void measure_parts(const std::vector<Part>& parts, const Points& before, const Points& after,
+                   std::vector<double>& largest) {
+  for (size_t k = 0; k < parts.size(); ++k)
+    largest[k] =
+        std::max(largest[k], fit_similarity(before, after, parts[k].vertices, 1.0).max_error);
+}
+
+void PartDeviation::measure(const SequenceParts& parts, const Points& before, const Points& after) {
+  measure_parts(parts.features, before, after, features);
+  measure_parts(parts.handles, before, after, handles);
+}
+
+/// The nodes and frames of planted feet, for FrameMeasures.
+std::vector<FrameMeasures::Foot> measured_feet(const SequenceParts& parts,
+                                               const std::vector<SequenceReport::Foot>& feet) {
+  std::vector<FrameMeasures::Foot> measured;
+  for (const SequenceReport::Foot& foot : feet) {
+    const auto h = std::ranges::find(parts.handles, foot.handle, &Handle::name);
+    if (h == parts.handles.end()) throw std::logic_error("a foot that is no handle");
+    measured.push_back({h->vertices, foot.first - 1, foot.last - 1});
+  }
+  return measured;
+}
+
+/// Stores all measurements in the report. `feet`: those that `measures` measured. `size`: of the
+/// first frame.
+void report_measures(const FrameMeasures& measures, const SequenceParts& parts,
+                     const PartDeviation& deviation, std::vector<SequenceReport::Foot> feet,
+                     double size, SequenceReport& report) {
+  report.second_difference = measures.max_second_difference();
+  report.inverted_triangles = measures.inverted_triangles();
+  for (size_t h = 0; h < parts.handles.size(); ++h)
+    report.handles.push_back(
+        {parts.handles[h].name, isize(parts.handles[h].vertices), deviation.handles[h]});
+  for (size_t f = 0; f < parts.features.size(); ++f)
+    report.features.push_back(
+        {parts.features[f].name, isize(parts.features[f].vertices), deviation.features[f]});
+  for (int f = 0; f < isize(feet); ++f)
+    feet[f].foot_skate = std::max(feet[f].foot_skate, measures.foot_skate(f) / size);
+  report.feet = std::move(feet);
+}
 
 /// True if each frame after a step corresponds to the input frame with the same number. Exceptions:
 /// root motion, which deforms nothing, and a morph, which deforms everything.
@@ -368,7 +426,7 @@ ShownFrames shown_frames(const SequenceScene& scene, int before, int first, int 
 namespace {
 
 /// Data of all pictures of a run.
-struct Drawing {
+struct SequenceDrawing {
   const SequenceReport& report;
   const SequenceScene& scene;
   const SceneGeometry& geometry;
@@ -398,8 +456,8 @@ MeshPicture picture_settings(const SequenceScene& scene, const SequencePicture& 
 }
 
 /// One picture per frame, all at the same scale.
-std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rule, bool is_after,
-                                    bool numbered) {
+std::vector<MeshPicture> one_by_one(const SequenceDrawing& d, const SequencePicture& rule,
+                                    bool is_after, bool numbered) {
   std::vector<MeshPicture> pictures;
   for (const int k : d.frames(rule, is_after)) {
     MeshPicture look = picture_settings(d.scene, rule);
@@ -413,7 +471,7 @@ std::vector<MeshPicture> one_by_one(const Drawing& d, const SequencePicture& rul
 }
 
 /// All frames in one picture. `shells`: storage for its mesh.
-MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_after,
+MeshPicture all_together(const SequenceDrawing& d, const SequencePicture& rule, bool is_after,
                          ShellMesh& shells) {
   MeshPicture look = picture_settings(d.scene, rule);
   if (rule.show == SequencePicture::Show::Both) look.title = is_after ? "after" : "before";
@@ -446,7 +504,8 @@ MeshPicture all_together(const Drawing& d, const SequencePicture& rule, bool is_
   return look;
 }
 
-void animate(const Drawing& d, const SequencePicture& rule, const std::filesystem::path& path) {
+void animate(const SequenceDrawing& d, const SequencePicture& rule,
+             const std::filesystem::path& path) {
   using Show = SequencePicture::Show;
   std::vector<MeshPicture> left, right;
   if (rule.show != Show::After) left = one_by_one(d, rule, false, false);
@@ -465,7 +524,8 @@ void animate(const Drawing& d, const SequencePicture& rule, const std::filesyste
   write_gif(path, images, rule.seconds, rule.seconds);
 }
 
-void draw_sheet(const Drawing& d, const SequencePicture& rule, const std::filesystem::path& path) {
+void draw_sheet(const SequenceDrawing& d, const SequencePicture& rule,
+                const std::filesystem::path& path) {
   using Show = SequencePicture::Show;
   std::vector<MeshPicture> pictures;
   ShellMesh shells[2];
@@ -501,7 +561,7 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
                    const OutputFolder& out) {
   if (scene.pictures.empty()) return;
   const SceneGeometry geometry = stage_for(scene, shells, parts);
-  Drawing drawing{report, scene, geometry, shown, {}, after};
+  SequenceDrawing drawing{report, scene, geometry, shown, {}, after};
   for (const int k : shown.before) drawing.before.push_back(before.sequence.frames[k]);
   for (const SequencePicture& rule : scene.pictures) {
     const std::string file = task.name_of(rule.file);

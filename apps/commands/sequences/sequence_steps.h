@@ -1,4 +1,4 @@
-// The steps of a sequence scene.
+// The steps of a sequence scene: what they work on, what they result in, and their execution.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,44 @@
 #include <vector>
 
 #include "batten/apps/commands/meshes/vertex_selector.h"
-#include "batten/apps/commands/sequences/sequence_parts.h"
+#include "batten/core/errors.h"
+#include "batten/core/progress.h"
+#include "batten/io/report/sequence_report.h"
+#include "batten/io/scene/sequence_scene.h"
+#include "batten/mesh/sequence/sequence_editor.h"
 
 namespace batten {
+
+/// A sequence with the prepared triangle mesh of its first frame.
+struct PreparedSequence {
+  MeshSequence sequence;
+  TriangleMesh mesh;  ///< first frame
+};
+
+/// Handles and features of a scene, as nodes.
+struct SequenceParts {
+  std::vector<Handle> handles;
+  std::vector<int> parents;  ///< parent of each handle; -1: the whole mesh
+  std::vector<FormFeature> features;
+
+  /// Index of a handle. Throws InputError for an unknown name, with the nearest one as a
+  /// suggestion.
+  int handle(const SequenceScene& scene, const LocatedString& name) const;
+};
+
+/// Result of a step. Its frames are computed on demand, so that those of the last step are never in
+/// memory together.
+struct StepResult {
+  ShellMesh shells;
+  std::vector<double> times;
+  /// Computes frames first … last (0-based), and calls take(frame, positions) for each in order.
+  std::function<void(int first, int last, const std::function<void(int, const Points&)>& take,
+                     const Progress& progress)>
+      frames;
+  std::vector<SequenceReport::Foot> feet;  ///< planted feet; foot_skate_before is set
+  std::vector<std::string> warnings;
+  SequenceReport::Step report;
+};
 
 /// Reads the frames of a source.
 using FrameReader = std::function<MeshSequence(const SequenceSource&)>;

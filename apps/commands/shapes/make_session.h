@@ -3,8 +3,9 @@
 
 #include <string>
 
-#include "batten/apps/commands/shapes/built_model.h"
+#include "batten/io/scene/scene.h"
 #include "batten/sculpting/session/sculpting_session.h"
+#include "batten/skinning/surfaces/build_model.h"
 
 namespace batten {
 

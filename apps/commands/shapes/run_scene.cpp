@@ -1,4 +1,4 @@
-#include "batten/apps/commands/shapes/run_scene.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 
 #include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/runs/run_support.h"
-#include "batten/apps/commands/shapes/calculix_check.h"
 #include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/commands/shapes/stress_analysis.h"
 #include "batten/core/containers.h"
@@ -50,7 +49,7 @@ std::string repairs(const NetworkReport& n) {
   double farthest = 0;
   for (const NetworkDiagnostic& f : n.diagnostics) {
     if (!f.repaired) continue;
-    ++counts[word(f.kind)];
+    ++counts[to_text(f.kind)];
     farthest = std::max(farthest, f.distance);
   }
   std::string text;

@@ -1,4 +1,4 @@
-#include "batten/apps/commands/shapes/run_sculpt.h"
+#include "batten/apps/commands/commands.h"
 
 #include <algorithm>
 #include <cctype>

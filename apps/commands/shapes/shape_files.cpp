@@ -7,19 +7,18 @@
 #include <numeric>
 #include <set>
 
-#include "batten/apps/commands/exchange/run_convert.h"
+#include "batten/apps/commands/commands.h"
 #include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/built_model.h"
 #include "batten/apps/commands/shapes/stress_setup.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/io/decks/shell_deck.h"
+#include "batten/io/decks/calculix_decks.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/skinning/surfaces/model_curves.h"
+#include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
 

@@ -1,4 +1,4 @@
-// Measures a solved shape, writes its files and checks its quality.
+// Measures a solved shape and writes its files.
 #pragma once
 
 #include <vector>
@@ -64,31 +64,5 @@ PictureScene shape_picture(const PictureScene& look, const BuiltModel& made,
 /// without [stress], and the exceptions of run_scene().
 Report export_shape(const Scene& scene, const BuiltModel& made, const SolvedShape& shape,
                     const std::filesystem::path& file, const Progress& progress = {});
-
-// Acceptance checks of a result.
-
-/// The checks that the measured numbers violate, and numbers that are not finite. The checks are:
-///
-///   curves    conditions of [[fair]] ≤ 1e-12 of the curve's size
-///   lines     deviation of input from fitted curve ≤ tolerance
-///   surface   constraint residual ≤ 1e-10 of the region's size, prescribed normals ≤ 1e-6°,
-///             normal jump inside ≤ 1e-3°, Jacobian ≥ 0.05 of its median, no singular node;
-///             if lines are fixed: line residual ≤ 1e-10, gap of embedded lines and line
-///             deviation ≤ tolerance
-///   step      exact: valid, gap and (for HCT surfaces) deviation ≤ 1e-9 of the size plus the
-///             step's tolerance, normal jump ≤ 1e-3°
-///             one face: valid, deviation ≤ the step's tolerance; if lines are fixed, gap ≤ that
-///             plus `tolerance`
-///
-/// Each region of a network must satisfy the checks of `surface` (its lines may also have moved by
-/// the gap tolerance when they were joined), and
-///
-///   regions   each has a surface without defects (SurfaceDefect)
-///   joins     the angle of smooth joins stays below the join tolerance everywhere (0.05° more
-///             under loads and moves), except at ends where the lines leave no tangent plane;
-///             every join requested as smooth is smooth
-///
-/// `tolerance`: that of the lines, in model units.
-std::vector<FailedCheck> failed_checks(const Report& report, double tolerance);
 
 }  // namespace batten

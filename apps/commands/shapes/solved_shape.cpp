@@ -3,18 +3,80 @@
 #include <algorithm>
 #include <optional>
 
+#include "batten/apps/commands/lines/scene_lines.h"
 #include "batten/apps/commands/shapes/make_session.h"
-#include "batten/apps/commands/shapes/scene_target.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/sculpting/statics/static_sculpt.h"
-#include "batten/skinning/model/gap_refinement.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/cad_plugin.h"
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/mesh/catmull_clark.h"
+#include "batten/sculpting/session/sculpting_session.h"
+#include "batten/skinning/mesh_targets/mesh_target.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/model/model_projector.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/surfaces/skin_network.h"
 
 namespace batten {
+
+ModelBuildOptions model_build_options(const Scene& scene, const std::vector<CharacterLine>& lines) {
+  ModelBuildOptions options;
+  options.model.name = scene.name;
+  options.model.skin = scene.skin.options;
+  options.model.material = scene.skin.material;
+  options.model.joins = mirrored_joins(scene, lines);
+  options.model.rest = scene.skin.has_rest();
+  options.model.crease_angle_deg = scene.network.crease_angle;
+  options.model.join_tolerance_deg = scene.network.join_tolerance;
+  options.network.tolerance = scene.network.tolerance;
+  options.network.tangent_angle = scene.network.tangent_angle;
+  options.search.specs = mirrored_regions(scene, lines);
+  options.search.max_faces_per_edge = scene.network.max_faces_per_edge;
+  options.single_face = specifies_single_region(scene);
+  for (const LocatedString& section : scene.skin.sections) options.sections.push_back(section.text);
+  options.fix_corners_only = scene.skin.boundary == SceneSkin::FixedBoundary::Corners;
+  if (!scene.targets.empty())
+    options.tolerance = [&scene](double size) {
+      constexpr double of_target = 0.1;
+      return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance
+                                              : of_target * target_tolerance(scene, size);
+    };
+  options.unit = scene.unit;
+  options.where = scene.at({});
+  options.network_where = scene.at(scene.network.location);
+  return options;
+}
+
+bool specifies_single_region(const Scene& scene) {
+  using MeshAlignment = CharacterLine::MeshAlignment;
+  const SceneSkin& skin = scene.skin;
+  const SkinOptions& options = skin.options;
+  if (!scene.network.regions.empty() || !scene.network.joins.empty() || scene.network.symmetry)
+    return false;
+  return options.domain != SkinOptions::Domain::Auto || options.minimize_distortion ||
+         options.mesher != SkinOptions::Mesher::Delaunay || options.fan_refinements >= 0 ||
+         !skin.isotropic_alpha || !skin.isotropic_beta || skin.fair == SceneSkin::Fair::Loft ||
+         std::any_of(scene.lines.begin(), scene.lines.end(), [](const SceneLine& line) {
+           return line.mesh_alignment != MeshAlignment::Auto;
+         });
+}
+
+BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lines,
+                       const Progress& progress) {
+  return build_model(lines, model_build_options(scene, lines), progress);
+}
+
+double target_tolerance(const Scene& scene, double size) {
+  double least = 0;
+  for (const SceneTarget& target : scene.targets) {
+    const double own = target.tolerance > 0 ? target.tolerance : 1e-4 * size;
+    least = least > 0 ? std::min(least, own) : own;
+  }
+  return least;
+}
+
 namespace {
 
 /// Angle in degrees between the surface normal at a location and a direction, regardless of sign.
@@ -222,6 +284,54 @@ FairShapeOptions fair_shape_options(const Scene& scene, const BuiltModel& made) 
 bool requests_fair_shape(const Scene& scene, const BuiltModel& made) {
   return has_fair_shape(fair_shape_options(scene, made), made.model.layout.get());
 }
+
+namespace {
+
+void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& target, double chord) {
+  const double unit = unit_in_metres(scene.unit);
+  if (MeshFile::can_read(target.file)) {
+    const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
+    const MeshFile mesh = MeshFile::read(target.file);
+    const ShellMesh& shells = mesh.shells();
+    all.append(
+        target.cage ? catmull_clark_limit(shells, mesh.cage_tags(), chord * unit / own) : shells,
+        own / unit);
+    return;
+  }
+  if (!target.unit.empty())
+    throw InputError("found a 'unit' for a CAD file, expected none: CAD files state their unit");
+  if (target.cage) throw InputError("found a CAD file as control cage, expected a mesh");
+  CadFacetOptions options;
+  options.unit_in_metres = unit;
+  options.chord = chord;
+  options.curved = true;
+  const CadFacets facets = cad_plugin().tessellate_cad(target.file, options);
+  all.append(facets.mesh, 1, facets.normals, facets.faces);
+}
+
+/// Combines all targets of a scene into one surface in the scene's unit. Meshes are used unchanged;
+/// CAD faces become curved triangles within a quarter of the tolerance. Throws InputError that
+/// begins with the location in the scene.
+TargetParts target_of(const Scene& scene, double size, const Progress& progress) {
+  constexpr double fraction = 0.25;  // of the tolerance
+  const double chord = fraction * target_tolerance(scene, size);
+  TargetFaces all;
+  for (const SceneTarget& target : scene.targets) {
+    progress.update("reading the target", 0);
+    try {
+      append_target(all, scene, target, chord);
+    } catch (const InputError& e) {
+      throw InputError(scene.at(target.location) + e.what());
+    }
+  }
+  try {
+    return target_parts(all);
+  } catch (const InputError& e) {
+    throw InputError(scene.at(scene.targets.front().location) + e.what());
+  }
+}
+
+}  // namespace
 
 FairShape compute_fair_shape(const Scene& scene, const BuiltModel& made,
                              std::shared_ptr<const ModelLayout> layout, const Points& bent,

@@ -1,14 +1,32 @@
-// Solves the shape of a model under all loads and constraints of a scene.
+// The model of a scene, and its shape under all loads and constraints of the scene.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "batten/apps/commands/shapes/built_model.h"
+#include "batten/io/scene/scene.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/shapes/fair_shape.h"
+#include "batten/skinning/surfaces/build_model.h"
 
 namespace batten {
+
+// Model of a scene: how the tables of the scene determine the options of build_model().
+
+/// The options that a scene states for its model. `lines`: the scene's curves, of a half model with
+/// their mirror images. They refer to the scene, which must outlive them.
+ModelBuildOptions model_build_options(const Scene& scene, const std::vector<CharacterLine>& lines);
+
+/// True if a scene specifies how its single region is made: domain, mesher, three stiffnesses,
+/// `hold`, treatments, or a loft.
+bool specifies_single_region(const Scene& scene);
+
+/// Builds the model of the scene's curves, which does not depend on loads and constraints. The
+/// model is a single region if the scene specifies it or the line roles leave one outline; the loft
+/// of a series of sections; or else the network of all faces that the curves bound. Throws the
+/// exceptions of build_model() in skinning/surfaces/build_model.h, with the location in the scene.
+BuiltModel build_model(const Scene& scene, const std::vector<CharacterLine>& lines,
+                       const Progress& progress = {});
 
 // Fair shape of a scene's lines, which is also the rest shape of its session.
 
@@ -17,11 +35,15 @@ namespace batten {
 /// or more sides.
 bool requests_fair_shape(const Scene& scene, const BuiltModel& made);
 
+/// The smallest tolerance of the targets of a scene, [[target]]; a target without one has 1e-4 of
+/// the model's size.
+double target_tolerance(const Scene& scene, double size);
+
 /// Reads the scene's targets, if any, and computes the shape that the scene requests, or that its
 /// faces get automatically (skinning/shapes/fair_shape.h).
 ///
 /// `bent`: dofs of the minimum-bending shape on `layout`, used as the start. Throws the exceptions
-/// of target_of() and compute_fair_shape(), with the location in the scene.
+/// of target_parts() and compute_fair_shape(), with the location in the scene.
 FairShape compute_fair_shape(const Scene& scene, const BuiltModel& made,
                              std::shared_ptr<const ModelLayout> layout, const Points& bent,
                              const Progress& progress = {});

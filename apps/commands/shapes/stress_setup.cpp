@@ -5,11 +5,15 @@
 #include <map>
 
 #include "batten/core/errors.h"
-#include "batten/sculpting/loads/area_weights.h"
+#include "batten/sculpting/loads/loads.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
+namespace {
+
+/// Names of the layout's lines that are, or are parts of, a line of the scene. Throws InputError,
+/// with the location in the scene, if there are none.
 std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scene,
                                     const LocatedString& line) {
   std::vector<std::string> all, found;
@@ -23,6 +27,7 @@ std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scen
   return found;
 }
 
+/// Layout index of a region of the scene. Throws InputError like find_lines().
 int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region) {
   std::vector<std::string> names;
   for (const auto& r : layout.regions()) {
@@ -32,8 +37,6 @@ int find_region(const ModelLayout& layout, const Scene& scene, const LocatedStri
   throw InputError(scene.at(region.location) + "found the face '" + region.text + "', expected " +
                    expected_one_of(region.text, names));
 }
-
-namespace {
 
 // Throws InputError, with the location in the scene, for inconsistent units.
 void require_consistent_units(const Scene& scene) {

@@ -5,18 +5,10 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_results.h"
-#include "batten/apps/commands/shapes/built_model.h"
-#include "batten/io/decks/shell_deck.h"
+#include "batten/io/decks/calculix_decks.h"
+#include "batten/io/scene/scene.h"
 
 namespace batten {
-
-/// Names of the layout's lines that are, or are parts of, a line of the scene. Throws InputError,
-/// with the location in the scene, if there are none.
-std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scene,
-                                    const LocatedString& line);
-
-/// Layout index of a region of the scene. Throws InputError like find_lines().
-int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region);
 
 /// The shell of a scene: material, thickness, supports, and its load cases followed by their
 /// combinations; one case "supports" without load if there are none. Keeps a reference to the

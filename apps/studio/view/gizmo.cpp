@@ -7,8 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "batten/apps/studio/view/layer.h"
-#include "batten/apps/studio/view/screen_points.h"
+#include "batten/apps/studio/view/rendering.h"
 
 namespace batten::studio {
 namespace {

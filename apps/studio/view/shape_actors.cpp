@@ -1,9 +1,13 @@
 #include "batten/apps/studio/view/shape_actors.h"
 
 #include <vtkActor.h>
+#include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkCellPicker.h>
 #include <vtkFloatArray.h>
 #include <vtkIntArray.h>
+#include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPlane.h>
 #include <vtkPointData.h>
@@ -12,16 +16,26 @@
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
+
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
 
-#include "batten/apps/studio/view/layer.h"
+#include "batten/apps/studio/view/rendering.h"
 
 namespace batten::studio {
 namespace {
+
+/// True if a drawn line has this name or is a segment of it between nodes ("rim.2").
+bool is_segment_of(const std::string& line, const std::string& name) {
+  if (name.empty() || !line.starts_with(name)) return false;
+  const std::string rest = line.substr(name.size());
+  return rest.empty() || (rest.size() > 1 && rest[0] == '.' &&
+                          rest.find_first_not_of("0123456789", 1) == rest.npos);
+}
 
 vtkIdType count_of_triples(const std::vector<float>& values) {
   return static_cast<vtkIdType>(values.size() / 3);
@@ -458,6 +472,380 @@ std::vector<int> ShapeActors::unloaded_within(const Vec3& centre, double radius)
     for (size_t i = 0; 3 * i < unloaded_->size(); ++i)
       if ((triple_of(*unloaded_, i) - centre).norm() < radius) found.push_back(static_cast<int>(i));
   return found;
+}
+
+// Shading of the surface: scalar fields and their colours.
+
+namespace {
+
+constexpr double kStripes = 28;  // zebra stripes over 180°
+constexpr int kBands = 24;
+
+Vec3 triple(const float* values, int number) {
+  const float* v = values + 3 * static_cast<long>(number);
+  return {v[0], v[1], v[2]};
+}
+
+/// Quantile of the magnitudes of values.
+double quantile(std::vector<float> values, double fraction) {
+  for (float& v : values) v = std::abs(v);
+  const auto at =
+      values.begin() + static_cast<long>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+void ShapeActors::set_shading(Shading shading) {
+  shading_ = shading;
+  place_points();
+  shade();
+}
+
+void ShapeActors::shade() {
+  const bool anything = pattern_ && points_->GetNumberOfTuples() > 0;
+  if (!anything || (shading_ == Shading::Shaded && !mesh_ && selected_facets_.empty()))
+    facets_->mapper->ScalarVisibilityOff();
+  else if (shading_ == Shading::Shaded)
+    shade_facets(roles_, role_colours(palette_));
+  else if ((shading_ == Shading::Stress && !shows_stress()) ||
+           (shading_ == Shading::Modes && !mode_shape()))
+    facets_->mapper->ScalarVisibilityOff();
+  else if (shading_ == Shading::Regions)
+    shade_facets(facet_regions_, region_colours(static_cast<int>(regions_.size())));
+  else
+    shade_points();
+}
+
+bool ShapeActors::shows_stress() const {
+  return stress_ && stress_->values.size() == static_cast<size_t>(points_->GetNumberOfTuples());
+}
+
+bool ShapeActors::has_scalar_field() const {
+  return shading_ == Shading::Displacement || shading_ == Shading::Curvature ||
+         shading_ == Shading::Strain || (shading_ == Shading::Stress && shows_stress()) ||
+         mode_shape();
+}
+
+vtkLookupTable* ShapeActors::scale() const { return has_scalar_field() ? table_.Get() : nullptr; }
+
+std::optional<double> ShapeActors::value_at(const Vec3& p) const {
+  const int point = has_scalar_field() ? point_near(p) : -1;
+  if (point < 0) return std::nullopt;
+  return scalars_->GetValue(point);
+}
+
+void ShapeActors::shade_facets(vtkIntArray* values, vtkLookupTable* table) {
+  vtkPolyDataMapper& mapper = *facets_->mapper;
+  facets_->data->GetCellData()->SetScalars(values);
+  mapper.ScalarVisibilityOn();
+  mapper.SetScalarModeToUseCellData();
+  mapper.InterpolateScalarsBeforeMappingOff();
+  mapper.SetLookupTable(table);
+  mapper.SetScalarRange(table->GetTableRange());
+}
+
+// The description of a mesh may arrive before its points.
+bool ShapeActors::mesh_is_drawn() const {
+  return mesh_ && mesh_->roles.size() == static_cast<size_t>(points_->GetNumberOfTuples());
+}
+
+// Colours facets whose corners all have the same role; selected facets get a colour of their own.
+void ShapeActors::make_roles() {
+  roles_->SetNumberOfTuples(0);
+  if (!pattern_) return;
+  const auto n = static_cast<vtkIdType>(pattern_->facets.size());
+  roles_->SetNumberOfTuples(n);
+  const bool fits = mesh_is_drawn();
+  for (vtkIdType i = 0; i < n; ++i) {
+    const auto& facet = pattern_->facets[static_cast<size_t>(i)];
+    int role = 0;
+    if (fits) {
+      const auto of = [&](int corner) {
+        return static_cast<int>(
+            mesh_->roles[static_cast<size_t>(facet[static_cast<size_t>(corner)])]);
+      };
+      if (of(0) == of(1) && of(1) == of(2)) role = of(0);
+    }
+    roles_->SetValue(i, role);
+  }
+  for (const int facet : selected_facets_) roles_->SetValue(facet, kSelectedRole);
+  roles_->Modified();
+}
+
+void ShapeActors::shade_points() {
+  const vtkIdType n = points_->GetNumberOfTuples();
+  scalars_->SetNumberOfComponents(1);
+  scalars_->SetNumberOfTuples(n);
+  float* value = scalars_->GetPointer(0);
+  const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
+  const Vec3 along = Vec3(1, 0.6, 0).normalized();
+  if (shading_ == Shading::Curvature)
+    measure_curvature(value);
+  else if (shading_ == Shading::Strain)
+    measure_strain(value);
+  else if (shading_ == Shading::Stress)
+    std::copy(stress_->values.begin(), stress_->values.end(), value);
+  else if (shading_ == Shading::Modes)
+    for (vtkIdType i = 0; i < n; ++i)
+      value[i] = static_cast<float>(triple(mode_shape()->data(), static_cast<int>(i)).norm());
+  else
+    for (vtkIdType i = 0; i < n; ++i) {
+      const int p = static_cast<int>(i);
+      if (shading_ == Shading::Zebra)
+        value[i] =
+            static_cast<float>(std::acos(std::clamp(triple(normal, p).dot(along), -1.0, 1.0)) *
+                               180 / std::numbers::pi);
+      else if (shading_ == Shading::Contours)
+        value[i] = x[3 * i + 2];
+      else
+        value[i] = static_cast<float>((triple(x, p) - triple(reference_.data(), p)).norm());
+    }
+  scalars_->Modified();
+  facets_->data->GetPointData()->SetScalars(scalars_);
+  table_ = table_of(value, static_cast<size_t>(n));
+  vtkPolyDataMapper& mapper = *facets_->mapper;
+  mapper.ScalarVisibilityOn();
+  mapper.SetScalarModeToUsePointData();
+  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetLookupTable(table_);
+  mapper.SetScalarRange(table_->GetTableRange());
+}
+
+vtkSmartPointer<vtkLookupTable> ShapeActors::table_of(const float* value, size_t n) {
+  const auto [low, high] = std::minmax_element(value, value + n);
+  const Rgb light{0.97, 0.97, 0.97}, ink{0.13, 0.15, 0.19};
+  range_ = {*high, std::max(std::abs(*low), std::abs(*high))};
+  switch (shading_) {
+    case Shading::Zebra:
+      range_ = {0, 0};
+      return stripes(0, 180, static_cast<int>(2 * kStripes), light, ink);
+    case Shading::Contours:
+      return stripes(*low, *high > *low ? *high : *low + 1, kBands, palette_.body, light);
+    case Shading::Curvature:
+    case Shading::Strain: {
+      // Clip the scale: values at ends and corners would leave one colour for all the rest.
+      const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.98), 1e-30);
+      range_[0] = limit;
+      return two_sided(limit);
+    }
+    case Shading::Stress: {
+      // Clip the scale: the values at a point load would leave one colour for all the rest.
+      const double limit = std::max(quantile(std::vector<float>(value, value + n), 0.995), 1e-30);
+      range_ = {limit, stress_->von_mises};
+      return distances(limit);
+    }
+    default:
+      return distances(std::max<double>(*high, 1e-30));
+  }
+}
+
+// Mean curvature at the display points. Per facet, the shape operator is the least-squares fit to
+// the changes of the normals along its edges [Rusinkiewicz2004]. Point values are area-weighted
+// means over facets. Positive if the surface is concave on the normal's side.
+void ShapeActors::measure_curvature(float* value) const {
+  const auto n = static_cast<size_t>(points_->GetNumberOfTuples());
+  const float *x = points_->GetPointer(0), *normal = normals_->GetPointer(0);
+  std::vector<double> sum(n, 0), weight(n, 0);
+  for (const auto& facet : pattern_->facets) {
+    const Vec3 first = triple(x, facet[1]) - triple(x, facet[0]);
+    const Vec3 area = first.cross(triple(x, facet[2]) - triple(x, facet[0]));
+    const double size = area.norm();
+    if (!(size > 0)) continue;
+    const Vec3 u = first.normalized(), v = area.cross(first).normalized();
+    Mat3 A = Mat3::Zero();  // of the components uu, uv and vv of the operator
+    Vec3 b = Vec3::Zero();
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3 edge = triple(x, facet[(k + 1) % 3]) - triple(x, facet[k]);
+      const Vec3 change = triple(normal, facet[(k + 1) % 3]) - triple(normal, facet[k]);
+      const double eu = edge.dot(u), ev = edge.dot(v);
+      const Vec3 rows[] = {{eu, ev, 0}, {0, eu, ev}};
+      const double rhs[] = {change.dot(u), change.dot(v)};
+      for (int i = 0; i < 2; ++i) {
+        A += rows[i] * rows[i].transpose();
+        b += rhs[i] * rows[i];
+      }
+    }
+    const Vec3 shape = A.ldlt().solve(b);
+    for (const int p : facet) {
+      sum[static_cast<size_t>(p)] -= 0.5 * size * (shape[0] + shape[2]);
+      weight[static_cast<size_t>(p)] += size;
+    }
+  }
+  for (size_t i = 0; i < n; ++i)
+    value[i] = static_cast<float>(weight[i] > 0 ? sum[i] / weight[i] : 0);
+}
+
+// Signed principal strain of largest magnitude since meshing, over the facets at each point.
+void ShapeActors::measure_strain(float* value) const {
+  std::fill(value, value + points_->GetNumberOfTuples(), 0.0F);
+  for (const auto& facet : pattern_->facets) {
+    const auto frame_of = [&](const float* points) {
+      Eigen::Matrix<double, 3, 2> sides;
+      sides << triple(points, facet[1]) - triple(points, facet[0]),
+          triple(points, facet[2]) - triple(points, facet[0]);
+      return sides;
+    };
+    const auto before = frame_of(reference_.data()), after = frame_of(points_->GetPointer(0));
+    // The new metric in a frame that was orthonormal before (RᵀR = old metric).
+    const Eigen::Matrix2d metric = before.transpose() * before;
+    const Eigen::LLT<Eigen::Matrix2d> factor(metric);
+    if (factor.info() != Eigen::Success) continue;
+    Eigen::Matrix2d strain = after.transpose() * after;
+    factor.matrixL().solveInPlace(strain);
+    strain = factor.matrixL().solve(strain.transpose().eval()).eval();
+    const Eigen::Vector2d squares =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(strain, Eigen::EigenvaluesOnly)
+            .eigenvalues();
+    const double low = std::sqrt(std::max(squares[0], 0.0)) - 1,
+                 high = std::sqrt(std::max(squares[1], 0.0)) - 1;
+    const auto worst = static_cast<float>(std::abs(low) > std::abs(high) ? low : high);
+    for (const int p : facet)
+      if (std::abs(worst) > std::abs(value[p])) value[p] = worst;
+  }
+}
+
+// Picking: which objects are shown at a point of the window.
+
+namespace {
+
+constexpr double kNearLine = 7;   // pixels
+constexpr double kBehind = 0.01;  // of the size: lines farther behind the surface are hidden
+
+}  // namespace
+
+std::optional<Vec3> ShapeActors::surface_at(double x, double y) const {
+  if (!pattern_) return std::nullopt;
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0);
+  picker->PickFromListOn();
+  picker->AddPickList(facets_->actor);
+  if (!picker->Pick(x, y, 0, renderer_)) return std::nullopt;
+  Vec3 p;
+  picker->GetPickPosition(p.data());
+  return p;
+}
+
+// Name of the nearest line in the window that the surface does not hide. Lines on the surface take
+// precedence over lines beside it.
+std::string ShapeActors::line_at(double x, double y) const {
+  const std::optional<Vec3> surface = surface_at(x, y);
+  NearLine near{{x, y}, surface, kNearLine, ""};
+  look_for(near, *lines_, line_names_);
+  if (near.name.empty()) {
+    std::vector<std::string> names;
+    for (const auto& line : polylines_) names.push_back(line.line);
+    look_for(near, *guides_, names);
+  }
+  return near.name;
+}
+
+void ShapeActors::look_for(NearLine& near, const Layer& layer,
+                           const std::vector<std::string>& names) const {
+  const Vec3 eye = -Vec3::Map(renderer_->GetActiveCamera()->GetDirectionOfProjection());
+  const auto [low, high] = box();
+  const double behind = kBehind * (high - low).norm();
+  vtkCellArray* cells = layer.data->GetLines();
+  vtkPoints* points = layer.data->GetPoints();
+  const vtkIdType cell_count = cells && points ? cells->GetNumberOfCells() : 0;
+  for (vtkIdType i = 0; i < cell_count && i < static_cast<vtkIdType>(names.size()); ++i) {
+    const std::string& name = names[static_cast<size_t>(i)];
+    vtkIdType count = 0;
+    const vtkIdType* of = nullptr;
+    cells->GetCellAtId(i, count, of);
+    Vec3 before = Vec3::Zero();
+    Vec2 before_at = Vec2::Zero();
+    for (vtkIdType k = 0; k < count && !name.empty(); ++k) {
+      const Vec3 p = Vec3::Map(points->GetPoint(of[k]));
+      const Vec2 at = to_screen(*renderer_, p);
+      const auto [distance, parameter] =
+          distance_to_segment(near.pixel, k > 0 ? before_at : at, at);
+      const Vec3 found = k > 0 ? Vec3(before + parameter * (p - before)) : p;
+      if (distance < near.least && !(near.surface && (*near.surface - found).dot(eye) > behind)) {
+        near.least = distance;
+        near.name = name;
+      }
+      before = p;
+      before_at = at;
+    }
+  }
+}
+
+int ShapeActors::facet_at(double x, double y) const {
+  if (!pattern_) return -1;
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0);
+  picker->PickFromListOn();
+  picker->AddPickList(facets_->actor);
+  return picker->Pick(x, y, 0, renderer_) ? static_cast<int>(picker->GetCellId()) : -1;
+}
+
+std::string ShapeActors::region_at(double x, double y) const {
+  const int facet = facet_at(x, y);
+  if (facet < 0) return "";
+  if (mesh_) return part_of(facet);
+  const auto& first = pattern_->first_facet;
+  const auto behind = std::upper_bound(first.begin(), first.end(), facet);
+  const auto region = static_cast<size_t>(behind - first.begin());
+  return region > 0 && region <= regions_.size() ? regions_[region - 1] : "";
+}
+
+// The smallest part of the mesh that contains all corners of a facet.
+std::string ShapeActors::part_of(int facet) const {
+  const auto& corners = pattern_->facets[static_cast<size_t>(facet)];
+  const MeshView::Part* best = nullptr;
+  for (const MeshView::Part& part : mesh_->parts) {
+    if (best && best->points.size() <= part.points.size()) continue;
+    if (std::all_of(corners.begin(), corners.end(), [&](int p) {
+          return std::find(part.points.begin(), part.points.end(), p) != part.points.end();
+        }))
+      best = &part;
+  }
+  return best ? best->name : "";
+}
+
+std::vector<int> ShapeActors::points_within(const Vec3& centre, double radius) const {
+  std::vector<int> found;
+  for (int i = 0; i < static_cast<int>(points_->GetNumberOfTuples()); ++i)
+    if ((point(i) - centre).squaredNorm() <= radius * radius) found.push_back(i);
+  return found;
+}
+
+int ShapeActors::point_near(const Vec3& p) const {
+  int best = -1;
+  double least = std::numeric_limits<double>::max();
+  for (vtkIdType i = 0; i < points_->GetNumberOfTuples(); ++i) {
+    const double d = (point(static_cast<int>(i)) - p).squaredNorm();
+    if (d < least) {
+      least = d;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+int ShapeActors::point_count() const { return static_cast<int>(points_->GetNumberOfTuples()); }
+
+Vec3 ShapeActors::point(int number) const {
+  const float* x = points_->GetPointer(3 * static_cast<vtkIdType>(number));
+  return {x[0], x[1], x[2]};
+}
+
+std::array<Vec3, 2> ShapeActors::box() const {
+  std::array<Vec3, 2> box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  for (const auto& line : polylines_)
+    for (const Vec3& p : line.points) {
+      box[0] = box[0].cwiseMin(p);
+      box[1] = box[1].cwiseMax(p);
+    }
+  for (vtkIdType i = 0; pattern_ && i < points_->GetNumberOfTuples(); ++i) {
+    const Vec3 p = point(static_cast<int>(i));
+    box[0] = box[0].cwiseMin(p);
+    box[1] = box[1].cwiseMax(p);
+  }
+  if (box[0].x() > box[1].x()) return {Vec3::Constant(-100), Vec3::Constant(100)};
+  return box;
 }
 
 }  // namespace batten::studio

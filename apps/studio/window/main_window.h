@@ -11,11 +11,9 @@
 
 #include "batten/apps/commands/documents/document_worker.h"
 #include "batten/apps/studio/view/shape_view.h"
-#include "batten/apps/studio/window/input_event_filter.h"
 #include "batten/apps/studio/window/model_tree.h"
 #include "batten/apps/studio/window/property_panel.h"
-#include "batten/apps/studio/window/slider_panel.h"
-#include "batten/apps/studio/window/timeline_panel.h"
+#include "batten/apps/studio/window/slider_panels.h"
 #include "batten/apps/studio/window/tour.h"
 
 class QAction;

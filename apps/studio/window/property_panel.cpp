@@ -37,7 +37,7 @@ std::string as_value(const std::string& typed) {
     SceneText("key = " + typed);
     return typed;
   } catch (const Error&) {
-    return SceneText::word(typed);
+    return SceneText::toml_value(typed);
   }
 }
 
@@ -199,8 +199,8 @@ void PropertyPanel::fill_line() {
     return std::vector<DocumentCommand>{
         {.kind = CommandKind::Add,
          .table = {"fair", ""},
-         .text = "{ name = " + SceneText::word(view_->free_name("fair")) + ", curves = [" +
-                 SceneText::word(name) + "]" + more + " }"}};
+         .text = "{ name = " + SceneText::toml_value(view_->free_name("fair")) + ", curves = [" +
+                 SceneText::toml_value(name) + "]" + more + " }"}};
   };
   add_button(kFair, [fair] { return fair(""); });
   const std::vector<Vec3> points = defining_points(SceneText(view_->text), name);
@@ -213,7 +213,7 @@ void PropertyPanel::fill_line() {
     const Vec3& p = points[static_cast<size_t>(point)];
     for (int i = std::max(0, point - 1); i <= point + 1 && i < static_cast<int>(points.size()); ++i)
       radius = std::max(radius, (points[static_cast<size_t>(i)] - p).norm());
-    const std::string size = SceneText::word(std::stod(format_number(radius)));
+    const std::string size = SceneText::toml_value(std::stod(format_number(radius)));
     return fair(", brush = { at = " + point_to_toml(p) + ", radius = " + size +
                 " }, wavelength = " + size);
   });
@@ -247,14 +247,15 @@ void PropertyPanel::fill_stress() {
     return std::vector<DocumentCommand>{
         {.kind = CommandKind::Add,
          .table = {"load", ""},
-         .text = "{ name = " + SceneText::word(view_->free_name("pressure")) +
-                 ", type = \"pressure\", faces = [" + SceneText::word(name) + "], value = 0 }"},
+         .text = "{ name = " + SceneText::toml_value(view_->free_name("pressure")) +
+                 ", type = \"pressure\", faces = [" + SceneText::toml_value(name) +
+                 "], value = 0 }"},
         {.kind = CommandKind::SolveToEquilibrium}};  // a step of its own
   })->setToolTip(text(kInflateTip));
   if (!view_->has_stress) return;
   add_button(kAddPressure, [this, name] {
     return stress_load_edits(SceneText(view_->text),
-                             "{ pressure = 0.001, face = " + SceneText::word(name) + " }");
+                             "{ pressure = 0.001, face = " + SceneText::toml_value(name) + " }");
   });
   // A unit force against the normal, at the point of the surface that was clicked.
   add_button(kAddPointForce, [this]() -> std::vector<DocumentCommand> {
@@ -300,7 +301,7 @@ void PropertyPanel::fill_mesh() {
       return std::vector<DocumentCommand>{
           {.kind = CommandKind::Add,
            .table = {"edit", ""},
-           .text = "{ name = " + SceneText::word(view_->free_name("edit")) +
+           .text = "{ name = " + SceneText::toml_value(view_->free_name("edit")) +
                    (fixed.empty() ? "" : ", fixed = " + fixed) + " }"}};
     });
 }

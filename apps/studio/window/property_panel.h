@@ -8,8 +8,8 @@
 #include "batten/apps/commands/documents/document_content.h"
 #include "batten/apps/commands/documents/document_view.h"
 #include "batten/apps/commands/documents/load_edits.h"
-#include "batten/apps/studio/window/input_event_filter.h"
 #include "batten/apps/studio/window/model_tree.h"
+#include "batten/apps/studio/window/slider_panels.h"
 
 class QLabel;
 class QPushButton;

@@ -125,11 +125,11 @@ class AbaqusConnections::Finder {
     weight_ = term.weight;
     switch (term.by) {
       case By::Nodes:
-        return add_nodes(term.word);
+        return add_nodes(term.entity);
       case By::Faces:
-        return add_faces(term.word, "");
+        return add_faces(term.entity, "");
       default:
-        return add_surface(term.word);
+        return add_surface(term.entity);
     }
   }
   bool find(const std::vector<Term>& terms) {
@@ -146,27 +146,27 @@ class AbaqusConnections::Finder {
   }
 
   /// "instance.5" and "instance.set" refer to the single instance.
-  static std::string_view local(std::string_view word) {
-    const size_t dot = word.rfind('.');
-    return dot == word.npos ? word : word.substr(dot + 1);
+  static std::string_view local(std::string_view entity) {
+    const size_t dot = entity.rfind('.');
+    return dot == entity.npos ? entity : entity.substr(dot + 1);
   }
 
-  bool add_nodes(std::string_view word) {
+  bool add_nodes(std::string_view entity) {
     long label = 0;
-    if (parse_integer(local(word), label)) {
+    if (parse_integer(local(entity), label)) {
       const auto node = mesh_.node_labels.find(label);
       if (node) add(*node);
       return node.has_value();
     }
-    const auto set = sets_(upper(local(word)), false);
+    const auto set = sets_(upper(local(entity)), false);
     if (!set) return false;
     for (const int node : *set) add(node);
     return true;
   }
 
   /// Adds all nodes of faces, or those of one edge if `side` is "E1" to "E4".
-  bool add_faces(std::string_view word, const std::string& side) {
-    const std::string name = upper(local(word));
+  bool add_faces(std::string_view entity, const std::string& side) {
+    const std::string name = upper(local(entity));
     if (const auto node = all_.coupling_nodes_.find(name); node != all_.coupling_nodes_.end()) {
       const auto index = mesh_.node_labels.find(node->second);
       if (index) add(*index);
@@ -174,7 +174,7 @@ class AbaqusConnections::Finder {
     }
     long label = 0;
     std::optional<std::vector<int>> faces;
-    if (parse_integer(local(word), label)) {
+    if (parse_integer(local(entity), label)) {
       const auto face = mesh_.face_labels.find(label);
       faces = face ? std::vector<int>{*face} : std::vector<int>();  // a face of a solid has none
     } else {
@@ -200,8 +200,8 @@ class AbaqusConnections::Finder {
     return true;
   }
 
-  bool add_surface(std::string_view word) {
-    const auto surface = all_.surfaces_.find(upper(local(word)));
+  bool add_surface(std::string_view entity) {
+    const auto surface = all_.surfaces_.find(upper(local(entity)));
     if (surface == all_.surfaces_.end()) return false;
     for (const auto& [part, side] : surface->second.parts)
       if (!(surface->second.of_nodes ? add_nodes(part) : add_faces(part, side))) return false;

@@ -33,15 +33,11 @@ class AbaqusConnections {
   void finish(TextMeshContent& mesh, const Sets& sets, bool all_here) const;
 
  private:
-  enum class By {
-    Nodes,
-    Faces,
-    Surface
-  };  // what a word names: nodes or a node set, a face set, a
-      // surface
+  // The kind of an entity: a node or a node set, a face or a face set, a surface.
+  enum class By { Nodes, Faces, Surface };
   struct Term {
     By by;
-    std::string_view word;
+    std::string_view entity;  // its number or name
     double weight = 1;
   };
   struct Connection {

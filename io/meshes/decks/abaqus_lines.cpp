@@ -57,9 +57,9 @@ Keyword AbaqusLines::read_keyword() {
     const std::string_view part = trimmed(rest.substr(0, comma));
     const size_t equals = part.find('=');
     if (first) {
-      std::string_view words = part;
-      for (auto word = next_word(words); !word.empty(); word = next_word(words))
-        keyword.name += (keyword.name.empty() ? "" : " ") + upper(word);
+      std::string_view name_tokens = part;
+      for (auto token = next_token(name_tokens); !token.empty(); token = next_token(name_tokens))
+        keyword.name += (keyword.name.empty() ? "" : " ") + upper(token);
     } else if (!part.empty()) {
       const std::string_view value = equals == part.npos ? "" : trimmed(part.substr(equals + 1));
       keyword.parameters[upper(trimmed(part.substr(0, equals)))] = unquoted(value);

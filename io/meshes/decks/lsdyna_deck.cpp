@@ -141,7 +141,7 @@ std::optional<DynaKeyword> DynaLines::next_keyword() {
 
 DynaKeyword DynaLines::read_keyword() {
   std::string_view rest = line_.substr(1);
-  DynaKeyword keyword{upper(next_word(rest)), widths_, line_};
+  DynaKeyword keyword{upper(next_token(rest)), widths_, line_};
   keyword.name = keyword.name.substr(0, keyword.name.find(','));
   char suffix = keyword.name.empty() ? ' ' : keyword.name.back();
   if (suffix == '+' || suffix == '-' || suffix == '%')

@@ -449,9 +449,9 @@ class BulkDataCard {
     double weight = 0;
     bool moves = false;
     for (int i = 4; i < count(); ++i) {
-      const std::string word = upper(at(i));
-      if (word == "UM" || word == "ALPHA") break;
-      if (is_real(word)) {
+      const std::string field = upper(at(i));
+      if (field == "UM" || field == "ALPHA") break;
+      if (is_real(field)) {
         weight = file_.real(at(i));
         moves = at(++i).find_first_of("123") != std::string_view::npos;
       } else if (moves && !thru(i)) {
@@ -519,7 +519,7 @@ class NastranReader {
   /// Skips the executive and case control sections, if present; they end with BEGIN BULK.
   void go_to_bulk() {
     const auto begins = [](std::string_view line) {
-      const std::string first = upper(next_word(line)), second = upper(next_word(line));
+      const std::string first = upper(next_token(line)), second = upper(next_token(line));
       return first == "BEGIN" && second.starts_with("BULK");
     };
     const size_t start = file_.position();

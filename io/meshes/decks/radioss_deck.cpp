@@ -34,13 +34,13 @@ class RadiossReader {
   void read() {
     bool ended = false;
     while (!ended && next_block()) {
-      const std::vector<std::string> words = words_of(line_);
-      ended = words[0] == "END" && file_.depth() == 0;
-      const bool of_included = words[0] == "END" && !ended;
+      const std::vector<std::string> parts = keyword_parts(line_);
+      ended = parts[0] == "END" && file_.depth() == 0;
+      const bool of_included = parts[0] == "END" && !ended;
       if (of_included) file_.leave_file();
       keyword_ = line_;
       line_ = {};
-      if (!of_included) handle(words);
+      if (!of_included) handle(parts);
     }
     finish();
     if (!ended) mesh_.warnings.push_back("the deck has no /END: the file may be truncated");
@@ -85,29 +85,29 @@ class RadiossReader {
   }
 
   /// Splits "/SHELL/7" into SHELL and 7.
-  static std::vector<std::string> words_of(std::string_view line) {
-    std::vector<std::string> words;
+  static std::vector<std::string> keyword_parts(std::string_view line) {
+    std::vector<std::string> parts;
     for (std::string_view rest = trimmed(line).substr(1);;) {
       const size_t slash = rest.find('/');
-      words.push_back(upper(trimmed(rest.substr(0, slash))));
+      parts.push_back(upper(trimmed(rest.substr(0, slash))));
       if (slash == rest.npos) break;
       rest.remove_prefix(slash + 1);
     }
-    words.resize(std::max<size_t>(words.size(), 3));
-    return words;
+    parts.resize(std::max<size_t>(parts.size(), 3));
+    return parts;
   }
 
-  void handle(const std::vector<std::string>& words) {
-    const std::string& name = words[0];
+  void handle(const std::vector<std::string>& parts) {
+    const std::string& name = parts[0];
     if (name == "BEGIN") return begin();
     if (name == "NODE" || name == "CNODE") return nodes();
-    if (name == "SHELL") return shells(words[1], 4);
-    if (name == "SH3N") return shells(words[1], 3);
-    if (name == "PART") return title_of(titles_[words[1]]);
-    if (name == "GRNOD" && (words[1] == "NODE" || words[1] == "NODENS" || words[1] == "GENE"))
-      return group(words[2], words[1] == "GENE");
-    if (name == "RBODY" && words[1] != "LAGMUL") return body("/RBODY", words[1], 6);
-    if (name == "RBE2") return body("/RBE2", words[1], 3);
+    if (name == "SHELL") return shells(parts[1], 4);
+    if (name == "SH3N") return shells(parts[1], 3);
+    if (name == "PART") return title_of(titles_[parts[1]]);
+    if (name == "GRNOD" && (parts[1] == "NODE" || parts[1] == "NODENS" || parts[1] == "GENE"))
+      return group(parts[2], parts[1] == "GENE");
+    if (name == "RBODY" && parts[1] != "LAGMUL") return body("/RBODY", parts[1], 6);
+    if (name == "RBE2") return body("/RBE2", parts[1], 3);
     if (name == "TRANSFORM" || name.empty())
       file_.fail(keyword_, "found " + quoted_excerpt(keyword_) +
                                ", expected one model without transformed nodes");

@@ -195,61 +195,40 @@ Terrain::Terrain(TriangleMesh mesh, const Vec3& up) : mesh_(std::move(mesh)), up
   across_[1] = up_.cross(across_[0]);
   const MeshTopology& topology = mesh_.topology();
   normals_ = Points::Zero(topology.node_count(), 3);
+  std::vector<Box2> boxes;
   Box2 box;
   bool seen = false;
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
     const Vec3 area = mesh_.area_vector(t);
     seen = seen || area.dot(up_) != 0;
+    Box2& around = boxes.emplace_back();
     for (const int v : mesh_.triangles()[t]) {
       normals_.row(topology.node_of(v)) += (area.dot(up_) < 0 ? -1 : 1) * area.transpose();
-      box.extend(to_plane(mesh_.point(v)));
+      around.extend(to_plane(mesh_.point(v)));
     }
+    box.extend(around);
   }
   if (!seen) throw InputError("terrain: no triangle is visible from above");
-  cells_ = std::clamp(static_cast<int>(std::sqrt(mesh_.triangle_count())), 1, 4096);
-  low_ = box.min();
-  step_ = box.sizes() / cells_;
-  // First counted, then written: the triangles of cell c are list_[start_[c]] ….
-  start_.assign(static_cast<size_t>(cells_) * cells_ + 1, 0);
-  for (const bool counts : {true, false}) {
-    for (int t = mesh_.triangle_count() - 1; t >= 0; --t) {
-      Box2 around;
-      for (const int v : mesh_.triangles()[t]) around.extend(to_plane(mesh_.point(v)));
-      for (int j = cell(around.min().y(), 1); j <= cell(around.max().y(), 1); ++j)
-        for (int i = cell(around.min().x(), 0); i <= cell(around.max().x(), 0); ++i) {
-          int& at = start_[static_cast<size_t>(j) * cells_ + i];
-          if (counts)
-            ++at;
-          else
-            list_[--at] = t;
-        }
-    }
-    if (!counts) break;
-    for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-    list_.resize(start_.back());
-  }
-}
-
-int Terrain::cell(double x, int axis) const {
-  return static_cast<int>(
-      std::clamp(std::floor((x - low_[axis]) / step_[axis]), 0.0, cells_ - 1.0));
+  size_ = box.sizes().maxCoeff();
+  tree_ = BoxTree<2>(boxes);
 }
 
 std::optional<Terrain::SurfacePoint> Terrain::surface_point(const Vec3& p) const {
   const Vec2 q = to_plane(p);
-  if (!q.allFinite()) return {};
-  const size_t c = static_cast<size_t>(cell(q.y(), 1)) * cells_ + cell(q.x(), 0);
+  // Tolerance on barycentric coordinates, so that no line passes between two triangles.
+  constexpr double hair = 1e-12;
+  std::vector<int> near;
+  tree_.for_each_near(Box2(q), 10 * hair * size_, [&](int t) { near.push_back(t); });
+  std::sort(near.begin(), near.end());  // of equally high points, that of the first triangle
   std::optional<SurfacePoint> highest;
-  for (int i = start_[c]; i < start_[c + 1]; ++i) {
-    const std::array<int, 3>& corners = mesh_.triangles()[list_[i]];
+  for (const int t : near) {
+    const std::array<int, 3>& corners = mesh_.triangles()[t];
     Vec2 corner[3];
     for (int j = 0; j < 3; ++j) corner[j] = to_plane(mesh_.point(corners[j])) - q;
     Vec3 L(cross(corner[1], corner[2]), cross(corner[2], corner[0]), cross(corner[0], corner[1]));
     if (L.sum() == 0) continue;
     L /= L.sum();
-    if (!(L.minCoeff() >= -1e-12))
-      continue;  // tolerance, so that no line passes between two
-                 // triangles
+    if (!(L.minCoeff() >= -hair)) continue;
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
     for (int j = 0; j < 3; ++j) {
       at += L[j] * mesh_.point(corners[j]);

@@ -1,4 +1,4 @@
-// Foot contacts: intervals in which a handle rests, their detection, and their projection to a
+// Foot contacts (intervals of frames in which a handle rests): detection, and projection onto a
 // terrain.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/box_tree.h"
 #include "batten/mesh/sequence/trajectories/handle_trajectory.h"
 #include "batten/mesh/triangle_mesh.h"
 
@@ -14,98 +15,106 @@ namespace batten {
 
 // Terrain: height and normal of the ground.
 
-/// A triangle mesh as a height field along `up`. Triangles may have any orientation, be steep, and
-/// lie above each other; vertical ones are ignored.
+/// A terrain: a triangle mesh that is used as a height field along `up`. Triangles may have any
+/// orientation, be steep, and lie above each other; vertical triangles are ignored.
 class Terrain {
  public:
-  /// Builds a uniform grid over the triangles. Throws InputError if `up` has no direction or no
-  /// triangle is visible along it. O(triangles); the grid has about as many cells.
+  /// Builds a BoxTree over the triangles, projected along `up`. Throws InputError if `up` is zero
+  /// or not finite, or if all triangles are vertical. O(triangles · log triangles).
   explicit Terrain(TriangleMesh mesh, const Vec3& up = Vec3::UnitZ());
 
   /// A point on the terrain.
   struct SurfacePoint {
     Vec3 at;
-    Vec3 normal;  ///< unit vector, upwards; interpolated from area-weighted vertex normals
+    Vec3 normal;  ///< upward unit normal, interpolated from vertex normals
   };
-  /// The highest point of the terrain on the line p + t · up; empty outside the terrain. Tests the
-  /// few triangles of one grid cell.
+  /// The highest point of the terrain on the line p + t · up; empty if the line does not meet the
+  /// terrain. O(log triangles) if few triangles lie above each other.
   std::optional<SurfacePoint> surface_point(const Vec3& p) const;
   const Vec3& up() const { return up_; }
 
  private:
   Vec2 to_plane(const Vec3& p) const { return {p.dot(across_[0]), p.dot(across_[1])}; }
-  int cell(double x, int axis) const;
   TriangleMesh mesh_;
   Vec3 up_, across_[2];
-  Points normals_;  // per node
-  Vec2 low_, step_;
-  int cells_ = 1;                  // number of cells along each axis
-  std::vector<int> start_, list_;  // triangles of each cell
+  Points normals_;   // per node
+  double size_ = 0;  // largest extent across `up`
+  BoxTree<2> tree_;  // of the triangles in the plane across `up`
 };
 
-/// A foot contact: frames `first` … `last` (0-based), in which a handle has one position and
-/// rotation.
+/// A foot contact: an interval of frames, `first` … `last` (0-based), in which a handle keeps its
+/// position and rotation.
 struct FootContact {
   int first = 0, last = 0;
   Vec3 at = Vec3::Zero();            ///< position of the centroid of the handle
-  Mat3 rotation = Mat3::Identity();  ///< relative to the first frame of the sequence
+  Mat3 rotation = Mat3::Identity();  ///< rotation from the first frame of the sequence
 };
 
 /// Options of detect_foot_contacts().
 struct FootContactOptions {
-  double max_spread =
-      0;  ///< above 0, model units: largest distance between two centroids within a contact
-  /// Largest displacement between consecutive frames of a contact, in model units per frame.
+  /// Largest distance between two positions of the handle centroid within a contact, model units,
+  /// above 0.
+  double max_spread = 0;
+  /// Largest displacement of the handle centroid between consecutive frames of a contact, in model
+  /// units per frame.
   double speed = std::numeric_limits<double>::infinity();
-  int frames = 3;  ///< minimum length of a contact
+  int frames = 3;  ///< minimum number of frames of a contact
 };
 
-/// Selects the vertices that are lowest along `up` on average over all frames. `fraction`: the
-/// fraction of the vertices to select (at least one vertex), default 0.1. The trajectory of a sole
-/// shows contacts more clearly than that of the whole foot. The result is ascending. Throws
-/// InputError: no vertices, no frames, a vertex out of range. O(frames · vertices).
+/// Selects the vertices with the lowest mean height along `up` over all frames, for example the
+/// sole of a foot, whose trajectory shows contacts more clearly than that of the whole foot. The
+/// result is ascending. `fraction`: fraction of `vertices` that is selected (at least one vertex),
+/// default 0.1. Throws InputError if there are no vertices or no frames, or a vertex is out of
+/// range. O(frames · vertices).
 std::vector<int> lowest_vertices(const std::vector<Points>& frames,
                                  const std::vector<int>& vertices, const Vec3& up,
                                  double fraction = 0.1);
 
-/// Detects foot contacts in a trajectory, in the order of their frames and without overlap. The
-/// longest interval that the options allow is taken first, then the longest on either side of it,
-/// and so on; ties go to the earlier one. Position and rotation are means over the interval. Throws
-/// InputError if an option is not above 0. O(F · frames of the longest contact + F · contacts).
+/// Detects the foot contacts in a trajectory of F frames. The contacts are sorted by frames and do
+/// not overlap. The longest interval that satisfies the options is selected first (ties: earliest
+/// interval), then recursively the longest intervals before and after it. The position and rotation
+/// of a contact are means over its frames. Throws InputError if an option is not above 0. O(F ·
+/// frames of the longest contact + F · contacts).
 std::vector<FootContact> detect_foot_contacts(const Trajectory& trajectory,
                                               const FootContactOptions& options);
 
-/// Applies a rigid motion to position and rotation of a contact; its frames are unchanged.
+/// Applies a rigid motion to the position and rotation of a contact. The frames of the contact are
+/// unchanged.
 FootContact moved(const RigidMotion& motion, const FootContact& contact);
 
-/// How a contact is placed on a terrain.
+/// Pose of a handle on a terrain during a contact.
 struct ContactPose {
   double clearance = 0;  ///< distance of the centroid from the terrain, model units
-  /// true: aligned with the terrain normal, clearance along the normal; false: clearance along up.
+  /// True: the handle is aligned with the terrain normal, and the clearance is measured along this
+  /// normal. False: the handle is not rotated, and the clearance is measured along Terrain::up().
   bool rotations = false;
 };
 
-/// Projects a contact along `up` onto the terrain. If the pose rotates, the smallest rotation from
-/// up to the terrain normal is applied. Throws InputError, whose message begins with `name`, if
-/// there is no terrain.
+/// Projects a contact along Terrain::up() onto the terrain. If ContactPose::rotations is set, the
+/// contact is rotated by the smallest rotation from Terrain::up() to the terrain normal. Throws
+/// InputError if there is no terrain above or below the contact. `name`: first words of the
+/// message.
 FootContact projected(const FootContact& contact, const Terrain& terrain,
                       const ContactPose& contact_pose, const std::string& name);
 
-/// Averages the images of each contact under the motions of its frames: the mean of M_k(at), and of
-/// the rotations M_k.rotation · rotation (by mean_rotation()). `motions`: one per frame. Throws
-/// InputError if a contact is outside these frames.
+/// Moves each contact by the motions M_k of its frames k and averages the results: the new position
+/// is the mean of M_k(at), the new rotation the mean of M_k.rotation · rotation (mean_rotation()).
+/// `motions`: one per frame of the sequence. Throws InputError if a contact is outside these
+/// frames.
 std::vector<FootContact> averaged(const std::vector<FootContact>& foot_contacts,
                                   const std::vector<RigidMotion>& motions);
 
-/// Checks the contacts of one handle. Throws InputError, whose message begins with `name`: last
-/// before first, frames out of range, overlapping contacts with different positions or rotations
-/// (by more than 1e-9 of the largest coordinate, or 1e-9 rad). O(n²).
+/// Checks the n contacts of one handle. Throws InputError if `last` is less than `first`, a frame
+/// is out of range, or overlapping contacts differ in position or rotation (by more than 1e-9 of
+/// the largest coordinate, or 1e-9 rad). `frames`: number of frames of the sequence. `name`: first
+/// words of the message. O(n²).
 void check(const std::vector<FootContact>& foot_contacts, int frames, const std::string& name);
 
-/// Converts contacts to keyframes: one per frame of a contact. The handle moves by the rigid motion
-/// from contact `from` to contact `to`, so its motion within the contact is preserved. The
-/// keyframes are ordered by frame. Throws InputError, whose message begins with `name`, if check()
-/// rejects `to`, or if the frames of `from` and `to` differ.
+/// Converts contacts of one handle to keyframes, one for each frame of a contact, in ascending
+/// order. In the frames of a contact, the handle is moved by the rigid motion from `from` to `to`,
+/// so its motion within the contact is preserved. `from`, `to`: original and new contacts, with the
+/// same frames. `frames`: number of frames of the sequence. `name`: first words of error messages.
+/// Throws InputError if check() rejects `to`, or if the frames of `from` and `to` differ.
 std::vector<HandleKeyframe> keyframes_of(const std::vector<FootContact>& from,
                                          const std::vector<FootContact>& to, int frames,
                                          const std::string& name);

@@ -4,33 +4,36 @@
 
 #include <vector>
 
+#include "batten/fem/curves/cubic.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 #include "batten/mesh/sequence/trajectories/rigid_motion.h"
 
 namespace batten {
 
-/// A C2 curve in the ground plane (through the origin, perpendicular to `up`), parametrised by arc
-/// length s. It is extended by straight lines beyond its ends. Value semantics.
+/// A C2 curve in the ground plane (the plane through the origin perpendicular to `up`),
+/// parametrised by arc length s. The curve is extended by straight lines beyond both ends. It has
+/// value semantics.
 class GroundPath {
  public:
-  /// Interpolates points, projected to the ground, by the cubic spline of least ∫ |x''|² over chord
-  /// length. Throws InputError: fewer than two points, consecutive points with the same projection,
-  /// a coordinate that is not finite, an `up` without direction.
+  /// Interpolates points, projected to the ground plane, by the natural cubic spline over chord
+  /// length, which minimises ∫ |x''|². Throws InputError if there are fewer than two points,
+  /// consecutive points have the same projection, a coordinate is not finite, or `up` is zero.
   static GroundPath through(const std::vector<Vec3>& points, const Vec3& up = Vec3::UnitZ());
-  /// Wraps a curve that already lies in the ground plane. `up`: unit normal of the plane.
+  /// Creates a path from a curve in the ground plane. `up`: unit normal of this plane.
   GroundPath(PiecewiseCubic curve, const Vec3& up);
 
   double length() const { return lengths_.back(); }
   const Vec3& up() const { return up_; }
-  /// Point at arc length s.
+  /// Point of the path at arc length s.
   Vec3 at(double s) const;
-  /// Local frame at arc length s: the columns of `rotation` are tangent, up × tangent, up;
-  /// `translation` is at(s). A Frenet normal would be undefined on straight parts and flip at
-  /// inflections.
+  /// Local coordinate frame at arc length s: the columns of RigidMotion::rotation are the tangent,
+  /// up × tangent and up; RigidMotion::translation is at(s). Unlike the Frenet frame, this frame is
+  /// defined on straight parts and does not flip at inflections.
   RigidMotion frame(double s) const;
-  /// Arc length from the start to curve parameter u, accurate to about 1e-10 of the total length.
+  /// Arc length from the start of the path to the curve parameter u, accurate to about 1e-10 of the
+  /// total length.
   double length_to(double u) const;
-  /// Curve parameter at arc length s; the inverse of length_to().
+  /// Curve parameter at arc length s; this is the inverse of length_to().
   double parameter(double s) const;
 
  private:
@@ -42,33 +45,38 @@ class GroundPath {
 /// Options of fit_path().
 struct PathOptions {
   Vec3 up = Vec3::UnitZ();
-  /// Number of uniform spans of the fitted curve. Sway and bob shorter than two spans are smoothed
-  /// away and so stay in the frames. 0: one span per 30 frames, between 1 and 12.
+  /// Number of uniform spans of the fitted curve; 0: one span per 30 frames, between 1 and 12. The
+  /// path does not follow oscillations (the sway of a walk) that are shorter than two spans; these
+  /// remain motions relative to the path.
   int spans = 0;
 };
 
-/// A path and the arc length of each frame along it.
+/// A path that was fitted to a sequence, and the arc length of each frame along the path.
 struct FittedPath {
   GroundPath path;
   std::vector<double> lengths;
 };
 
-/// Fits a path to the centroids of the frames, projected to the ground. It is a least-squares fit
-/// by uniform cubic B-splines over chord length, at evenly spaced points of the polyline, so that
-/// frames at rest do not get more weight. Throws InputError: fewer than two frames, all centroids
-/// at one ground position, a negative number of spans, an `up` without direction. O(frames +
-/// spans). Source: [Xu2007], section 6.
+/// Fits a path to the frames of a sequence. `centres`: centroid of each frame (F×3); they are
+/// projected to the ground plane and connected by a polyline. The path is a least-squares fit of
+/// this polyline at evenly spaced points by uniform cubic B-splines over chord length, so frames at
+/// rest do not get additional weight. Throws InputError if there are fewer than two frames, all
+/// centroids have the same projection, the number of spans is negative, or `up` is zero. O(frames +
+/// spans). Reference: [Xu2007], section 6.
 FittedPath fit_path(const Points& centres, const PathOptions& options = {});
 
-/// How arc lengths s on the old path (length L) map to s' on the new path (length L').
+/// How an arc length s on the old path (of length L) is mapped to an arc length s' on the new path
+/// (of length L').
 enum class PathLengths {
-  Absolute,   ///< s' = s: steps keep their length; beyond the end the path continues straight
-  Normalised  ///< s' = s L'/L: the whole new path is covered
+  Absolute,   ///< s' = s: steps keep their length; the new path is extended straight if needed
+  Normalised  ///< s' = s L'/L: the frames cover the whole new path
 };
 
-/// Rigid motion of each frame from its local frame on the old path to that on the new path. Offsets
-/// beside and above the path are preserved. Two straight paths on the same line with the same start
-/// give the identity to 1e-12. O(frames).
+/// Rigid motions that move the frames of a sequence from path `from` to path `to`, one per frame.
+/// Each is the motion from the local coordinate frame of the old path to that of the new path (see
+/// GroundPath::frame()), which preserves offsets beside and above the path. If both paths are
+/// straight, on the same line, and have the same start, all motions are the identity to 1e-12.
+/// O(frames).
 std::vector<RigidMotion> path_motions(const FittedPath& from, const GroundPath& to,
                                       PathLengths lengths = PathLengths::Absolute);
 

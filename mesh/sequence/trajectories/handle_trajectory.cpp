@@ -8,6 +8,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 
 namespace batten {

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/core/solvers/band_cholesky.h"
+#include "batten/elements/hermite_segment.h"
 
 namespace batten {
 namespace {
@@ -81,10 +80,11 @@ Combination combination_at(const std::vector<Knot>& knots, KeyframeExtrapolation
     return sum;
   }
   const double length = knots[i + 1].time - knots[i].time, s = (t - knots[i].time) / length;
-  sum.add(i, (1 + 2 * s) * (1 - s) * (1 - s));
-  sum.add(i + 1, s * s * (3 - 2 * s));
-  add_slope(knots, i, ends, length * s * (1 - s) * (1 - s), sum);
-  add_slope(knots, i + 1, ends, -length * s * s * (1 - s), sum);
+  const HermiteSegment::Vector weight = HermiteSegment(length).evaluate(s);
+  sum.add(i, weight[0]);
+  sum.add(i + 1, weight[2]);
+  add_slope(knots, i, ends, weight[1], sum);
+  add_slope(knots, i + 1, ends, weight[3], sum);
   return sum;
 }
 
@@ -251,92 +251,6 @@ std::vector<Mat3> interpolated_rotations(const KeyframeWeights& weights,
     result.push_back(given ? rotations[row.first] : rotation_matrix(log));
   }
   return result;
-}
-
-PiecewiseCubic PiecewiseCubic::through(std::vector<double> knots, const Points& values, Ends ends) {
-  const int n = isize(knots);
-  if (n < 2) return {std::move(knots), values, Points::Zero(n, 3)};
-  // Conditions: continuous second derivatives; zero curvature at natural ends.
-  BandCholesky A;
-  A.reset(n, 1);
-  Points slopes = Points::Zero(n, 3);
-  for (int i = 0; i + 1 < n; ++i) {
-    const double h = knots[i + 1] - knots[i];
-    const Eigen::RowVector3d secant = (values.row(i + 1) - values.row(i)) / h;
-    A.add(i, i, 2 / h);
-    A.add(i + 1, i + 1, 2 / h);
-    A.add(i + 1, i, 1 / h);
-    slopes.row(i) += 3 / h * secant;
-    slopes.row(i + 1) += 3 / h * secant;
-  }
-  if (ends == Ends::Flat) {
-    A.fix(0, Vec3::Zero(), slopes);
-    A.fix(n - 1, Vec3::Zero(), slopes);
-  }
-  if (!A.factorize()) throw std::logic_error("the knots of a curve must increase");
-  A.solve(slopes);
-  return {std::move(knots), values, slopes};
-}
-
-PiecewiseCubic PiecewiseCubic::fitted(const std::vector<double>& u, const Points& values,
-                                      int spans) {
-  const double first = u.front(), h = (u.back() - first) / spans;
-  // Fit the difference to the line between the ends, so that straight lines are reproduced to
-  // rounding.
-  const Eigen::RowVector3d start = values.row(0),
-                           rise = (values.row(values.rows() - 1) - start) / (u.back() - first);
-  BandCholesky A;
-  A.reset(spans + 3, 3);
-  Points poles = Points::Zero(spans + 3, 3);
-  for (int k = 0; k < isize(u); ++k) {
-    const int piece = std::clamp(static_cast<int>((u[k] - first) / h), 0, spans - 1);
-    const double s = (u[k] - first) / h - piece, r = 1 - s;
-    const std::array<double, 4> basis = {r * r * r / 6, (3 * s * s * s - 6 * s * s + 4) / 6,
-                                         (3 * r * r * r - 6 * r * r + 4) / 6, s * s * s / 6};
-    const Eigen::RowVector3d off = values.row(k) - start - (u[k] - first) * rise;
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j <= i; ++j) A.add(piece + i, piece + j, basis[i] * basis[j]);
-      poles.row(piece + i) += basis[i] * off;
-    }
-  }
-  if (!A.factorize()) throw std::logic_error("too few values to fit a curve");
-  A.solve(poles);
-  std::vector<double> knots(spans + 1);
-  Points at(spans + 1, 3), slopes(spans + 1, 3);
-  for (int i = 0; i <= spans; ++i) {
-    knots[i] = i < spans ? first + i * h : u.back();
-    at.row(i) = start + (knots[i] - first) * rise +
-                (poles.row(i) + 4 * poles.row(i + 1) + poles.row(i + 2)) / 6;
-    slopes.row(i) = rise + (poles.row(i + 2) - poles.row(i)) / (2 * h);
-  }
-  return {std::move(knots), at, slopes};
-}
-
-int PiecewiseCubic::piece(double u) const {
-  const auto after = std::upper_bound(knots_.begin(), knots_.end(), u);
-  return std::clamp(static_cast<int>(after - knots_.begin()) - 1, 0,
-                    std::max(isize(knots_) - 2, 0));
-}
-
-Vec3 PiecewiseCubic::at(double u) const {
-  const int last = isize(knots_) - 1;
-  for (const int end : {0, last})
-    if (end == 0 ? u <= knots_[0] : u >= knots_[last])
-      return values_.row(end) + (u - knots_[end]) * slopes_.row(end);
-  const int i = piece(u);
-  const double h = knots_[i + 1] - knots_[i], s = (u - knots_[i]) / h, r = 1 - s;
-  return values_.row(i) + s * s * (3 - 2 * s) * (values_.row(i + 1) - values_.row(i)) +
-         h * s * r * (r * slopes_.row(i) - s * slopes_.row(i + 1));
-}
-
-Vec3 PiecewiseCubic::slope(double u) const {
-  const int last = isize(knots_) - 1;
-  if (u <= knots_[0]) return slopes_.row(0);
-  if (u >= knots_[last]) return slopes_.row(last);
-  const int i = piece(u);
-  const double h = knots_[i + 1] - knots_[i], s = (u - knots_[i]) / h, r = 1 - s;
-  return 6 * s * r / h * (values_.row(i + 1) - values_.row(i)) + r * (r - 2 * s) * slopes_.row(i) +
-         s * (s - 2 * r) * slopes_.row(i + 1);
 }
 
 }  // namespace batten

@@ -7,7 +7,7 @@
 
 namespace batten {
 
-/// Rigid motion p → rotation · p + translation, det rotation = +1.
+/// Rigid motion p → rotation · p + translation, with det(rotation) = +1.
 struct RigidMotion {
   Mat3 rotation = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
@@ -23,47 +23,49 @@ struct RigidMotion {
   }
 };
 
-/// Composition: first `b`, then `a`.
+/// Composition of two rigid motions: p → a(b(p)).
 inline RigidMotion operator*(const RigidMotion& a, const RigidMotion& b) {
   return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
 }
 
-/// Applies a motion to all points (n×3). O(points).
+/// Applies a rigid motion to all points (n×3). O(n).
 inline Points moved(const RigidMotion& motion, const Points& points) {
   Points result = points * motion.rotation.transpose();
   result.rowwise() += motion.translation.transpose();
   return result;
 }
 
-/// Centroid of some vertices of a frame; zero if there are none. Summed relative to the first
-/// vertex, since sums far from the origin lose digits.
+/// Centroid of the given vertices of a frame p (n×3); zero if `vertices` is empty. The sum is
+/// computed relative to the first vertex, since sums far from the origin lose digits.
 Vec3 centroid(const Points& p, const std::vector<int>& vertices);
 
-/// Centroid and rotation of a group of vertices in each of F frames.
+/// Trajectory of a group of vertices: its centroid and rotation in each of F frames.
 struct Trajectory {
-  Points centres;  ///< F×3
-  /// F rotations, relative to the first frame, where it is the identity.
+  Points centres;  ///< centroid in each frame, F×3
+  /// Rotation from the first frame to each of the F frames; the first one is the identity.
   std::vector<Mat3> rotations;
 
   int frame_count() const { return static_cast<int>(centres.rows()); }
 };
 
-/// Computes the trajectory of a group of vertices: centroids, and best rotations from the first
-/// frame (least squares, fit_similarity() with scale 1). Collinear vertices get the smallest
-/// rotation that fits, a single vertex the identity. Throws InputError: no vertices, a vertex out
-/// of range. O(frames · vertices).
+/// Computes the trajectory of a group of vertices: centroids, and least-squares rotations from the
+/// first frame (fit_similarity() with scale 1). For collinear vertices, the rotation is the
+/// smallest one that fits; for a single vertex, it is the identity. Throws InputError if there are
+/// no vertices or a vertex is out of range. O(frames · vertices).
 Trajectory trajectory_of(const std::vector<Points>& frames, const std::vector<int>& vertices);
 
-/// Trajectory of the mean of all nodes, without rotations: the root of a sequence. O(frames ·
-/// nodes).
+/// Root trajectory of a sequence: the trajectory of the centroid of all nodes, with identity
+/// rotations. O(frames · nodes).
 Trajectory root_trajectory(const std::vector<Points>& frames);
 
-/// Applies one motion M_k per frame to a trajectory: centres M_k c_k, rotations M_k R_k. Throws
-/// InputError if the numbers of motions and frames differ.
+/// Applies one rigid motion M_k per frame k to a trajectory with centres c_k and rotations R_k. The
+/// new centres are M_k(c_k), the new rotations M_k.rotation · R_k. Throws InputError if the numbers
+/// of motions and frames differ.
 Trajectory moved(const std::vector<RigidMotion>& motions, const Trajectory& trajectory);
 
-/// Rigid motion of each frame that takes trajectory `from` to trajectory `to`: rotation R'_k R_kᵀ
-/// about c_k, which moves to c'_k. Throws InputError if the numbers of frames differ.
+/// Rigid motions that move trajectory `from` to trajectory `to`, one per frame k. Each motion
+/// rotates by R'_k R_kᵀ and moves the centre c_k to c'_k, where c_k, R_k belong to `from` and c'_k,
+/// R'_k to `to`. Throws InputError if the numbers of frames differ.
 std::vector<RigidMotion> motions_between(const Trajectory& from, const Trajectory& to);
 
 }  // namespace batten

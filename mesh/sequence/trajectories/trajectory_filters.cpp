@@ -6,6 +6,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/fem/curves/cubic.h"
 #include "batten/mesh/sequence/trajectories/keyframe_weights.h"
 
 namespace batten {
@@ -25,7 +26,7 @@ std::vector<double> filter_weights(const std::vector<FootContact>& foot_contacts
     for (const FootContact& f : foot_contacts) {
       const int away = std::max({f.first - k, k - f.last, 0});
       const double t = std::min(1.0, away / (blend + 1.0));
-      weight[k] = std::min(weight[k], t * t * (3 - 2 * t));
+      weight[k] = std::min(weight[k], smooth_step(t));
     }
   return weight;
 }

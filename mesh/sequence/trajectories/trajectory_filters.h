@@ -1,4 +1,4 @@
-// Temporal filters for handle trajectories, applied relative to the parent of each handle.
+// Temporal filters for trajectories of handles, applied relative to the parent handles.
 #pragma once
 
 #include <string>
@@ -12,46 +12,50 @@ namespace batten {
 
 // Linear filters of signals over frames.
 
-/// Extension of a signal beyond its ends.
+/// Extension of a signal x_k beyond its ends, for filters. The formulas hold for the start.
 enum class Padding {
-  Even,  ///< x_{-j} = x_j
-  Odd    ///< x_{-j} = 2 x_0 - x_j: uniform motion is preserved
+  Even,  ///< mirrored, x_{-j} = x_j
+  Odd    ///< mirrored through the end point, x_{-j} = 2 x_0 - x_j: preserves uniform motion
 };
 
-/// A symmetric finite impulse response (FIR) filter. It is written with differences, so that a
-/// constant signal is multiplied by exactly `sum`:
+/// A symmetric finite impulse response (FIR) filter, which maps a signal x_k to
 ///
 ///     y_k = sum x_k + Σ_{j≥1} h_j (x_{k+j} - 2 x_k + x_{k-j})
 ///
-/// Frames count as equally spaced in time; sigma is in frames. Kernels are sampled up to 7 sigma.
+/// with the taps h_j. A constant signal is multiplied by exactly `sum`. Frames are assumed to be
+/// equally spaced in time; `sigma` (σ) is in frames. Gaussian kernels are sampled up to 7σ.
 class SignalFilter {
  public:
   SignalFilter(double sum, std::vector<double> taps);  ///< taps: h_1, h_2, …
 
-  /// Gaussian low-pass filter; response exp(-σ²ω²/2). Throws InputError unless 0 < σ ≤ 1e5, like
-  /// high_pass() and cartoon().
+  /// Gaussian low-pass filter with the frequency response exp(-σ²ω²/2). Throws InputError unless
+  /// 0 < σ ≤ 1e5.
   static SignalFilter low_pass(double sigma);
-  /// Signal minus low_pass(); response 1 - exp(-σ²ω²/2).
+  /// High-pass filter: the signal minus the result of low_pass(). The frequency response is
+  /// 1 - exp(-σ²ω²/2). Throws InputError unless 0 < σ ≤ 1e5.
   static SignalFilter high_pass(double sigma);
-  /// Cartoon filter [Wang2006], x - amount σ² x ∗ LoG: it exaggerates motion (follow-through) and
-  /// adds anticipation. LoG is the second derivative of the Gaussian; its central sample is set so
-  /// that it sums to zero. Response 1 + amount σ²ω² exp(-σ²ω²/2), at most 1 + 0.74 amount, at ω =
-  /// √2/σ. The amount in formula (7) of the paper is 1/σ².
+  /// Cartoon filter [Wang2006], x - amount σ² x ∗ LoG. It exaggerates motion (follow-through) and
+  /// adds anticipation. LoG is the second derivative of the Gaussian, with a central sample such
+  /// that all samples sum to zero. The frequency response is 1 + amount σ²ω² exp(-σ²ω²/2); its
+  /// maximum is
+  /// 1 + 0.74 amount at ω = √2/σ. Formula (7) of the paper corresponds to amount = 1/σ². Throws
+  /// InputError unless 0 < σ ≤ 1e5.
   static SignalFilter cartoon(double sigma, double amount = 1);
 
-  /// Frequency response: the factor of cos(ωk + φ) away from the ends, sum + 2 Σ h_j (cos ωj - 1).
-  /// ω in radians per frame, up to π.
+  /// Frequency response sum + 2 Σ h_j (cos ωj - 1): the factor by which the filter multiplies the
+  /// signal cos(ωk + φ), except near the ends. `omega`: ω in radians per frame, from 0 to π.
   double response(double omega) const;
 
-  /// Filters a signal with one row per frame. O(frames · taps).
+  /// Filters a signal with three components, one row per frame. O(frames · taps).
   Points operator()(const Points& signal, Padding padding = Padding::Even) const;
-  /// Filters rotations by logarithms relative to each frame,
+  /// Filters a sequence of rotations R_k, using the logarithms of the rotations relative to frame
+  /// k:
   ///
   ///     R'_k = R_k^sum exp( Σ_{j≥1} h_j (log R_kᵀR_{k+j} + log R_kᵀR_{k-j}) )
   ///
-  /// The logarithms are followed outwards from frame k (see nearest_log()), so full turns cause no
-  /// jumps. For rotations about one axis this filters the angles. With odd padding, R_{-j} = R_0
-  /// R_jᵀ R_0.
+  /// The logarithms are continuous from frame to frame, starting at frame k (see nearest_log()), so
+  /// they do not jump at full turns. For rotations about a common axis, the filter is applied to
+  /// the angles. With Padding::Odd, R_{-j} = R_0 R_jᵀ R_0.
   std::vector<Mat3> operator()(const std::vector<Mat3>& rotations,
                                Padding padding = Padding::Even) const;
 
@@ -60,17 +64,19 @@ class SignalFilter {
   std::vector<double> taps_;
 };
 
-/// Expresses a trajectory relative to its parent: centres Rᵀ (c - c_parent), rotations Rᵀ R_child,
-/// with R the rotation of the parent. Throws InputError if the numbers of frames differ.
+/// Expresses the trajectory of a handle relative to that of its parent. The relative centres are Rᵀ
+/// (c_child - c_parent), the relative rotations Rᵀ R_child, where R is the rotation of the parent.
+/// Throws InputError if the numbers of frames differ.
 Trajectory relative(const Trajectory& child, const Trajectory& parent);
-/// The inverse of relative(): composes a relative trajectory with its parent.
+/// Composes a relative trajectory with the trajectory of the parent; this is the inverse of
+/// relative().
 Trajectory composed(const Trajectory& relative, const Trajectory& parent);
 
-/// A handle to be filtered.
+/// A handle whose trajectory is filtered by filtered().
 struct FilteredHandle {
   std::string name;
   Trajectory trajectory;
-  int parent = -1;  ///< index of the parent handle; -1: the root
+  int parent = -1;  ///< index of the parent handle; -1: the parent is the root
   /// Contacts during which the handle is not filtered.
   std::vector<FootContact> foot_contacts;
 };
@@ -78,8 +84,9 @@ struct FilteredHandle {
 /// Options of filtered().
 struct FilterOptions {
   Padding padding = Padding::Even;
-  bool rotations = true;  ///< filter rotations as well as centres
-  int blend = 5;          ///< number of frames beside a contact over which the filter is blended in
+  bool rotations = true;  ///< true: filters centres and rotations; false: centres only
+  /// Number of frames before and after a contact over which the filter is blended in.
+  int blend = 5;
 };
 
 /// Filtered trajectories of the root and of all handles.
@@ -88,18 +95,19 @@ struct FilteredTrajectories {
   std::vector<Trajectory> handles;
 };
 
-/// Filters the trajectories of a hierarchy of handles. The root is the centroid of the whole mesh;
-/// it is filtered without rotation if its rotations are the identity. Each handle is filtered
-/// relative to its parent and then recomposed from the root down, so children follow the filtered
-/// motion of their parents.
+/// Filters the trajectories of a hierarchy of handles. The trajectory of each handle is filtered
+/// relative to that of its parent. The results are then composed from the root down, so children
+/// follow the filtered motion of their parents. `root`: trajectory of the root of the hierarchy,
+/// usually the centroid of the whole mesh (root_trajectory()).
 ///
-/// During foot contacts a handle keeps its original pose. Over `blend` frames beside them, absolute
-/// position and rotation are blended to the filtered ones by b = 3τ² - 2τ³ (rotations: R (Rᵀ
-/// R')^b).
+/// During foot contacts, a handle keeps its original pose. Over FilterOptions::blend frames before
+/// and after a contact, the absolute position and rotation R are blended into the filtered ones
+/// (rotation R') with the weight b = 3τ² - 2τ³, where τ increases from 0 at the contact to 1. The
+/// blended rotation is R (Rᵀ R')^b.
 ///
-/// Throws InputError, naming the handle: a parent that does not exist, a cycle of parents, a number
-/// of frames that differs from the root, foot contacts that check() rejects. O(handles · frames ·
-/// taps). Source: [Xu2007], section 6.
+/// Throws InputError if a parent does not exist, parents form a cycle, a handle has a different
+/// number of frames than the root, or check() rejects the foot contacts. The message names the
+/// handle. O(handles · frames · taps). Reference: [Xu2007], section 6.
 FilteredTrajectories filtered(const Trajectory& root, const std::vector<FilteredHandle>& handles,
                               const SignalFilter& filter, const FilterOptions& options = {});
 

@@ -25,7 +25,7 @@
 
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/cad_writer.h"
-#include "batten/io/files/sandboxed_read.h"
+#include "batten/io/files/input_file.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"
 

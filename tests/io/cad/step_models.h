@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "batten/fairing/curves/curve_through_points.h"
-#include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/surfaces/skin_network.h"
@@ -104,11 +103,11 @@ inline RegionSearchOptions region_specs(
     const std::vector<std::vector<std::vector<std::string>>>& regions) {
   RegionSearchOptions options;
   for (const auto& loops : regions) {
-    RegionSpec word;
-    word.name = "r" + std::to_string(options.specs.size());
-    word.loops = loops;
-    word.annulus = loops.size() == 2;
-    options.specs.push_back(word);
+    RegionSpec spec;
+    spec.name = "r" + std::to_string(options.specs.size());
+    spec.loops = loops;
+    spec.annulus = loops.size() == 2;
+    options.specs.push_back(spec);
   }
   return options;
 }

@@ -137,8 +137,8 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
   const fs::path first = written(folder / "mm.step", part);
   const auto reference = read_cad_lines(first, 1e-3);
   for (const std::string ending : {".step", ".iges"})
-    for (const auto& [word, metres] : {std::pair("m", 1.0), std::pair("in", 0.0254)}) {
-      const fs::path file = folder / (std::string(word) + ending);
+    for (const auto& [unit, metres] : {std::pair("m", 1.0), std::pair("in", 0.0254)}) {
+      const fs::path file = folder / (std::string(unit) + ending);
       INFO(file);
       CadConvertOptions options;
       options.unit_in_metres = metres;
@@ -146,7 +146,7 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
       CHECK(c.after.unit_in_metres == Approx(metres).epsilon(1e-12));
       CHECK(c.after.unit_stated);
       check_same(c.before, c.after);
-      CHECK(format_unit(c.after.unit_in_metres) == word);
+      CHECK(format_unit(c.after.unit_in_metres) == unit);
       const auto lines = read_cad_lines(file, 1e-3);
       REQUIRE(lines.size() >= reference.size());
       double largest = 0;
@@ -161,7 +161,7 @@ TEST_CASE("the same part in mm, m and inches has the same geometry, and files de
       CHECK(largest < 1e-7);
       // And written directly in that unit.
       const CadContents direct = read_cad_contents(
-          written(folder / (std::string("direct_") + word + ending), part, metres));
+          written(folder / (std::string("direct_") + unit + ending), part, metres));
       CHECK(direct.size == Approx(c.after.size).epsilon(1e-9));
     }
 }

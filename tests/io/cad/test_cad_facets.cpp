@@ -193,15 +193,15 @@ TEST_CASE("glTF has a mesh for each product, its colours, metres, and no cracks"
     std::ostringstream bytes;
     bytes << std::ifstream(folder / "a.glb", std::ios::binary).rdbuf();
     const std::string text = bytes.str();
-    const auto word = [&](size_t at) {
+    const auto uint32_at = [&](size_t at) {
       std::uint32_t value;
       std::memcpy(&value, text.data() + at, 4);
       return value;
     };
     REQUIRE(text.size() > 20);
     REQUIRE(text.substr(0, 4) == "glTF");
-    const auto json = nlohmann::json::parse(text.substr(20, word(12)));
-    const size_t binary = 20 + word(12) + 8;
+    const auto json = nlohmann::json::parse(text.substr(20, uint32_at(12)));
+    const size_t binary = 20 + uint32_at(12) + 8;
     if (ending == ".step") {
       CHECK(json["meshes"][0]["name"] == "block");
       CHECK(json["materials"].size() == 2);  // red and green

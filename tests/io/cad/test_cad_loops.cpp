@@ -1,5 +1,4 @@
 // The boundary curves of faces of CAD files, and creases inside faces.
-#include "batten/io/lines/cad_face_topology.h"
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <Geom_BSplineSurface.hxx>

@@ -134,10 +134,10 @@ std::vector<CharacterLine> house(double height) {
 RegionSearchOptions surfaces(const std::vector<std::vector<std::string>>& loops) {
   RegionSearchOptions options;
   for (const auto& loop : loops) {
-    RegionSpec word;
-    word.name = "cut " + std::to_string(options.specs.size() + 1);
-    word.loops = {loop};
-    options.specs.push_back(word);
+    RegionSpec spec;
+    spec.name = "cut " + std::to_string(options.specs.size() + 1);
+    spec.loops = {loop};
+    options.specs.push_back(spec);
   }
   return options;
 }
@@ -213,10 +213,10 @@ TEST_CASE("a box with a hole through it is exact but for the two sides with the 
   RegionSearchOptions specs = region_specs({{{"low"}, {"high"}}});
   for (const auto& [outline, hole] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"x0", "x1", "y0", "y2"}, "low"}, {{"x2", "x3", "y1", "y3"}, "high"}}) {
-    RegionSpec word;
-    word.name = "side " + hole;
-    word.loops = {outline, {hole}};
-    specs.specs.push_back(word);
+    RegionSpec spec;
+    spec.name = "side " + hole;
+    spec.loops = {outline, {hole}};
+    specs.specs.push_back(spec);
   }
   const BuiltModel made = build_model(lines, specs, 4);
   for (const ModelRegion& region : made.model.regions) {

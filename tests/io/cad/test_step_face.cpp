@@ -22,7 +22,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/fem/curves/bicubic_patch.h"
-#include "batten/fem/curves/spline_axis.h"
+#include "batten/fem/curves/bspline.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
@@ -446,8 +446,8 @@ TEST_CASE("A file claims no more than readers see, who would compute its borders
     write_step_faces(file, {&region}, 1, {.tolerance = 1e-8 * scale});
     std::ifstream in(file);
     std::string all{std::istreambuf_iterator<char>(in), {}};
-    const std::string word = "LENGTH_MEASURE(";
-    return std::stod(all.substr(all.find(word) + word.size()));
+    const std::string entity = "LENGTH_MEASURE(";
+    return std::stod(all.substr(all.find(entity) + entity.size()));
   };
   CHECK(claimed(1) >= 1e-7);
   CHECK(claimed(1e-3) <= 2e-8);  // a tiny model: 1e-5 of its size

@@ -23,10 +23,10 @@ std::vector<CubicSpline> splines_of(const BuiltModel& made) {
   return splines;
 }
 
-StepReport written(const BuiltModel& made, const fs::path& file, const StepFileOptions& words,
-                   double unit) {
+StepReport written(const BuiltModel& made, const fs::path& file,
+                   const StepFileOptions& file_options, double unit) {
   StepFaceOptions options;
-  options.file = words;
+  options.file = file_options;
   options.tolerance = 1e-3;
   return write_step_faces(file, made.model.skinned(), unit, options);
 }
@@ -38,12 +38,12 @@ TEST_CASE("a STEP file contains curves beside the same faces, in any schema and 
   const fs::path folder = scratch("step_lines");
   const double unit = GENERATE(1e-3, 0.0254);
   const BuiltModel made = build_model(box({4, 3, 2}), {}, 1);
-  StepFileOptions words;
-  words.name = "box";
-  const StepReport plain = written(made, folder / "plain.step", words, unit);
-  words.lines = splines_of(made);
-  words.ap242 = true;
-  const StepReport r = written(made, folder / "lines.step", words, unit);
+  StepFileOptions file_options;
+  file_options.name = "box";
+  const StepReport plain = written(made, folder / "plain.step", file_options, unit);
+  file_options.lines = splines_of(made);
+  file_options.ap242 = true;
+  const StepReport r = written(made, folder / "lines.step", file_options, unit);
   CHECK(plain.curves == 0);
   CHECK(r.curves == 12);
   CHECK(r.valid);
@@ -73,7 +73,7 @@ TEST_CASE("a STEP file contains curves beside the same faces, in any schema and 
   // The curves are the input splines, with their names.
   int found = 0;
   for (const CharacterLine& line : read_cad_lines(folder / "lines.step", unit))
-    for (const CubicSpline& spline : words.lines) {
+    for (const CubicSpline& spline : file_options.lines) {
       if (line.name != spline.name) continue;
       ++found;
       CHECK((line.curve->evaluate(line.curve->start()) - spline.poles.front()).norm() < 1e-12);
@@ -91,10 +91,10 @@ TEST_CASE("Gmsh meshes the faces of a file with curves as it does without", "[io
   }
   const fs::path folder = scratch("step_lines_gmsh");
   const BuiltModel made = build_model(box({4, 3, 2}), {}, 1);
-  StepFileOptions words;
-  words.lines = splines_of(made);
+  StepFileOptions file_options;
+  file_options.lines = splines_of(made);
   const fs::path file = folder / "lines.step";
-  written(made, file, words, 1e-3);
+  written(made, file, file_options, 1e-3);
   CHECK(std::system(("/usr/bin/python3 '" BATTEN_SOURCE_DIR "/tests/io/cad/gmsh_opens_step.py' '" +
                      file.string() + "' > /dev/null")
                         .c_str()) == 0);

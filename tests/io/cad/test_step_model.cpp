@@ -46,10 +46,10 @@ TEST_CASE("a box of twelve curves is one solid whose faces share the twelve edge
 
 TEST_CASE("without its lid a box is an open shell with four free edges", "[io][step]") {
   RegionSearchOptions regions;
-  RegionSpec word;
-  word.kind = RegionSpec::Kind::NoSurface;
-  word.loops = {{"x2", "x3", "y1", "y3"}};  // z = 20
-  regions.specs.push_back(word);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::NoSurface;
+  spec.loops = {{"x2", "x3", "y1", "y3"}};  // z = 20
+  regions.specs.push_back(spec);
   const BuiltModel made = build_model(box({40, 30, 20}), regions);
   const StepReport r = written(made, "open_box", 1e-3);
   CHECK(r.valid);
@@ -67,10 +67,10 @@ TEST_CASE("a solid beside an open shell is measured face by face in both forms",
   std::vector<CharacterLine> lines = box({40, 30, 20}, "a_");
   for (const CharacterLine& line : box({10, 10, 10}, "", {100, 0, 0})) lines.push_back(line);
   RegionSearchOptions regions;
-  RegionSpec word;
-  word.kind = RegionSpec::Kind::NoSurface;
-  word.loops = {{"a_x2", "a_x3", "a_y1", "a_y3"}};
-  regions.specs.push_back(word);
+  RegionSpec spec;
+  spec.kind = RegionSpec::Kind::NoSurface;
+  spec.loops = {{"a_x2", "a_x3", "a_y1", "a_y3"}};
+  regions.specs.push_back(spec);
   const BuiltModel made = build_model(lines, regions, 40);
   REQUIRE(made.model.shells.size() == 2);
   CHECK_FALSE(made.model.shells[0].closed);

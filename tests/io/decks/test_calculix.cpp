@@ -1,6 +1,6 @@
 // CalculiX decks represent the surface, ccx runs them unchanged, and their plates agree with plate
 // theory.
-#include "batten/io/decks/shell_deck.h"
+#include "batten/io/decks/calculix_decks.h"
 
 #include <Eigen/Geometry>
 #include <array>

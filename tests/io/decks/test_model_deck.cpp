@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "batten/core/errors.h"
-#include "batten/io/decks/shell_deck.h"
-#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/decks/calculix_decks.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/scene/scene.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/domains/mesher.h"

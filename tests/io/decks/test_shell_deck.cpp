@@ -1,5 +1,5 @@
 // Decks for frequencies keep the mesh unchanged, and ccx gives the frequencies of plates.
-#include "batten/io/decks/modal_deck.h"
+#include "batten/io/decks/calculix_decks.h"
 
 #include <array>
 #include <cmath>
@@ -99,10 +99,10 @@ std::vector<double> frequencies(const fs::path& deck) {
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) output += static_cast<char>(c);
   REQUIRE(pclose(pipe) == 0);
   std::vector<double> found;
-  std::istringstream words(output);
-  for (size_t mode; words >> mode;) {
+  std::istringstream tokens(output);
+  for (size_t mode; tokens >> mode;) {
     REQUIRE(mode == found.size() + 1);
-    words >> found.emplace_back();
+    tokens >> found.emplace_back();
   }
   return found;
 }

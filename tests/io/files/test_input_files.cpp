@@ -11,10 +11,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
-#include "batten/io/files/sandboxed_read.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/io/lines/drawing.h"
-#include "batten/io/lines/point_lines.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

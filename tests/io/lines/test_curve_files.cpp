@@ -14,7 +14,6 @@
 
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/lines/cad_lines.h"
-#include "batten/io/lines/point_lines.h"
 #include "batten/io/pictures/comb_pictures.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
@@ -82,7 +81,7 @@ bool has_python(const std::string& module) {
   return false;
 }
 
-/// Output of a script to `out`, one number per word (OpenCASCADE prints to the standard output).
+/// Output of a script to `out`, one number per token (OpenCASCADE prints to the standard output).
 std::vector<double> numbers_of(const std::string& script, const fs::path& folder) {
   std::ofstream(folder / "script.py") << "out = open('numbers', 'w')\n" << script;
   const auto out = folder / "numbers";
@@ -318,12 +317,12 @@ TEST_CASE("curvature combs are drawn, the same each time, and nothing without a 
   };
   // The size is in bytes 16 to 23 of the header.
   const auto size_of = [](const std::string& png) {
-    const auto word = [&](size_t at) {
+    const auto uint32_at = [&](size_t at) {
       int value = 0;
       for (size_t i = at; i < at + 4; ++i) value = 256 * value + static_cast<unsigned char>(png[i]);
       return value;
     };
-    return std::pair(word(16), word(20));
+    return std::pair(uint32_at(16), uint32_at(20));
   };
   const std::string a = bytes("a.png");
   CHECK(a.size() > 20000);

@@ -1,5 +1,5 @@
 // Point files give the same result in all dialects, and every error message contains its position.
-#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/curve_files.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,10 +1,10 @@
 // Sketch graphs become curves with all segments unchanged.
-#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/lines/drawing.h"
 
 #include <filesystem>
 #include <fstream>
 
-#include "batten/io/lines/point_lines.h"
+#include "batten/io/lines/curve_files.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 

@@ -159,7 +159,7 @@ TEST_CASE("unchanged nodes keep every byte of a text file", "[io][meshes]") {
 }
 
 TEST_CASE("free text takes every digit, and only coordinates change", "[io][meshes]") {
-  // Differing words must be coordinates.
+  // Differing tokens must be coordinates.
   const auto check = [](const std::string& name, const std::string& text, auto&& is_coordinate) {
     const auto path = file_with(name, text);
     const MeshFile file = MeshFile::read(path);
@@ -169,27 +169,27 @@ TEST_CASE("free text takes every digit, and only coordinates change", "[io][mesh
     for (size_t i = 0; i < before.size(); ++i) {
       std::istringstream a(before[i]), b(after[i]);
       std::string x, y;
-      for (int word = 0; a >> x; ++word) {
+      for (int token = 0; a >> x; ++token) {
         REQUIRE(b >> y);
         INFO(before[i] << " became " << after[i]);
-        CHECK((x == y || is_coordinate(before[i], word)));
+        CHECK((x == y || is_coordinate(before[i], token)));
       }
       CHECK_FALSE(b >> y);
     }
   };
-  check("w.obj", kObj, [](const std::string& line, int word) {
-    return (line.starts_with("v ") && word >= 1 && word <= 3) || line == "  0.5e0";
+  check("w.obj", kObj, [](const std::string& line, int token) {
+    return (line.starts_with("v ") && token >= 1 && token <= 3) || line == "  0.5e0";
   });
-  check("w.off", kOff, [](const std::string& line, int word) {
-    return !line.starts_with("#") && line.find("OFF") == line.npos && word < 3;
+  check("w.off", kOff, [](const std::string& line, int token) {
+    return !line.starts_with("#") && line.find("OFF") == line.npos && token < 3;
   });
   check("w.ply", kPly,
-        [](const std::string&, int word) { return word == 0 || word == 2 || word == 3; });
-  check("w.stl", kStl, [](const std::string& line, int word) {
-    return (line.find("vertex") < line.npos && word > 0) ||
-           (line.find("normal") < line.npos && word > 1);
+        [](const std::string&, int token) { return token == 0 || token == 2 || token == 3; });
+  check("w.stl", kStl, [](const std::string& line, int token) {
+    return (line.find("vertex") < line.npos && token > 0) ||
+           (line.find("normal") < line.npos && token > 1);
   });
-  // One coordinate of one node: one word.
+  // One coordinate of one node: one token.
   const auto path = file_with("one.obj", kObj);
   Points points = MeshFile::read(path).shells().points;
   points(1, 1) = 0.1;

@@ -1,5 +1,4 @@
 // Scenes of networks: their interpretation, and messages for errors.
-#include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -7,9 +7,8 @@
 
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
-#include "batten/io/scene/read_scene.h"
-#include "batten/io/scene/renamed_keys.h"
 #include "batten/io/scene/scene.h"
+#include "batten/io/scene/scene_parsing.h"
 #include "batten/io/scene/sequence_scene.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -5,7 +5,6 @@
 
 #include "batten/io/files/text.h"
 #include "batten/io/report/report.h"
-#include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/tests/support/catch.h"
 

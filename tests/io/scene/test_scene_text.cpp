@@ -1,5 +1,5 @@
 // Edits of a scene's text: the edited values change, and no other character.
-#include "batten/io/scene/read_scene.h"
+#include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/tests/support/catch.h"
 
@@ -121,7 +121,7 @@ TEST_CASE("a parameter's value reads back with the same bits", "[io][scene]") {
   CHECK(read.skin.material.alpha(0, 0) == 0.25);
   CHECK(read.skin.material.beta[1] == 9);
   CHECK_THROWS_AS(scene.set_parameter("swel", 1), InputError);
-  CHECK_THROWS_AS(SceneText::word(std::numeric_limits<double>::quiet_NaN()), InputError);
+  CHECK_THROWS_AS(SceneText::toml_value(std::numeric_limits<double>::quiet_NaN()), InputError);
 }
 
 TEST_CASE("tables in braces are edited in place", "[io][scene]") {

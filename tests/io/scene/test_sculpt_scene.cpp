@@ -2,7 +2,6 @@
 // in them.
 #include <cmath>
 
-#include "batten/io/scene/read_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"

@@ -1,7 +1,7 @@
 // Whole models in a session: the mouse of the examples, and real sketches.
 #include <cstdio>
 
-#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/mouse_model.h"
 #include "batten/tests/support/random_sculptor.h"

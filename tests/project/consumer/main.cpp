@@ -1,5 +1,5 @@
 // Skins three straight curves with the installed package: the result is the flat triangle.
-#include <batten/sculpting/statics/static_sculpt.h>
+#include <batten/sculpting/session/sculpting_session.h>
 #include <batten/skinning/region/skinned_region.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Curves through the vertices of a mesh, faired and shaped by loads.
-#include "batten/sculpting/curves/sculpted_curve.h"
+#include "batten/sculpting/curves/deformable_curve.h"
 
 #include <cmath>
 #include <numbers>

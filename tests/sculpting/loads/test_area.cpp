@@ -1,5 +1,6 @@
 #include "batten/fem/surface_assembler.h"
-#include "batten/sculpting/loads/area_weights.h"
+#include "batten/sculpting/loads/loads.h"
+#include "batten/skinning/model/model_layout.h"
 
 #include <cmath>
 

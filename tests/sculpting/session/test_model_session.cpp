@@ -3,7 +3,7 @@
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/fem/surface_assembler.h"
-#include "batten/sculpting/statics/static_sculpt.h"
+#include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/kkt_solver.h"

@@ -21,7 +21,7 @@
 #include "batten/tests/support/sketch_segments.h"
 #endif
 #if BATTEN_TEST_IO
-#include "batten/io/lines/sketch_graph.h"
+#include "batten/io/lines/drawing.h"
 #endif
 
 using namespace batten_test;

@@ -2,7 +2,7 @@
 // at gaps.
 #include <cmath>
 
-#include "batten/skinning/model/gap_refinement.h"
+#include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/shapes/fair_shape.h"
 #include "batten/skinning/surfaces/build_model.h"

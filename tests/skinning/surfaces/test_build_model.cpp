@@ -5,7 +5,8 @@
 #include <numbers>
 
 #include "batten/fairing/curves/primitive_curves.h"
-#include "batten/skinning/surfaces/model_curves.h"
+#include "batten/skinning/surfaces/section_region.h"
+#include "batten/skinning/surfaces/surface_model.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sample_lines.h"
@@ -114,4 +115,33 @@ TEST_CASE("the curves of a model merge the edges of the network that continue ea
   const BuiltModel box = build_model(box_lines(Vec3::Zero(), {1, 1, 1}), options);
   CHECK(model_curves(box.model, &*box.network).size() == 12);
   CHECK(model_curves(box.model, nullptr).size() == 12);
+}
+
+TEST_CASE("sections in a wrong order are rejected with the rails that they cause",
+          "[skinning][surfaces]") {
+  const auto message = [](const std::vector<double>& heights) {
+    ModelBuildOptions options;
+    options.single_face = true;
+    std::vector<CharacterLine> lines;
+    for (const double y : heights) {
+      options.sections.push_back("section " + std::to_string(lines.size()));
+      lines.push_back(straight(options.sections.back(), {0, y, 0}, {4, y, 0}));
+    }
+    return error_message([&] { build_model(lines, options); });
+  };
+  CHECK(message({0, 1, 2, 3}).empty());
+  const std::string hint = "rails run through the ends of the sections in their order";
+  CHECK_THAT(message({0, 2, 1, 3}), Contains("curve 'rail 1' intersects itself") && Contains(hint));
+  // A part of a rail between two of its corners.
+  CHECK_THAT(message({0, 1, 3, 2}), Contains("'rail 1.1' intersect") && Contains(hint));
+  const std::string coincident = message({0, 1, 1, 2});
+  CHECK_THAT(coincident, Contains("shares an end with the section before it"));
+  CHECK_THAT(coincident, !Contains(hint));
+}
+
+TEST_CASE("the rails of sections and their parts are recognised by their names",
+          "[skinning][surfaces]") {
+  for (const char* rail : {"rail 1", "rail 2", "rail 1.1", "rail 2.12"}) CHECK(is_rail(rail));
+  for (const char* other : {"", "rail", "rail 3", "rail 12", "guard rail 1"})
+    CHECK_FALSE(is_rail(other));
 }

@@ -1,0 +1,67 @@
+// Interface of linear solvers, and the choice of their back end at run time.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/core/solvers/supernodal_factor.h"
+
+namespace batten {
+
+/// Solver of symmetric positive definite systems. Back ends: SparseCholesky (default) on one
+/// machine; DistributedSolver on several MPI processes (docs/distributed.md).
+class LinearSolverBackend {
+ public:
+  virtual ~LinearSolverBackend() = default;
+
+  /// Whether factorize() accepts A without a new symbolic analysis. Back ends without symbolic
+  /// analysis accept every matrix.
+  virtual bool has_pattern_of(const SparseMatrix& A) const;
+  /// Symbolic analysis of A. `order`: elimination order, or empty for an automatic one. Back ends
+  /// that choose their own order ignore it.
+  virtual void analyze(const SparseMatrix& A, const std::vector<int>& order);
+  /// Factors A, of which only the lower triangle is stored. Returns false if A is not positive
+  /// definite.
+  virtual bool factorize(const SparseMatrix& A) = 0;
+  /// Reason why the last factorize() failed; empty if it succeeded.
+  virtual const std::string& message() const = 0;
+  /// Solves A x = b in place: b (n×k) is overwritten by x.
+  virtual void solve_in_place(Eigen::Ref<MatX> b) const = 0;
+};
+
+/// Creates one back end for each linear system. If empty, SparseCholesky is used.
+using BackendFactory = std::function<std::unique_ptr<LinearSolverBackend>()>;
+
+// Libraries of SparseCholesky.
+
+/// Library on which a SparseCholesky is based.
+enum class CholeskyLibrary {
+  Cholmod,  ///< AMD or METIS ordering; factor computed by Batten; not in every build
+  Eigen     ///< AMD ordering; factor computed by Eigen; in every build
+};
+
+/// Libraries that this build contains, the default first: CHOLMOD if available, otherwise Eigen.
+std::span<const CholeskyLibrary> cholesky_libraries();
+/// Name of a library: "CHOLMOD" or "Eigen".
+const char* library_name(CholeskyLibrary library);
+
+/// Creates a supernodal factor that the given library computes. Throws InputError if this build
+/// does not contain the library.
+std::unique_ptr<SupernodalFactor> make_supernodal_factor(
+    CholeskyLibrary library = cholesky_libraries().front());
+
+/// Fill-reducing elimination order of the nodes of a graph, first eliminated first, by the default
+/// library.
+///
+/// `graph`: lower triangle of the adjacency matrix including the diagonal; its values are ignored.
+/// FactorReuse::once gives AMD. FactorReuse::many gives nested dissection (METIS) with minimum
+/// degree on the leaves, which takes four times as long and pays off for 1,000 nodes or more. AMD
+/// is used for smaller graphs, and for all graphs if CHOLMOD or METIS is not available. Throws
+/// NoSolutionError if memory runs out.
+std::vector<int> elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
+
+}  // namespace batten
