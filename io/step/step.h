@@ -7,9 +7,9 @@
 //
 //     t
 //     1 o centroid        V_j = (0,0), V_k = (1,0), centroid = (0,1)
-//       | \
-//       |  \  edge from V_k to the centroid
-//       |   \
+//       | \    edge from V_k
+//       |  \   to the centroid,
+//       |   \  a straight line
 //     0 o----o  s
 //      V_j    V_k
 //

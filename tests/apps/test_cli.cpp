@@ -403,7 +403,8 @@ TEST_CASE("constraints in conflict are named", "[apps][cli]") {
 
 TEST_CASE("a pressure past its limit has no solution", "[apps][cli]") {
   const CliCase c("limit");
-  c.fails(kUnit + square() + kCoarse + kPressure, 3, {"load limit exceeded", "crown"}, {"--set", "crown=1e8"});
+  c.fails(kUnit + square() + kCoarse + kPressure, 3, {"load limit exceeded", "crown"},
+          {"--set", "crown=1e8"});
 }
 
 TEST_CASE("a run that fails leaves the files of the run before", "[apps][cli]") {

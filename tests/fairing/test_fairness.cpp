@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 
-
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"
 #include "batten/tests/support/catch.h"
