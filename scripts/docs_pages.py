@@ -4,7 +4,7 @@ usage: docs_pages.py FOLDER           writes the pages there
        docs_pages.py --check HTML     links and images of the site must be there
 
 Every page gets a name of its own, so that links between them are found; pictures go to one folder, with their folder in their
-name. A lesson's page ends with its commands in Python, its scenes and programs.
+name. The page of an example ends with its commands in Python, its scenes and programs.
 """
 import re
 import shutil
@@ -54,7 +54,7 @@ def links_of(text, file, known, folder):
 
 
 def in_python(text):
-    """The commands of a lesson as calls of the Python package; those with options that it has no word for are left out."""
+    """The commands of an example as calls of the Python package; those with options that it does not have are left out."""
     calls = []
     for found in re.finditer(r"\bbatten (run|deform|sequence|stress) (\S+\.toml)((?: --(?:out|set) \S+)*) *(?:#.*)?$", text, re.MULTILINE):
         verb, scene, options = found.groups()
@@ -72,7 +72,7 @@ def in_python(text):
 
 
 def lesson_code(file):
-    """The same in Python; scenes and programs of a lesson."""
+    """The same in Python; scenes and programs of an example."""
     parts = in_python(file.read_text(encoding="utf-8"))
     for source in sorted(file.parent.iterdir()):
         lines = source.read_text(encoding="utf-8").splitlines() if source.suffix in CODE else []

@@ -56,9 +56,9 @@ class Packages(unittest.TestCase):
 
     def test_the_program_makes_a_lesson_of_its_package(self):
         if not os.environ.get("DISPLAY"):
-            self.skipTest("no display: the lesson has pictures")
-        lesson = ROOT / "usr/share/doc/batten/examples/01-pentagon/scene.toml"
-        run(ROOT / "usr/bin/batten", "run", lesson, "--out", SCRATCH / "made", "--quiet")
+            self.skipTest("no display: the example has pictures")
+        scene = ROOT / "usr/share/doc/batten/examples/01-pentagon/scene.toml"
+        run(ROOT / "usr/bin/batten", "run", scene, "--out", SCRATCH / "made", "--quiet")
         made = {file.suffix for file in (SCRATCH / "made").iterdir()}
         self.assertLessEqual({".step", ".json"}, made)  # STEP: by the CAD module
 

@@ -116,8 +116,8 @@ void write_valid_regions(Report& report, const OutputFolder& out, const std::str
     } catch (const Error& e) {
       if (!of_network) throw;
       why = e.what();
-      if (const auto* told = dynamic_cast<const UnwritableRegions*>(&e))
-        unwritable = told->regions();
+      if (const auto* error = dynamic_cast<const UnwritableRegions*>(&e))
+        unwritable = error->regions();
       return true;
     }
     into = std::move(next);
@@ -127,12 +127,12 @@ void write_valid_regions(Report& report, const OutputFolder& out, const std::str
   std::iota(good.begin(), good.end(), 0);
   while (!good.empty() && refused(good, report)) {
     const std::string of_all = why;
-    const auto told = unwritable;
+    const auto found = unwritable;
     std::vector<int> rest;
     for (const int r : good) {
       Report trial = report;
-      if (told.empty() ? !refused({r}, trial)
-                       : std::count(told.begin(), told.end(), regions[r]) == 0)
+      if (found.empty() ? !refused({r}, trial)
+                       : std::count(found.begin(), found.end(), regions[r]) == 0)
         rest.push_back(r);
       else
         report.failed_checks.push_back(

@@ -23,7 +23,7 @@ using namespace batten_test;
 
 namespace {
 
-int faults(const BuiltModel& made, const std::string& name, double tolerance) {
+int faults_of_step(const BuiltModel& made, const std::string& name, double tolerance) {
   StepFaceOptions options;
   options.tolerance = tolerance;
   const auto path = scratch("edge_parameter") / (name + ".step");
@@ -112,9 +112,10 @@ TEST_CASE("edges on their faces keep their parameter", "[io][step]") {
 
 TEST_CASE("files whose faces share edges pass OpenCASCADE's check before boolean operations",
           "[io][step]") {
-  CHECK(faults(build_model(octants()), "ball", 1e-3) == 0);
+  CHECK(faults_of_step(build_model(octants()), "ball", 1e-3) == 0);
   const RegionSearchOptions regions = region_specs({{{"low"}, {"high"}}, {{"low"}}, {{"high"}}});
-  CHECK(faults(build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4),
-               "oval", 0.01) == 0);
-  CHECK(faults(mouse(8, false), "mouse", 0.015) == 0);
+  CHECK(
+      faults_of_step(build_model({oval_line("low", 0, 0), oval_line("high", 15, 1.0)}, regions, 4),
+                     "oval", 0.01) == 0);
+  CHECK(faults_of_step(mouse(8, false), "mouse", 0.015) == 0);
 }
