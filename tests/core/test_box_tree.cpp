@@ -202,7 +202,7 @@ TEST_CASE("a box tree does not find elements with empty boxes", "[core][box_tree
   CHECK(found_pairs(tree, 0.05) == expected);
 }
 
-TEST_CASE("boxes that touch are near at reach 0; a gap equal to the reach counts",
+TEST_CASE("boxes that touch are near at reach 0, and a gap equal to the reach counts",
           "[core][box_tree]") {
   const BoxTree<2> tree(
       {Box2(Vec2(0, 0), Vec2(1, 1)), Box2(Vec2(1, 1), Vec2(2, 2)), Box2(Vec2(2.5, 0), Vec2(3, 2))});

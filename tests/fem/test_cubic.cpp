@@ -48,7 +48,7 @@ TEST_CASE("the forms of a cubic have the same values and derivatives", "[fem][cu
   }
 }
 
-TEST_CASE("a straight cubic has constant speed; equal ends give equal values", "[fem][cubic]") {
+TEST_CASE("a straight cubic has constant speed, and equal ends give equal values", "[fem][cubic]") {
   const Vec2 p(0.1, 0.7), q(-2.3, 1.9);
   const auto line = PlanarCubic::straight(p, q);
   for (const double t : kPlaces) {
