@@ -14,9 +14,9 @@ namespace batten {
 
 // Local axes and strains at one point of a Kirchhoff-Love shell.
 
-/// Membrane strains and curvature changes of the middle surface in local axes, each as
-/// (11, 22, 2·12). At height z above the middle surface, along its normal, the strain is membrane +
-/// z · curvature.
+/// Membrane strains and curvature changes of the middle surface of a shell in the local axes e1, e2
+/// of a ShellPoint, each as (11, 22, 2·12). At height z above the middle surface, along its normal,
+/// the strain is membrane + z · curvature.
 struct ShellStrain {
   Vec3 membrane = Vec3::Zero(), curvature = Vec3::Zero();
 };
@@ -51,11 +51,11 @@ class ShellPoint {
   auto along_axes(int axis, const U& f_u, const V& f_v) const {
     return gradient_(axis, 0) * f_u + gradient_(axis, 1) * f_v;
   }
-  /// Covariant second derivatives f,αβ - Γ^γ_αβ f,γ of the 12 shape functions f in local axes, with
-  /// rows (11, 22, 2·12). Times -n they give the curvature changes.
+  /// Covariant second derivatives of the 12 shape functions along the local axes e1, e2, with rows
+  /// (11, 22, 2·12). Multiplied by -normal(), they give the curvature changes.
   Eigen::Matrix<double, 3, 12> bending_matrix(const Tabulation& functions) const;
 
-  /// Strains at this point caused by the displacement with the jet U.
+  /// Strains at this point caused by a displacement. `U`: the displacement and its derivatives.
   ShellStrain strain(const DisplacementJet& U) const;
 
  private:
@@ -83,11 +83,11 @@ class ShellTriangle {
 
   /// Area of the triangle in (u, v).
   double parametric_area() const { return triangle_.shape().area; }
-  /// Reference dofs of a displacement with dofs q on this triangle, the input of jet().
+  /// Converts the element dofs q of a displacement to reference dofs, the argument of jet().
   Dofs reference(const Dofs& q) const { return triangle_.pull_back(q); }
 
-  /// Displacement and its derivatives at a point, from reference dofs and tabulated reference
-  /// functions.
+  /// Displacement and its derivatives at a point, from the reference dofs and the reference
+  /// functions tabulated at the point.
   DisplacementJet jet(const Dofs& reference, const ReferenceTabulation& functions) const {
     const Eigen::Matrix<double, 3, 6> local = reference.transpose().lazyProduct(functions);
     DisplacementJet jet;
@@ -96,13 +96,14 @@ class ShellTriangle {
     jet.middleCols<3>(kUU) = local.middleCols<3>(3).lazyProduct(map_.second.transpose());
     return jet;
   }
-  /// Geometry of the surface at a tabulated point.
+  /// Geometry of the surface at a point with tabulated reference functions.
   ShellPoint point(const ReferenceTabulation& functions) const {
     const DisplacementJet x = jet(shape_, functions);
     return {{x.col(kW), x.col(kU), x.col(kV), x.col(kUU), x.col(kUV), x.col(kVV)}, along_};
   }
-  /// Matrix P that maps element dofs to reference dofs; compute it once per triangle. functions():
-  /// shape functions of the element dofs, from P and the tabulated reference functions f.
+  /// Matrix that maps element dofs to reference dofs; compute it once per triangle. functions():
+  /// shape functions of the element dofs, from this matrix P and the tabulated reference functions
+  /// f.
   Mat12 pull_back_matrix() const { return triangle_.pull_back_matrix(); }
   Tabulation functions(const Mat12& P, const ReferenceTabulation& f) const {
     Tabulation local;
@@ -124,41 +125,43 @@ class ShellTriangle {
 ///
 ///     K = ∬ (t εᵀ Q ε + t³/12 κᵀ Q κ) J du dv         K q = F,  F = ∬ N f J du dv
 ///
-/// K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n dofs per coordinate.
-/// Loads of SurfaceAssembler can be used: point_load(), area_load() (force per area),
-/// pressure_load() (pressure along the normal). Supports are a ConstraintSet of Kind::Coupled for
-/// ConstrainedSolver. With a trim, the part of the mesh inside it counts fully, and the rest with
-/// the factor `outside`, as in SurfaceAssembler.
+/// t: thickness; Q: stiffness of the material; ε, κ: membrane strain and curvature change; J: area
+/// per area of (u, v). K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n
+/// dofs per coordinate. Loads of SurfaceAssembler can be used: point_load(), area_load() (force per
+/// area), pressure_load() (pressure along the normal). Supports are a ConstraintSet of
+/// Kind::Coupled for ConstrainedSolver. With a trim, the part of the mesh inside it counts fully,
+/// and the rest with the factor `outside`, as in SurfaceAssembler.
 ///
 /// Quadrature: HCT with 6 points on each sub-triangle, Z12 with the six-Duffy rule m = 4, because
 /// ordinary rules are inconsistent for Z12. Coarse meshes of curved shells show membrane locking:
 /// use at least 8 elements per quarter circle, better 16. Reference: docs/theory/shells.md.
 class ShellAssembler {
  public:
-  /// `sections`: one for all triangles, or one per triangle. Throws InputError for another number
-  /// of sections, an invalid section (require_section()), or a surface without a normal at some
-  /// point.
+  /// `sections`: one for all triangles, or one per triangle. `outside`: factor of the stiffness
+  /// outside of the trim. Throws InputError for another number of sections, an invalid section
+  /// (require_section()), or a surface without a normal at some point.
   ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside = 1e-6);
 
   /// Replaces the surface by one on the same mesh. Throws InputError if the mesh differs.
   void update_shape(Surface surface);
 
-  /// Stiffness matrix K (lower triangle). Cost: O(triangles), on all threads; results are
-  /// bit-identical for any number of them.
+  /// Stiffness matrix of the shell, 3n×3n (lower triangle). Cost: O(triangles), on all threads;
+  /// results are bit-identical for any number of them.
   SparseMatrix stiffness() const;
 
-  /// Mass matrix M = ∬ ρ t N Nᵀ J du dv of one coordinate (lower triangle, n×n), the same for x, y
-  /// and z. On a trimmed surface, only the part inside the trim counts. Rotary inertia is
-  /// neglected, as usual for thin shells.
+  /// Mass matrix ∬ ρ t N Nᵀ dA of one coordinate (lower triangle, n×n), valid for each of x, y and
+  /// z, with the density ρ, thickness t and shape functions N. On a trimmed surface, only the part
+  /// inside the trim counts. Rotary inertia is neglected, as usual for thin shells.
   SparseMatrix mass() const;
-  /// Geometric stiffness G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) J du dv of
-  /// one coordinate, with the membrane forces N11, N22, N12 of a displacement q. ½ uᵀ G u is the
-  /// energy that these forces add when the shell is displaced further by u (negative if they
-  /// release energy). Throws InputError if q has the wrong number of dofs.
+  /// Geometric stiffness G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) dA of one
+  /// coordinate, with the membrane forces N11, N22, N12 of a displacement q (n×3) and the
+  /// derivatives N,1, N,2 of the shape functions along the local axes. ½ uᵀ G u is the energy that
+  /// these forces add when the shell is displaced further by u (negative if they release energy).
+  /// Throws InputError if q has the wrong number of dofs.
   SparseMatrix geometric_stiffness(const Points& q) const;
 
-  /// Strains caused by a displacement q (n×3) at one point. Throws InputError if q has the wrong
-  /// number of dofs.
+  /// Strains in local axes that a displacement q (n×3) causes at one point. Throws InputError if q
+  /// has the wrong number of dofs.
   ShellStrain strain(const Points& q, const Location& where) const;
   /// Stress (σ11, σ22, σ12) in local axes caused by a displacement q (n×3), at height z above the
   /// middle surface; z from -t/2 to t/2 for the thickness t.
@@ -169,7 +172,7 @@ class ShellAssembler {
     Vec3 forces, moments;
   };
   Resultants resultants(const Points& q, const Location& where) const;
-  /// Stress resultants for a given strain at a point.
+  /// Stress resultants for a given strain at the barycentric coordinates L of a triangle.
   Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain) const;
   /// Geometry of the shell at a location, with the local axes to which strains, stresses and
   /// resultants refer.
@@ -185,8 +188,8 @@ class ShellAssembler {
       std::function<void(const ShellTriangle& triangle, const ReferenceTabulation& functions,
                          const ShellPoint& point, const Vec3& L, double area)>;
   void for_each_quadrature_point(int triangle, const PointVisitor& visit) const;
-  /// Like the overload above, but at the points of the rule `whole`. On triangles that the trim
-  /// cuts, the points are those of Trim::rule() with the given degree.
+  /// Calls `visit` at each point of the quadrature rule `whole` on a triangle. On triangles that
+  /// the trim cuts, the points are those of Trim::rule() with the given degree.
   void for_each_quadrature_point(int triangle, const TabulatedRule& whole, int degree,
                                  const PointVisitor& visit) const;
   /// Dofs on one triangle (12×3) of a displacement q (n×3).
@@ -207,8 +210,8 @@ class ShellAssembler {
   int cut_degree() const;
   // Adds the integral over a rule, times `factor`, to the lower triangle of K.
   void add(int triangle, const TabulatedRule& rule, double factor, ElementMatrix& K) const;
-  // Integrates a matrix of one coordinate over the inside; add(triangle, rule, K) adds the
-  // contribution of a triangle.
+  // Integrates a matrix of one coordinate over the part inside the trim; add(triangle, rule, K)
+  // adds the contribution of a triangle.
   SparseMatrix integrate_inside(const std::function<void(int triangle, const TabulatedRule& rule,
                                                          ScalarMatrix& K)>& add) const;
 

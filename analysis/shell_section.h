@@ -35,18 +35,17 @@ struct ShellMaterial {
 struct ShellSection {
   ShellMaterial material;
   double thickness = 0;
-  /// Direction 1 of the material, projected onto the surface. If it is zero or perpendicular to the
-  /// surface, direction 1 is x_u.
+  /// Vector whose projection onto the surface is direction 1 of the material. If it is zero or
+  /// perpendicular to the surface, direction 1 is the derivative of the surface by u.
   Vec3 along = Vec3::Zero();
-  /// Offsets that are added to the thickness at the three vertices of a triangle; linear in
-  /// between.
+  /// Offsets added to `thickness` at the three vertices of a triangle, linear in between.
   Vec3 thickness_offset = Vec3::Zero();
 
   /// Thickness at the barycentric coordinates L of the triangle.
   double thickness_at(const Vec3& L) const { return thickness + thickness_offset.dot(L); }
 };
 
-/// Throws InputError if the thickness is not positive everywhere, or Q is not symmetric positive
+/// Throws InputError unless the thickness is above 0 everywhere and material.Q symmetric positive
 /// definite.
 void require_section(const ShellSection& section);
 

@@ -34,11 +34,12 @@ namespace batten {
 class AffineReduction {
  public:
   enum class RhsMode {
-    Given,    ///< d0 is computed from the values in the set; contradictions throw ConflictError
-    Deferred  ///< d0 is zero until set_rhs() or set_values() is called
+    Given,    ///< right-hand sides of the constraint set; contradictions throw ConflictError
+    Deferred  ///< right-hand sides are 0 until set_rhs() or set_values() is called
   };
-  /// Eliminates the constraints. A constraint is redundant if, after elimination, its largest
-  /// remaining coefficient is at most `dependent` times its original largest coefficient. With
+  /// Computes D and d0 in x = D y + d0 (x: all dofs, y: free unknowns) by eliminating the
+  /// constraints. A constraint is redundant if, after elimination, its largest remaining
+  /// coefficient is at most `dependent` times its original largest coefficient. With
   /// RhsMode::Given, contradictory values throw ConflictError.
   explicit AffineReduction(const ConstraintSet& constraints, RhsMode values = RhsMode::Given,
                            double dependent = 1e-9);
@@ -49,54 +50,60 @@ class AffineReduction {
   /// of all three coordinates together if coupled.
   int dof_count() const { return dof_count_; }
   int free_count() const { return static_cast<int>(D_.cols()); }
-  /// Dof that corresponds to each free unknown: 0 … n-1, or 0 … 3n-1 in [x; y; z] if coupled.
+  /// Index of the dof that is equal to each free unknown: 0 … n-1 for n dofs per coordinate, or 0 …
+  /// 3n-1 in the stacked [x; y; z] if coupled().
   const std::vector<int>& free_dofs() const { return free_dofs_; }
-  /// Number of constraints that are implied by others.
+  /// Number of redundant constraints, that is of constraints implied by other constraints.
   int redundant_count() const { return isize(redundant_); }
   /// Indices of the redundant constraints, ascending. A constraint has the index of its row in the
   /// argument of set_rhs().
   std::vector<int> redundant() const;
 
-  /// Matrix D in x = D y + d0: n×m, or 3n×m if coupled, with m = free_count().
+  /// Matrix D of the reduction x = D y + d0 of the dofs x to the free unknowns y: n×m, or 3n×m if
+  /// coupled(), with n = dof_count() and m = free_count().
   const SparseMatrix& D() const { return D_; }
-  /// Particular solution d0 in x = D y + d0, the dofs for y = 0: n×3, or 3n×1 if coupled.
+  /// Particular solution d0 of the constraints: the dofs if all free unknowns are 0; n×3, or 3n×1
+  /// if coupled().
   const MatX& d0() const { return d0_; }
 
-  /// Sets new right-hand sides, taken from a set with the same constraints. Only d0 changes; the
-  /// coefficients in `same_rows` are not read. Throws ConflictError if a redundant constraint
-  /// contradicts the others; d0 is then unchanged. Cost: a sparse product and a check of each
-  /// redundant constraint.
+  /// Sets new right-hand sides of the constraints, taken from a constraint set with the same
+  /// coefficients. Only d0() changes; the coefficients in `same_rows` are not read. Throws
+  /// ConflictError, and leaves d0() unchanged, if a redundant constraint contradicts others. Cost:
+  /// a sparse product and a check of each redundant constraint.
   void set_values(const ConstraintSet& same_rows);
-  /// Like set_values(), with the right-hand sides given as a matrix. Uncoupled: one row per
-  /// constraint, with columns x, y, z. Coupled: one column, with three rows per uncoupled
-  /// constraint, followed by one row per coupled constraint. Throws InputError if the number of
-  /// rows is wrong.
+  /// Sets new right-hand sides of the constraints as set_values() does, but from a matrix.
+  /// Uncoupled: one row per constraint, with columns x, y, z. Coupled: one column, with three rows
+  /// per uncoupled constraint, followed by one row per coupled constraint. Throws InputError if the
+  /// number of rows is wrong.
   void set_rhs(const MatX& rhs);
-  /// Throws the ConflictError that set_rhs(rhs) would throw, without changing d0. Allocates no
-  /// memory if there is no conflict.
+  /// Throws ConflictError if the right-hand sides `rhs` (see set_rhs()) are contradictory; d0()
+  /// stays unchanged. Allocates no memory if there is no conflict.
   void check(const MatX& rhs) const;
-  /// Particular solution d0 for the given right-hand sides (see set_rhs()), with as many columns as
-  /// `rhs`. Contradictions are not detected.
+  /// Particular solution of the constraints (see d0()) for the right-hand sides `rhs` (see
+  /// set_rhs()), with as many columns as `rhs`. Contradictions are not detected.
   MatX particular_solution(const MatX& rhs) const;
-  /// Matrix R that maps right-hand sides to the particular solution: d0 = R rhs, see set_rhs().
+  /// Matrix R that maps the right-hand sides of the constraints (see set_rhs()) to the particular
+  /// solution: d0() = R rhs.
   const SparseMatrix& rhs_to_particular() const { return rhs_to_particular_; }
 
   /// Converts an elimination order of all n dofs into one of the free unknowns, for
   /// SparseCholesky::analyze().
   std::vector<int> ordering_of_free(const std::vector<int>& dof_order) const;
-  /// Elimination order for `reduced` = DᵀKD: `dof_order` restricted to the free unknowns, or an
-  /// empty order (AMD) if the constraints cause much fill. This happens if constraints along curves
-  /// connect dofs that `dof_order` keeps in separate parts.
+  /// Chooses the elimination order for the matrix `reduced` = DᵀKD of the free unknowns (D: see
+  /// D()): `dof_order` restricted to them, or an empty order, which stands for AMD, if the
+  /// constraints cause much fill. Much fill arises if constraints along curves connect dofs that
+  /// `dof_order` keeps in separate parts.
   std::vector<int> choose_ordering(const SparseMatrix& reduced, const SparseMatrix& K,
                                    const std::vector<int>& dof_order) const;
 
-  /// Reduced matrix Dᵀ K D (lower triangle), from the lower triangle of the n×n matrix K of one
-  /// coordinate. If coupled, K may also be a 3n×3n matrix over [x; y; z]. Throws InputError for
-  /// other sizes.
+  /// Matrix Dᵀ K D of the free unknowns (lower triangle; D: see D()), from the lower triangle of
+  /// the n×n matrix K of one coordinate. If coupled(), K may also be a 3n×3n matrix over [x; y; z].
+  /// Throws InputError for other sizes.
   SparseMatrix reduce(const SparseMatrix& K) const;
-  /// Reduced load Dᵀ (F - K d0): free_count() rows; three columns, or one column if coupled.
+  /// Load Dᵀ (F - K d0) of the free unknowns, with D() and d0(), for the loads F (n×3) on all dofs:
+  /// free_count() rows; three columns, or one column if coupled().
   MatX reduce_load(const SparseMatrix& K, const Points& F) const;
-  /// Dofs x = D y + d0 for the free unknowns y; n×3, also if coupled.
+  /// All dofs x = D y + d0, with D() and d0(), for the free unknowns y; n×3 even if coupled().
   Points expand(const MatX& y) const;
 
  private:
@@ -117,7 +124,8 @@ class AffineReduction {
 };
 
 /// Reaction forces r = K x - F that the constraints exert on the dofs, n×3; zero at unconstrained
-/// dofs. K is n×n, or 3n×3n over [x; y; z]. r is the gradient of the energy E = ½ xᵀKx - Fᵀx.
+/// dofs. K is n×n, or 3n×3n over [x; y; z]. r is the gradient of the energy ½ xᵀKx - Fᵀx at the
+/// dofs x under the load F.
 Points reaction_forces(const SparseMatrix& K, const Points& x, const Points& F);
 
 /// Contribution of one named constraint to the reaction forces, n×3: the sum of Lagrange multiplier

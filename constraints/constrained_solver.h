@@ -18,29 +18,30 @@ Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K
 /// Constrained linear system with a stored factorization, for many loads.
 class ConstrainedSolver {
  public:
-  /// Reduces and factors K (lower triangle).
+  /// Eliminates the constraints (AffineReduction) and factors the reduced K (lower triangle).
   ///
   /// `dof_order`: fill-reducing elimination order of all n dofs, for example
-  /// nested_dissection_order() of the mesh; empty: automatic. `solver`: back end for DᵀKD; null:
+  /// nested_dissection_order() of the mesh; empty: automatic. `solver`: linear solver; null:
   /// SparseCholesky. Throws ConflictError for contradictory constraints and NoSolutionError for a
   /// singular system.
   ConstrainedSolver(const ConstraintSet& constraints, SparseMatrix K,
                     const std::vector<int>& dof_order = {},
                     std::unique_ptr<LinearSolverBackend> solver = nullptr);
-  /// Replaces the constraints and the matrix, for example after the shape has changed. If the
-  /// sparsity pattern of DᵀKD is unchanged, as usual, the symbolic analysis is reused. After an
-  /// exception, only update() may be called.
+  /// Replaces the constraints and the stiffness matrix, for example after the shape has changed. If
+  /// the sparsity pattern of the reduced matrix is unchanged, as usual, the symbolic analysis is
+  /// reused. After an exception, only update() may be called.
   void update(const ConstraintSet& constraints, SparseMatrix K);
-  /// Solution x (n×3) for the load F (n×3). Cost: one pair of triangular solves.
+  /// Solution x (n×3) of K x = F under the constraints, for the load F (n×3). Cost: one pair of
+  /// triangular solves.
   Points solve(const Points& F) const;
-  /// Like solve(), with one step of iterative refinement whose residual F - K x is computed in long
-  /// double. Use it for coupled systems whose soft modes are 1e8 times softer than their stiff
-  /// ones, such as thin shells. The result is accurate to about 10 digits for the matrix K as
-  /// stored in double precision, whichever back end factored it. Cost: two solves and one product.
-  /// Throws InputError if K is not 3n×3n.
+  /// Solution x (n×3) for the load F (n×3), with one step of iterative refinement whose residual F
+  /// - K x is computed in long double. Use it for coupled systems whose soft modes are 1e8 times
+  /// softer than their stiff ones, such as thin shells. The result is accurate to about 10 digits
+  /// for the matrix K as stored in double precision, whichever back end factored it. Cost: two
+  /// solves and one product. Throws InputError if K is not 3n×3n.
   Points solve_refined(const Points& F) const;
-  /// Solves (DᵀKD) y = b in place for the free unknowns y, with D of reduction(): b is overwritten
-  /// by y.
+  /// Solves the reduced system (DᵀKD) y = b for the free unknowns y, with D = reduction().D(). b is
+  /// overwritten by y.
   void solve_reduced(Eigen::Ref<MatX> b) const;
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
@@ -75,27 +76,30 @@ class ConstrainedSolver {
 class ThetaIntegrator {
  public:
   struct Options {
-    double density = 1;  ///< mass density ρ ≥ 0; ρ and μ must not both be 0
-    double damping = 1;  ///< damping coefficient μ ≥ 0
+    double density = 1;  ///< mass density, ≥ 0; density and damping must not both be 0
+    double damping = 1;  ///< mass-proportional damping coefficient, ≥ 0
     double dt = 0;       ///< time step, > 0
-    double theta = 1;    ///< parameter θ of the method, ½ … 1
+    double theta = 1;    ///< ½ (trapezoidal rule) to 1 (implicit Euler)
   };
-  /// `K`, `M`: lower triangles of the stiffness and mass matrices of one coordinate. The motion
-  /// starts at rest, at d0 (see start()). Throws InputError if sizes differ or options are out of
-  /// range, ConflictError for contradictory constraints, NoSolutionError for a singular system.
+  /// `K`, `M`: lower triangles of the stiffness and mass matrices of one coordinate. Until start()
+  /// is called, the velocities and all free unknowns are 0. Throws InputError if sizes differ or
+  /// options are out of range, ConflictError for contradictory constraints, NoSolutionError for a
+  /// singular system.
   ThetaIntegrator(const ConstraintSet& constraints, SparseMatrix K, SparseMatrix M,
                   const Options& options);
 
   /// Sets the initial state. The positions x (n×3) must satisfy the constraints, the velocities v
-  /// (n×3) the homogeneous constraints. Throws InputError if the sizes are wrong.
+  /// (n×3) the homogeneous constraints (right-hand sides 0). Throws InputError if the sizes are
+  /// wrong.
   void start(Points x, Points v);
-  /// Performs one step under the load F (n×3) and returns the new positions.
+  /// Advances the motion by one time step under the load F (n×3); returns the new positions.
   const Points& step(const Points& F);
 
   const Points& positions() const { return x_; }
   const Points& velocities() const { return v_; }
-  /// Kinetic energy ½ ρ vᵀMv. potential(): potential energy ½ xᵀKx - Fᵀx under the load F. The sum
-  /// of both never increases under a constant load.
+  /// Kinetic energy ½ ρ vᵀMv with the density ρ, the velocities v and the mass matrix M.
+  /// potential(): potential energy ½ xᵀKx - Fᵀx of the positions x under the load F. The sum of
+  /// kinetic and potential energy never increases under a constant load.
   double kinetic() const;
   double potential(const Points& F) const;
 

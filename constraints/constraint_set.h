@@ -27,21 +27,21 @@ class ConstraintSet {
     int dof;
     Vec3 coefficient;
   };
-  /// One uncoupled constraint: three equations with the same coefficients.
+  /// One uncoupled constraint: an equation for each of x, y and z, with the same coefficients.
   struct Constraint {
     int name;  ///< index of the constraint's name in names()
     std::vector<Entry> entries;
     Vec3 value;
   };
-  /// One coupled constraint: a single equation.
+  /// One coupled constraint: a single equation that combines x, y and z.
   struct CoupledConstraint {
     int name;
     std::vector<CoupledEntry> entries;
     double value;
   };
 
-  /// Coupled: the system matrix itself couples x, y and z. Uncoupled: the set becomes coupled when
-  /// the first coupled constraint is added.
+  /// Whether the system matrix couples x, y and z (Coupled) or not (Uncoupled). An uncoupled set
+  /// becomes coupled when the first coupled constraint is added.
   enum class Kind { Uncoupled, Coupled };
   explicit ConstraintSet(int dof_count, Kind kind = Kind::Uncoupled)
       : dof_count_(dof_count), kind_(kind) {}
@@ -53,20 +53,21 @@ class ConstraintSet {
   const std::vector<CoupledConstraint>& coupled_constraints() const { return coupled_constraints_; }
   const std::vector<std::string>& names() const { return names_; }
 
-  /// Adds the uncoupled constraint q_dof = value, for x, y and z.
+  /// Prescribes the x, y and z of one dof: adds the uncoupled constraint q_dof = value.
   void fix(const std::string& name, int dof, const Vec3& value);
-  /// Adds the uncoupled constraint Σ coefficient · q_dof = value. add_coupled() adds a coupled
-  /// constraint. Both throw InputError if a dof is out of range or a number is not finite.
+  /// Adds the constraint Σ coefficient · q_dof = value over all entries, for x, y and z separately.
+  /// add_coupled(): one equation with vectors as coefficients. The two functions throw InputError
+  /// if a dof is out of range or a number is not finite.
   void add(const std::string& name, std::vector<Entry> entries, const Vec3& value);
   void add_coupled(const std::string& name, std::vector<CoupledEntry> entries, double value);
 
-  /// The same constraints, expressed for the unknown q - constant · byᵀ instead of q. `constant`:
-  /// n-vector. If it is 1 at the position dofs of a surface, these are the constraints on the
-  /// surface translated by -by. Far from the origin, solving the translated problem avoids the loss
-  /// of digits due to large coordinates.
+  /// Constraints of this set on the dofs q (n×3), rewritten for the translated unknown q - constant
+  /// · byᵀ. `constant`: n-vector. If it is 1 at the position dofs of a surface, these are the
+  /// constraints on the surface translated by -by. Far from the origin, solving the translated
+  /// problem avoids the loss of digits due to large coordinates.
   ConstraintSet translated(const VecX& constant, const Vec3& by) const;
 
-  /// Largest residual |Σ a_m q_m - d| over all equations for dofs q (n×3).
+  /// Largest violation of an equation by the dofs q (n×3): |left-hand side - right-hand side|.
   double max_residual(const Points& q) const;
 
  private:

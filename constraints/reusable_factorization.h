@@ -9,13 +9,13 @@
 
 namespace batten {
 
-/// For each dof the two vertices that it belongs to: the same vertex twice, or the two ends of an
-/// edge for an edge dof.
+/// Two mesh vertices per dof: the vertex of a vertex dof, twice, or the ends of an edge dof's edge.
 using DofVertices = std::vector<std::array<int, 2>>;
 
-/// Elimination order for `reduced` = DᵀKD, for SparseCholesky::analyze(). It orders the graph of
-/// vertices that `reduced` couples (elimination_order()), each vertex with all of its dofs. The dof
-/// of an edge follows directly after the end that is eliminated first.
+/// Fill-reducing elimination order for the matrix `reduced` = DᵀKD of the free unknowns, with D =
+/// reduction.D(), for SparseCholesky::analyze(). It orders the graph of vertices that `reduced`
+/// couples (elimination_order()), each vertex with all of its dofs. The dof of an edge follows
+/// directly after the end that is eliminated first.
 ///
 /// This graph has a sixth as many nodes as there are unknowns, and is ordered in a tenth of the
 /// time. Because all dofs of a vertex stay together, the factor is also smaller than if the
@@ -37,42 +37,45 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
 /// solve() and expand().
 class ReusableFactorization {
  public:
-  /// `S`: lower triangle of the matrix of one coordinate. It is factored in the vertex_ordering()
-  /// of `vertices`, or with AMD if `vertices` is empty. Throws InputError if constraints are
-  /// coupled or sizes differ, NoSolutionError if N is singular.
+  /// Reduces the matrix S of one coordinate (lower triangle) to the free unknowns and factors it,
+  /// in the vertex_ordering() of `vertices`, or with AMD if `vertices` is empty. Throws InputError
+  /// if constraints are coupled or sizes differ, NoSolutionError if the reduced matrix is singular.
   ReusableFactorization(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
                         const DofVertices& vertices, FactorReuse factor_reuse = FactorReuse::many);
   /// Factors another matrix S under the same constraints, in the elimination order of `like`. S
   /// must have the pattern of like.matrix().
   ReusableFactorization(const ReusableFactorization& like, SparseMatrix S);
 
-  /// Replaces the values of S; the symbolic analysis is reused. Throws InputError if the pattern
-  /// differs, NoSolutionError if N is singular (the previous matrix is then restored).
+  /// Replaces the values of the matrix S and factors it; the symbolic analysis is reused. Throws
+  /// InputError if the sparsity pattern differs. Throws NoSolutionError and restores the previous
+  /// matrix if the reduced matrix is singular.
   void set_matrix(SparseMatrix S);
 
   const SparseMatrix& matrix() const { return S_; }
   const AffineReduction& reduction() const { return *reduction_; }
   const SparseCholesky& factor() const { return factor_; }
-  /// The matrix H = Dᵀ S R: the values d of the constraints contribute -H d to the right-hand side
-  /// of the reduced system N y = Dᵀ b - H d.
+  /// Matrix H = Dᵀ S R with D = reduction().D() and R = reduction().rhs_to_particular(): the values
+  /// d of the constraints contribute -H d to the right-hand side of the reduced system.
   const SparseMatrix& H() const { return H_; }
   /// Number of free unknowns of one coordinate.
   int free_count() const { return reduction_->free_count(); }
 
-  /// Sets the right-hand side `to` of the reduced system to the contribution of the constraints, -H
-  /// d, or to zero if there are none. `d`: values of the constraints, one row per constraint, three
-  /// columns.
+  /// Sets the right-hand side `to` of the reduced system to the contribution -H() d of the
+  /// constraints, or to zero if there are no constraints. `d`: values of the constraints, one row
+  /// per constraint, three columns.
   void start_load(const MatX& d, MatX& to) const;
-  /// Adds the load b (n×3) to the right-hand side of the reduced system: to += Dᵀ b.
+  /// Adds the load b (n×3) to the right-hand side `to` of the reduced system: to += Dᵀ b with D =
+  /// reduction().D().
   void add_load(const Points& b, MatX& to) const { to.noalias() += D().transpose() * b; }
-  /// Solves N y = r in place, N = DᵀSD: the right-hand side r in `y` is overwritten by the
-  /// solution.
+  /// Solves the reduced system for the free unknowns in place: the right-hand side in `y` is
+  /// overwritten by the solution.
   void solve(MatX& y) const { factor_.solve_in_place(y); }
-  /// Computes all dofs z = D y + e from the free unknowns y. `e`: R d, the contribution of the
-  /// constraint values d; n×3, zero at free dofs. `z` must already have n rows.
+  /// Computes all dofs z = D y + e from the free unknowns y, with D = reduction().D(). `e`:
+  /// contribution of the constraint values (the particular solution); n×3, zero at free dofs. `z`
+  /// must already have n rows.
   void expand(const MatX& y, const Points& e, Points& z) const;
 
-  /// Memory of the factor and of the matrices, in bytes.
+  /// Memory of the Cholesky factor and of the stored matrices, in bytes.
   size_t bytes() const;
 
  private:
@@ -82,8 +85,8 @@ class ReusableFactorization {
   void check(const SparseMatrix& S) const;
   SparseMatrix columns_of_constrained(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
-  // Row of D of a constrained dof: entries begin … end-1 of terms_. Rows of free dofs are ones and
-  // are not stored.
+  // Row of the reduction matrix D for a constrained dof: entries begin … end-1 of terms_. Rows of
+  // free dofs contain a single 1 and are not stored.
   struct ConstrainedDof {
     int dof, begin, end;
   };

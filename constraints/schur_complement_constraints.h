@@ -33,28 +33,30 @@ namespace batten {
 /// of length m per constraint, and a triangular solve of the size of S.
 class SchurComplementConstraints {
  public:
-  /// One constraint or spring: the sum of n · (uᵀ y) over its terms equals g.
+  /// One constraint or spring on the unknowns y (m×3): the sum of direction · (uᵀ y) over all terms
+  /// equals a right-hand side. u is a column of the sparse matrix U, one per point.
   struct Constraint {
     struct Term {
-      int point;       ///< column u of U
-      Vec3 direction;  ///< direction n
+      int point;       ///< index of the column u of the matrix U
+      Vec3 direction;  ///< coefficients of the x, y and z of uᵀ y
       bool operator==(const Term&) const = default;
     };
     int point;
     Vec3 direction;
-    double size;        ///< norm of the coefficients over all dofs, before the reduction to y
-    bool soft = false;  ///< spring with stiffness 0 until set_stiffness()
-    /// Further terms n · (uᵀ y), for a constraint with different directions n at different points.
+    double size;  ///< norm of the coefficients over all dofs, before the reduction to free unknowns
+    bool soft = false;  ///< true: a spring, whose stiffness is 0 until set_stiffness()
+    /// Terms in addition to (`point`, `direction`); empty: the constraint has only one term.
     std::vector<Term> further_terms = {};
 
     bool operator==(const Constraint&) const = default;
-    /// Calls visit(point, direction) for each term.
+    /// Calls visit(point, direction) for each term of the constraint.
     template <class Visit>
     void terms(const Visit& visit) const {
       visit(point, direction);
       for (const Term& t : further_terms) visit(t.point, t.direction);
     }
-    /// Left-hand side of the constraint for the values uᵀ y of all points (points × 3).
+    /// Left-hand side of the constraint: the sum of direction · uᵀ y over all terms. `points`: uᵀ y
+    /// of all points, one row per point.
     double evaluate(const MatX& points) const {
       double sum = 0;
       terms([&](int p, const Vec3& n) {
@@ -64,42 +66,44 @@ class SchurComplementConstraints {
     }
   };
   SchurComplementConstraints() = default;
-  /// `factor`: Cholesky factor of N. `U`: sparse matrix m × points, whose columns are the u_k. A
-  /// hard constraint is redundant if less than `dependent` times its size remains after
-  /// orthogonalisation. Throws NoSolutionError if the constraints cannot be factored.
+  /// Prepares constraints on the unknowns of a system that is already factored. `factor`: Cholesky
+  /// factor of the m×m system matrix. `U`: m × points; column u evaluates the unknowns y at one
+  /// point, as uᵀ y. A hard constraint is redundant if less than `dependent` times its size remains
+  /// after orthogonalisation. Throws NoSolutionError if the constraints cannot be factored.
   SchurComplementConstraints(const SparseCholesky& factor, SparseMatrix U,
                              std::vector<Constraint> constraints, double dependent = 1e-9);
-  /// Like the constructor above, but reuses the solves of `previous`, an object on the same factor.
-  /// `reused_columns`: for each column of U, the index of the equal column of U in `previous`; -1:
-  /// none.
+  /// Prepares constraints as the constructor without `previous` does, but reuses the solves of
+  /// `previous`, an object on the same factor. `reused_columns`: for each column of U, the index of
+  /// the equal column in the U of `previous`; -1: no equal column.
   SchurComplementConstraints(const SparseCholesky& factor, SparseMatrix U,
                              std::vector<Constraint> constraints,
                              const SchurComplementConstraints& previous,
                              const std::vector<int>& reused_columns, double dependent = 1e-9);
 
   bool empty() const { return constraints_.empty(); }
-  /// Number of constraints, hard and soft. points(): number of points (columns of U).
+  /// Number of hard and soft constraints. points(): number of points (columns of the matrix U).
   int constraint_count() const { return isize(constraints_); }
   int points() const { return static_cast<int>(U_.cols()); }
-  /// Indices of the soft constraints, ascending, in the order of set_stiffness().
+  /// Indices of the soft constraints (springs), ascending. set_stiffness() uses this order.
   const std::vector<int>& soft() const { return soft_; }
   /// Indices of the independent hard constraints, ascending. redundant(): indices of the redundant
   /// hard constraints.
   const std::vector<int>& independent() const { return independent_; }
   const std::vector<int>& redundant() const { return redundant_; }
-  /// Largest violation of a redundant constraint for the right-hand sides g, and the index of that
-  /// constraint (-1 if no constraint is redundant).
+  /// Largest violation of a redundant constraint if the right-hand sides are g, and the index of
+  /// the violated constraint; index -1: no constraint is redundant.
   std::pair<double, int> contradiction(const VecX& g) const;
-  /// Sets the stiffness s_k ≥ 0 of each soft constraint. Cost: O(constraints³), dense; allocates no
-  /// memory. Throws InputError for a wrong size or a negative value.
+  /// Sets the stiffness, ≥ 0, of each soft constraint, in the order of soft(). Cost:
+  /// O(constraints³), dense; allocates no memory. Throws InputError for a wrong size or a negative
+  /// value.
   void set_stiffness(const VecX& stiffness);
-  /// Applies all constraints: the unconstrained solution y⁰ in `y` is overwritten by the
-  /// constrained one. `g`: one right-hand side per constraint. Allocates no memory.
+  /// Applies all constraints: `y` contains the unconstrained solution and is overwritten by the
+  /// constrained solution. `g`: one right-hand side per constraint. Allocates no memory.
   void apply(Eigen::Ref<MatX> y, const VecX& g) const;
-  /// Projects y orthogonally onto the hard constraints: replaces it by the nearest y that satisfies
-  /// them for the right-hand sides g. apply() calls it at its end.
+  /// Projects y orthogonally onto the hard constraints: replaces y by the nearest values that
+  /// satisfy these constraints for the right-hand sides g. apply() ends with this projection.
   void project(Eigen::Ref<MatX> y, const VecX& g) const;
-  /// Memory of the dense matrices, in bytes.
+  /// Memory of the dense matrices of the constraints, in bytes.
   size_t bytes() const;
 
  private:
@@ -114,7 +118,7 @@ class SchurComplementConstraints {
   void form_schur_complement();
   void express_redundant(const std::vector<VecX>& redundant_coefficients);
   double evaluate(const Constraint& row, const Eigen::Ref<const MatX>& y) const;
-  // Result in scratch_.
+  // Computes the residuals of the hard constraints into scratch_.
   void residual_of_hard(const Eigen::Ref<const MatX>& y, const VecX& g) const;
   std::vector<Constraint> constraints_;
   std::vector<int> independent_, redundant_, soft_;

@@ -29,32 +29,33 @@ namespace batten {
 /// [Anderson1965], [WalkerNi2011].
 class AndersonAccelerator {
  public:
-  /// `independence`: smallest fraction of a new Δf, between 0 and 1, that must be linearly
-  /// independent of the stored ones. Use a large value (0.3) if differences are kept when the
-  /// right-hand side changes: a small one would amplify the errors of these differences. Use 0.1 or
-  /// less within a single iteration.
+  /// `independence`: fraction between 0 and 1. If less than this fraction of a new residual
+  /// difference is linearly independent of the stored residual differences, the oldest one is
+  /// dropped. Use a large value (0.3) if stored differences are kept when the right-hand side
+  /// changes, because a small value would amplify their errors. Otherwise use 0.1 or less.
   explicit AndersonAccelerator(double independence = 0.3) : independence_(independence) {}
 
-  /// Allocates memory for iterates with `rows` rows and drops all differences. `sample`: rows at
-  /// which the residual f = g(x) - x is measured; empty: all rows.
+  /// Allocates memory for n×3 iterates x, with n = `rows`, and drops all stored iterates. `sample`:
+  /// rows at which the residual g(x) - x of the fixed-point map g is measured; empty: all rows.
   void resize(long rows, std::vector<int> sample = {});
-  /// Drops all stored differences and the last iterate.
+  /// Drops the last iterate and all stored differences of successive iterates.
   void reset() { count_ = 0, has_last_ = false; }
-  /// Drops all stored differences but keeps the last iterate.
+  /// Drops all stored differences of successive iterates but keeps the last iterate.
   void clear() { count_ = 0; }
-  /// Starts a new iteration: no difference is formed between the next iterate and the previous one.
-  /// The stored differences are kept.
+  /// Starts a new fixed-point iteration: the next iterate forms no difference with the last one.
+  /// Stored differences of earlier iterates are kept.
   void begin() { has_last_ = false; }
 
   /// Adds an iterate x and its image g = g(x) under the fixed-point map. Both have three columns
   /// and as many rows as passed to resize().
   void add_iterate(const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& g);
   /// Replaces `g`, which must be the image passed to the last add_iterate(), by the accelerated
-  /// iterate x_next.
+  /// iterate, the combination of stored iterates that would minimise the residual if the
+  /// fixed-point map were affine.
   void extrapolate(Eigen::Ref<Points> g) const;
-  /// Adds an iterate `x` with its image `g` and writes the accelerated iterate to `next`. Returns
-  /// false and leaves `next` unchanged if no difference is stored yet (first iterate after
-  /// reset()).
+  /// Adds an iterate `x` with its image `g` under the fixed-point map and writes the accelerated
+  /// iterate to `next`. Returns false and leaves `next` unchanged if no difference is stored yet
+  /// (first iterate after reset()).
   template <class Matrix>
   bool accelerate(const Matrix& x, const Matrix& g, Matrix& next) {
     add_iterate(x, g);
@@ -71,8 +72,9 @@ class AndersonAccelerator {
 
   double independence_;
   std::vector<int> sample_;
-  std::vector<Points> df_, dg_;  // Q of ΔF = Q R, and ΔG R⁻¹; the oldest difference first
-  std::array<std::array<double, kDepth>, kDepth> R_{};  // by columns
+  // Q of the residual differences ΔF = Q R, and image differences ΔG R⁻¹; oldest first.
+  std::vector<Points> df_, dg_;
+  std::array<std::array<double, kDepth>, kDepth> R_{};  // R of ΔF = Q R, by columns
   Points f_, last_f_, last_g_;
   int count_ = 0;
   bool has_last_ = false;

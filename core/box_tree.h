@@ -22,9 +22,9 @@ namespace batten {
 ///     tree.for_each_near(box, reach, [&](int i) { … });         // elements near a box or a point
 ///     tree.for_each_near_pair(reach, [&](int i, int j) { … });  // elements near each other
 ///
-/// A node is split at the median of the keys of its elements, along the longest side of its box,
-/// until it contains at most four elements. The depth is therefore at most log2(n), for any
-/// distribution of the elements.
+/// A node is split at the median of the keys (by default the box centres) of its elements, along
+/// the longest side of its box, until it contains at most four elements. The depth is therefore at
+/// most log2(n), for any distribution of the elements.
 ///
 /// The elements and pairs that a query finds, and the result of nearest(), do not depend on the
 /// structure of the tree, but the order of the callbacks does. Sort the indices if your result
@@ -55,12 +55,12 @@ class BoxTree {
   /// Number of elements whose boxes are not empty.
   int size() const { return isize(order_); }
 
-  /// Result of nearest().
+  /// Result of a search for the closest element.
   struct Nearest {
     int element = -1;              ///< index of the element; -1: no element was found
     double distance2 = kInfinity;  ///< squared distance returned by the callback for this element
   };
-  /// Finds the element that is closest to p. Ties go to the lowest index.
+  /// Finds the element that is closest to the point p. Ties go to the lowest index.
   ///
   /// `distance2(i)`: squared distance of element i from p. If it is infinite or not a number, the
   /// element is skipped; a callback can thus exclude elements. The value must not be smaller than
@@ -91,35 +91,37 @@ class BoxTree {
     if (!nodes_.empty()) visit_pairs(0, 0, reach, found);
   }
 
-  /// Independent part of a search for pairs: the pairs of one element below node `a` and one
-  /// element below node `b` of the tree.
+  /// Independent part of a search for pairs of nearby elements: the pairs of one element below the
+  /// tree node `a` and one element below the tree node `b`.
   struct NodePair {
     int a, b;
   };
-  /// Divides for_each_near_pair() into independent parts for several threads.
+  /// Divides a search for pairs of nearby elements into independent parts for several threads.
   ///
-  /// `size`: maximum number of elements below each of the two nodes of a part. The parts do not
-  /// depend on the number of threads. Each pair of elements belongs to exactly one part.
+  /// `reach`: maximum gap between two boxes along each axis. `size`: maximum number of elements
+  /// below each of the two tree nodes whose pairs form a part. The parts do not depend on the
+  /// number of threads. Each pair of elements belongs to exactly one part.
   std::vector<NodePair> pair_parts(double reach, int size) const {
     std::vector<NodePair> parts;
     if (!nodes_.empty()) divide_pairs(0, 0, reach, size, parts);
     return parts;
   }
-  /// Calls found(i, j), i < j, for each pair of elements in one part of pair_parts(). `reach`: the
-  /// value passed to pair_parts().
+  /// Calls found(i, j), i < j, for each pair of nearby elements in one part from pair_parts().
+  /// `reach`: the value passed to pair_parts().
   template <class Found>
   void for_each_near_pair(const NodePair& part, double reach, const Found& found) const {
     visit_pairs(part.a, part.b, reach, found);
   }
 
  private:
-  static constexpr int kLeafSize = 4;  // elements per leaf
-  static constexpr int kDeepest = 64;  // more halvings than an int can count
+  static constexpr int kLeafSize = 4;  // maximum number of elements per leaf
+  // Bound on the tree depth; an int can be halved only 31 times.
+  static constexpr int kDeepest = 64;
 
   struct Node {
     Point low, high;
-    int first, last;  // range in order_
-    int right = -1;   // index of the right child; -1: leaf. The left child is the next node
+    int first, last;  // range of the node's elements in order_
+    int right = -1;   // right child node; -1: leaf. The left child is the next node
 
     bool leaf() const { return right < 0; }
     int count() const { return last - first; }
@@ -134,19 +136,19 @@ class BoxTree {
            ((other_low - high).array() <= reach).all();
   }
 
-  struct Building;  // data of the constructor
+  struct Building;  // data used while the tree is built
 
   template <class Found>
   void visit_near(int node, const Box& box, double reach, const Found& found) const;
   template <class Found>
   void visit_pairs(int a, int b, double reach, const Found& found) const;
   void divide_pairs(int a, int b, double reach, int size, std::vector<NodePair>& parts) const;
-  // Calls visit(a', b') for the pairs of children into which a pair of nodes is divided. At least
-  // one of the nodes must not be a leaf.
+  // Calls visit(c, d) for each pair of child nodes into which the pair of nodes (a, b) is divided.
+  // At least one of a and b must not be a leaf.
   template <class Visit>
   void visit_children(int a, int b, const Visit& visit) const;
 
-  std::vector<int> order_;  // elements; those of a node are contiguous
+  std::vector<int> order_;  // element indices, contiguous for each node
   std::vector<Box> boxes_;  // boxes_[k] is the box of element order_[k]
   std::vector<Node> nodes_;
 };

@@ -48,8 +48,8 @@ class ConflictError : public Error {
   struct Conflict {
     std::vector<std::string> names;
     double amount = 0;
-    /// Text appended to the amount, with its leading space, for example " degrees of rotation".
-    /// Empty: the amount has the unit of the right-hand side.
+    /// Unit of `amount` as text with a leading space, for example " degrees of rotation". Empty:
+    /// the unit of the right-hand side of the constraint.
     std::string unit = {};
   };
   /// `where`: prefix of the message, for example the file and line of the input.
@@ -60,8 +60,8 @@ class ConflictError : public Error {
   std::vector<Conflict> conflicts_;
 };
 
-/// Thrown if no solution was found because the system is singular or the load exceeds its limit.
-/// Exit code 3.
+/// Thrown if no solution was found because the system of equations is singular or the load exceeds
+/// the limit load. Exit code 3.
 class NoSolutionError : public Error {
  public:
   using Error::Error;
@@ -77,11 +77,11 @@ class CancelledError : public Error {
 std::string format_number(double value);
 
 /// Element of `words` with the smallest edit distance to `word`, for "did you mean" messages.
-/// Returns "" if the smallest distance exceeds both one and a third of the length of `word`.
+/// Returns "" if the smallest distance exceeds 1 and also exceeds a third of the length of `word`.
 std::string closest_match(const std::string& word, const std::vector<std::string>& words);
 
 /// Suffix of a message about an unknown word: "; did you mean 'x'?" if closest_match() finds a
-/// similar one among `words`, otherwise "".
+/// similar word x in `words`, otherwise "".
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace batten

@@ -38,22 +38,23 @@ auto bounding_box(const PointRange& points) {
 /// 0 is the identity.
 ///
 /// The angle is not reduced: rotations by 350° and by -10° are the same rotation but have different
-/// rotation vectors. A field of rotation vectors can therefore wind several times. The quaternion
-/// logarithms of [Masuda2006], eq. 6 and 7, are r/2. For rotation matrices see core/eigen.h.
+/// rotation vectors. Interpolated rotation vectors can thus represent several full turns. The
+/// quaternion logarithms of [Masuda2006], eq. 6 and 7, are r/2. Rotation matrices: core/eigen.h.
 inline Vec3 to_rotation_vector(const Vec3& axis, double angle) { return axis.normalized() * angle; }
 
-/// Rotates x by a rotation vector. Cost: one sine, one cosine and two cross products.
+/// The vector x, rotated by a rotation vector (unit axis times angle in radians). Cost: one sine,
+/// one cosine and two cross products.
 inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   const Vec3 q = rotation_vector / 2;
   const double half = q.norm();
-  // sin(h)/h; below 1e-8 the next term of the series is smaller than the last digit.
+  // sin(half)/half; below 1e-8 the next term of its series is smaller than the last digit.
   const double s = half > 1e-8 ? std::sin(half) / half : 1.0;
   const Vec3 v = s * q;
   const Vec3 t = v.cross(x);
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
-/// Rotation matrix of a rotation vector.
+/// Rotation matrix of a rotation vector (unit axis times angle in radians).
 inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;
   for (int c = 0; c < 3; ++c) R.col(c) = rotated(rotation_vector, Vec3::Unit(c));

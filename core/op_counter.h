@@ -11,12 +11,12 @@ namespace batten {
 /// Kinds of operations that are counted. Unlike timings, which depend on the machine, counts are
 /// reproducible: a test can check that no work is done twice.
 enum class OpCounter {
-  Analysis,           ///< symbolic analysis of a sparse Cholesky factor
-  Factorization,      ///< numeric sparse Cholesky factorization
-  Solve,              ///< full or partial pair of triangular solves, for all right-hand sides
-  AssembledElement,   ///< element stiffness or mass matrix added to a matrix
-  Triangulation,      ///< Delaunay or fan mesh of a domain, or of facets
-  HoleTriangulation,  ///< triangulation of a 3D polygon, O(n³)
+  Analysis,          ///< symbolic analysis of a sparse Cholesky factor
+  Factorization,     ///< numeric sparse Cholesky factorization
+  Solve,             ///< one pair of triangular solves (full or partial) for all right-hand sides
+  AssembledElement,  ///< element stiffness or mass matrix added to a global matrix
+  Triangulation,  ///< mesh of a planar domain or of facets (Delaunay triangulation or triangle fan)
+  HoleTriangulation,  ///< triangulation of a polygon in space with n corners, O(n³)
   Allocation          ///< call of malloc, in programs that count them (tests and benchmarks)
 };
 inline constexpr int kOpCounterCount = 7;
@@ -41,12 +41,12 @@ class ScopedOpCount {
   ScopedOpCount() {
     for (size_t k = 0; k < start_.size(); ++k) start_[k] = detail::totals[k];
   }
-  /// Number of operations of one kind since construction.
+  /// Number of operations of one kind, in all threads, since this object was constructed.
   std::int64_t of(OpCounter kind) const {
     const auto k = static_cast<size_t>(kind);
     return detail::totals[k] - start_[k];
   }
-  /// All counts as text for messages: "2 analyses, 1 factorizations, …".
+  /// All counts since construction of this object, as text: "2 analyses, 1 factorizations, …".
   std::string text() const {
     constexpr std::array<const char*, kOpCounterCount> words = {
         "analyses",       "factorizations",      "solves",     "assembled elements",

@@ -10,8 +10,8 @@ namespace batten {
 /// Number of CPU cores that the process may use.
 int core_count();
 
-/// Number of threads that Batten uses (default: the number of cores). Results do not depend on it:
-/// work is split such that every sum is accumulated in the same order by any number of threads.
+/// Number of threads that Batten uses (default: the number of cores). Results do not depend on this
+/// number: work is split such that every sum is always accumulated in the same order.
 int thread_count();
 /// Sets the number of threads, 1 or more; 0 restores the default, the number of cores.
 void set_thread_count(int count);

@@ -8,16 +8,17 @@
 
 namespace batten {
 
-/// Progress and cancellation callbacks for long computations. Both are optional: without them
-/// nothing is reported and the computation cannot be cancelled.
+/// Progress and cancellation callbacks for long computations. An empty `report` reports nothing;
+/// with an empty `cancelled` the computation cannot be cancelled.
 struct Progress {
-  /// Called with the name of the current stage and its completed fraction, 0 to 1.
+  /// Called with the name of the current stage and the completed fraction of this stage, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> report;
-  /// Polled regularly, possibly by several threads at once. If it returns true, the computation
-  /// stops with CancelledError.
+  /// True if the user has cancelled the computation, which then throws CancelledError. Called
+  /// regularly, possibly by several threads at once.
   std::function<bool()> cancelled;
 
-  /// Reports progress. Throws CancelledError if the computation was cancelled.
+  /// Reports the completed fraction (0 to 1) of a stage of the computation. Throws CancelledError
+  /// if the computation was cancelled.
   void update(std::string_view stage, double fraction) const {
     throw_if_cancelled();
     if (report) report(stage, fraction);

@@ -38,53 +38,57 @@
 
 namespace batten {
 
-/// One C1 triangle element of type `kind`. Construction is cheap and allocates no memory.
+/// A C1 triangle element (HCT or Z12) with 12 dofs per coordinate. Construction is cheap and
+/// allocates no memory.
 class C1Triangle {
  public:
   C1Triangle(TriangleElement kind, const TriangleShape& shape) : kind_(kind), shape_(shape) {}
 
   const TriangleShape& shape() const { return shape_; }
 
-  /// The 12 shape functions and their derivatives at barycentric L (sum 1, each in [0, 1]).
+  /// The 12 shape functions and their derivatives up to order two at the barycentric coordinates L
+  /// (each in [0, 1], sum 1).
   ///
-  /// HCT second derivatives jump across the segments from the vertices to the centroid. On such a
-  /// segment, the value of one side is returned; at the centroid, that of the sub-triangle opposite
-  /// V1. Z12 second derivatives at a vertex are the limits along the direction
-  /// ρ = L_j/(L_j+L_k) = 1/2, which points to the midpoint of the opposite edge.
+  /// Second derivatives of the HCT element jump across the segments from the vertices to the
+  /// centroid. On such a segment, the value of one side is returned; at the centroid, the value of
+  /// the sub-triangle opposite the first vertex. At a vertex, second derivatives of the Z12 element
+  /// depend on the direction of approach; the limits along the median are returned.
   Tabulation evaluate(const Vec3& L) const;
-  /// Value at barycentric L of the function with dofs q (12×3). jet() computes the value and all
-  /// derivatives up to order two. The results equal qᵀ evaluate(L), but position() takes a fifth
-  /// and jet() two thirds of the time.
+  /// Surface point at the barycentric coordinates L for the dofs q (12×3, one column per
+  /// coordinate). jet() computes the point and its derivatives up to order two, qᵀ evaluate(L).
+  /// Compared with evaluate(), position() takes a fifth and jet() two thirds of the time.
   Vec3 position(const Vec3& L, const Eigen::Matrix<double, 12, 3>& q) const;
   Eigen::Matrix<double, 3, kDerivatives> jet(const Vec3& L,
                                              const Eigen::Matrix<double, 12, 3>& q) const;
 
-  /// Stiffness matrix for a constant material, exact to rounding. It is computed from nine
-  /// precomputed reference tensors and pull_back_matrix(), without quadrature, in about 0.3 µs.
+  /// 12×12 element stiffness matrix of one coordinate for a constant material, exact to rounding.
+  /// It is computed from precomputed integrals, without quadrature, in about 0.3 µs.
   Mat12 stiffness(const SurfaceStiffness& material) const;
 
-  /// Mass matrix ∬ N Nᵀ du dv, and load() the load vector ∬ N du dv of a unit load, for the shape
-  /// functions N. Both are exact to rounding.
+  /// Mass matrix ∬ N Nᵀ du dv with the 12 shape functions N. load() is the load vector ∬ N du dv of
+  /// a uniform unit load. Matrix and vector are exact to rounding.
   Mat12 mass() const;
   Vec12 load() const;
 
-  /// Quadrature rule for variable coefficients and loads. HCT: degree 4 on each sub-triangle, exact
-  /// for bending with quadratic coefficients and for stretching with constant coefficients. Z12:
-  /// six-Duffy rule with m = 5 (relative error 8e-7).
+  /// Quadrature rule for stiffness and loads that vary within an element of the given type. HCT: a
+  /// rule of degree 4 on each sub-triangle, exact for bending with quadratically varying stiffness
+  /// and for stretching with constant stiffness. Z12: six_duffy_rule(5), with a relative error of
+  /// 8e-7.
   static const TriangleRule& default_quadrature(TriangleElement kind);
 
-  /// Bézier ordinates (control points) of the cubic on sub-triangle `sub` of the HCT triangle, for
-  /// dofs q (12×3). Sub-triangle s has the vertices (V_j, V_k, centroid) and 10 rows in the order
+  /// Bézier control points of the cubic on sub-triangle `sub` (0 to 2) of the HCT triangle, for the
+  /// dofs q (12×3, one column per coordinate). The vertices of the sub-triangle are the vertices
+  /// sub + 1 and sub + 2 (modulo 3) of the triangle and its centroid. The 10 rows are in the order
   /// 300 030 003 210 120 021 012 102 201 111. Throws InputError for Z12, which is not polynomial.
   Eigen::Matrix<double, 10, 3> bezier(int sub, const Eigen::Matrix<double, 12, 3>& q) const;
 
-  /// Matrix P that maps the dofs q of this triangle to the affine-invariant reference dofs q̂ = P
-  /// q. pull_back() computes q̂.
+  /// Matrix P that maps the dofs q of this triangle to reference dofs P q, which contain
+  /// derivatives along edges and medians instead of u and v. pull_back() computes P q.
   Mat12 pull_back_matrix() const;
   Eigen::Matrix<double, 12, 3> pull_back(const Eigen::Matrix<double, 12, 3>& q) const;
 
  private:
-  // Reference functions N̂ with their derivatives with respect to (u, v).
+  // Reference shape functions at the barycentric coordinates L, with derivatives in (u, v).
   Tabulation reference_at(const Vec3& L) const;
   TriangleElement kind_;
   TriangleShape shape_;

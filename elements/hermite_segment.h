@@ -15,36 +15,37 @@
 
 namespace batten {
 
-/// One cubic Hermite segment with its element matrices for one coordinate w. Dofs: the value w and
-/// the derivative w_u at s = 0, then both at s = 1. Matrices are symmetric and are computed in
-/// closed form, without quadrature, in a few nanoseconds.
+/// A cubic Hermite finite element on a curve segment, with the element matrices of one coordinate
+/// w(u). The four dofs are w and w_u at the start of the segment, then w and w_u at its end. The
+/// matrices are symmetric and are computed in closed form, in a few nanoseconds.
 class HermiteSegment {
  public:
   using Vector = Eigen::Vector4d;
   using Matrix = Eigen::Matrix4d;
-  /// Coefficient that varies linearly between its values at s = 0 (`start`) and s = 1 (`end`).
+  /// A stiffness or load that varies linearly from `start` to `end` of a segment.
   struct Linear {
     double start = 0, end = 0;
     Linear(double both) : start(both), end(both) {}  // NOLINT: a constant is a linear function
     Linear(double s, double e) : start(s), end(e) {}
   };
 
-  /// `h`: parametric length of the segment, in units of u. Throws InputError unless h > 0.
+  /// Creates a segment of length `h` in the curve parameter u. Throws InputError unless h > 0.
   explicit HermiteSegment(double h);
 
   double length() const { return h_; }
   /// The four shape functions, or their derivatives of the given `order` (0 to 3) with respect to
-  /// u, at s = u/h in [0, 1]. Throws InputError for another order.
+  /// the curve parameter u, at the position s along the segment (0: start, 1: end). Throws
+  /// InputError for other orders.
   Vector evaluate(double s, int order = 0) const;
-  /// Stretching stiffness ∫ alpha H_u H_uᵀ du with the shape functions H, exact for linear alpha.
-  /// Singular: a constant w has no energy.
+  /// Stretching stiffness matrix ∫ alpha H_u H_uᵀ du of the four shape functions H, exact for
+  /// linear alpha. It is singular, since a constant function has no stretching energy.
   Matrix stretching(Linear alpha = 1) const;
-  /// Bending stiffness ∫ beta H_uu H_uuᵀ du with the shape functions H, exact for linear beta.
-  /// Singular: a linear w has no energy.
+  /// Bending stiffness matrix ∫ beta H_uu H_uuᵀ du of the four shape functions H, exact for linear
+  /// beta. It is singular, since a linear function has no bending energy.
   Matrix bending(Linear beta = 1) const;
-  /// Mass matrix ∫ H Hᵀ du with the shape functions H, positive definite.
+  /// Mass matrix ∫ H Hᵀ du of the four shape functions H. It is positive definite.
   Matrix mass() const;
-  /// Load vector ∫ f H du of a distributed force f with the shape functions H, exact for linear f.
+  /// Load vector ∫ f H du of a distributed force f; H: shape functions. Exact for linear f.
   Vector load(Linear f = 1) const;
 
  private:

@@ -25,25 +25,26 @@ namespace batten {
 /// nanoseconds per location on one thread.
 class DisplayPoints {
  public:
-  /// Prepares the evaluation at `where`. Cost: O(locations). Throws InputError if a triangle does
-  /// not exist, or if barycentric coordinates are not finite, do not sum to 1 or lie outside of the
-  /// triangle by more than 1e-9.
+  /// Prepares the evaluation of points and normals at the locations `where` of the mesh. Cost:
+  /// O(locations). Throws InputError if a triangle does not exist, or if barycentric coordinates
+  /// are not finite, do not sum to 1 or lie outside of the triangle by more than 1e-9.
   DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
                 const std::vector<Location>& where);
 
   /// Number of locations.
   int count() const { return count_; }
 
-  /// Computes points and normals for the dofs x (n×3), in the order of the locations.
+  /// Computes points and unit normals at all locations, for the surface with dofs x (n×3).
   ///
-  /// `shift` is added to the points. `points` and `normals` must hold 3 count() numbers each. The
-  /// normal is zero if the surface is singular: |x_u × x_v| ≤ 1e-6 |x_u||x_v|. Allocates no memory;
-  /// results are bit-identical for any number of threads. Not thread-safe, because calls share a
-  /// workspace. Throws InputError if x does not have as many rows as the mesh has dofs.
+  /// `shift` is added to the points. `points` and `normals` must hold 3 count() numbers each (x, y,
+  /// z of each location). The normal is zero if the surface is singular: |x_u × x_v| ≤ 1e-6
+  /// |x_u||x_v|. Allocates no memory; results are bit-identical for any number of threads. Not
+  /// thread-safe, because calls share a workspace. Throws InputError if x does not have as many
+  /// rows as the mesh has dofs.
   void evaluate(const Points& x, const Vec3& shift, float* points, float* normals) const;
 
  private:
-  // Locations of one kind.
+  // Locations of one kind: at vertices, on element edges, or inside triangles.
   struct Group {
     std::vector<int> numbers;  // per location: its index, vertices, edge dofs
     // Coefficients of x, x_u, x_v: position of the other vertices minus the first, derivatives at

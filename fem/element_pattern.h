@@ -16,24 +16,24 @@ namespace batten {
 /// belongs to one thread, which adds its contributions in the order of the elements.
 class ElementPattern {
  public:
-  /// Pattern of elements with `per_element` dofs each. `dofs`: global dofs of all elements, one
-  /// element after the other.
+  /// Sparsity pattern of elements with `per_element` dofs each. `dofs`: global dof indices of all
+  /// elements, one element after the other.
   ElementPattern(int dof_count, int per_element, std::vector<int> dofs);
-  /// Pattern of elements of different sizes: element e has the dofs dofs[starts[e]] …
-  /// dofs[starts[e+1] - 1].
+  /// Sparsity pattern of elements with different numbers of dofs: element e has the dofs
+  /// dofs[starts[e]] … dofs[starts[e+1] - 1].
   ElementPattern(int dof_count, std::vector<int> starts, std::vector<int> dofs);
 
   int element_count() const { return isize(starts_) - 1; }
   /// Number of dofs of an element.
   int size_of(int element) const { return starts_[element + 1] - starts_[element]; }
 
-  /// Zero matrix with this pattern.
+  /// Zero matrix with this sparsity pattern (lower triangle).
   SparseMatrix zero() const;
 
-  /// Assembles the element matrices into `matrix`, which must have this pattern and is first set to
-  /// zero. `element(e, K)` writes the symmetric matrix of element e, size_of(e)² doubles. It is
-  /// called from several threads, and more than once for elements at the border between the ranges
-  /// of two threads.
+  /// Sums the element matrices into `matrix`, which must have this sparsity pattern and is first
+  /// set to zero. `element(e, K)` writes the symmetric matrix of element e into K, size_of(e)²
+  /// doubles. It is called from several threads, and more than once for elements at the border
+  /// between the ranges of two threads.
   void assemble(const std::function<void(int element, double* K)>& element,
                 SparseMatrix& matrix) const;
 
@@ -42,8 +42,8 @@ class ElementPattern {
     std::vector<int> elements;  // ascending
     std::vector<char> shared;   // some entries belong to another part
   };
-  // Appends the rows of a column. On return, `place` holds for each of these dofs the index of its
-  // entry in the matrix values.
+  // Appends a column with the given rows to the pattern. On return, `place` holds for each of these
+  // dofs the index of its entry in the matrix values.
   void append_column(const std::vector<int>& rows, std::vector<int>& place);
   // Stores the positions of the entries of element e in the column of its dof b, from the positions
   // of the rows of that column.

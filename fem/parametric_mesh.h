@@ -65,15 +65,16 @@ class ParametricMesh {
   }
   /// Shape of a triangle, unwrapped across the seam of a periodic mesh.
   TriangleShape shape(int triangle) const;
-  /// Unit vector from the lower-numbered to the higher-numbered vertex of an edge. edge_normal():
-  /// this vector rotated by +90°.
+  /// Unit vector in (u, v) from the lower-numbered to the higher-numbered vertex of an edge.
+  /// edge_normal(): edge_tangent() rotated by +90°.
   Vec2 edge_tangent(int edge) const;
   Vec2 edge_normal(int edge) const;
   double edge_length(int edge) const;
-  /// Periodic image of p whose u is nearest to that of `anchor`; p itself if the mesh is not
-  /// periodic.
+  /// The point p, shifted in u by the multiple of the period that brings it nearest to the u of
+  /// `anchor`; p itself if the mesh is not periodic.
   Vec2 image_near(const Vec2& p, const Vec2& anchor) const;
-  /// Periodic image of p with u in [0, period); p itself if the mesh is not periodic.
+  /// The point p, shifted in u by a multiple of the period into [0, period); p itself if the mesh
+  /// is not periodic.
   Vec2 wrapped(Vec2 p) const;
   /// Vector from the first to the last vertex of a chain of vertices, summed over its edges. For a
   /// closed chain once around a periodic mesh, it is (period, 0) or (-period, 0).
@@ -91,7 +92,7 @@ class ParametricMesh {
     double period;
   };
   ParametricMesh() = default;
-  // From the lower vertex to the higher one.
+  // Vector in (u, v) from the lower-numbered to the higher-numbered end of an edge.
   Vec2 edge_vector(int edge) const;
   double period_at(int vertex) const;
 
@@ -112,10 +113,10 @@ class DofMap {
       : edge_start_(3 * mesh.vertex_count()), count_(edge_start_ + mesh.edge_count()) {}
 
   int count() const { return count_; }
-  /// Dof of vertex v: `derivative` is 0 for w, 1 for w_u, 2 for w_v.
+  /// Index of a dof at vertex v. `derivative`: 0 for the value w, 1 for w_u, 2 for w_v.
   int vertex(int v, int derivative = 0) const { return 3 * v + derivative; }
   int edge(int e) const { return edge_start_ + e; }
-  /// The 12 dofs of a triangle in the order of the element dofs.
+  /// Indices of the 12 dofs of triangle t: three per vertex, then one per edge.
   std::array<int, 12> triangle(const ParametricMesh& mesh, int t) const;
 
  private:
@@ -132,7 +133,8 @@ struct Location {
 
 // Fill-reducing elimination orders of the dofs of a surface.
 
-/// Elimination order of all dofs by nested dissection of the mesh, first eliminated first.
+/// Elimination order of the dofs of one coordinate by nested dissection of the mesh, for a sparse
+/// Cholesky factorization; the dof eliminated first comes first.
 ///
 /// The triangles are bisected recursively by their centroids, across the longer side of their
 /// bounding box. Dofs that touch both halves form the separator and come last, after those of the
@@ -140,8 +142,8 @@ struct Location {
 /// cheaper than ordering the matrix graph and gives less fill on large meshes.
 std::vector<int> nested_dissection_order(const ParametricMesh& mesh);
 
-/// Two vertices per dof, the input of vertex_ordering(): for a vertex dof, its vertex twice; for an
-/// edge dof, the two ends of its edge.
+/// Vertices to which each dof belongs, as input of vertex_ordering(): for a vertex dof, its vertex
+/// twice; for an edge dof, the two ends of its edge.
 std::vector<std::array<int, 2>> dof_vertices(const ParametricMesh& mesh);
 
 }  // namespace batten

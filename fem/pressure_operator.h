@@ -33,27 +33,28 @@ namespace batten {
 /// a cut one). Not thread-safe, because calls share a workspace.
 class PressureOperator {
  public:
-  /// Precomputes the tensors of the mesh. `trim`: restricts the pressure to the inside; null: the
-  /// whole mesh. Cost: O(triangles), plus about 20 µs per cut triangle.
+  /// Precomputes the pressure integrals of all triangles. `trim`: restricts the pressure to the
+  /// part of the mesh inside the trim; null: the whole mesh. Cost: O(triangles), plus about 20 µs
+  /// per cut triangle.
   PressureOperator(const ParametricMesh& mesh, TriangleElement kind,
                    std::shared_ptr<const Trim> trim = nullptr);
 
-  /// Adds the load value ∬ w N (x_u × x_v) du dv of the pressure `value` to F, for the surface with
-  /// dofs x (n×3) and the shape functions N. `weights`: factor w per triangle; empty: 1 everywhere.
-  /// Throws InputError for wrong sizes.
+  /// Adds the load vector of a pressure `value` to F: value ∬ w N (X_u × X_v) du dv for the surface
+  /// X = Σ N_m x_m with the shape functions N and the dofs x (n×3). `weights`: factor w per
+  /// triangle; empty: 1 everywhere. Throws InputError for wrong sizes.
   void add(const Points& x, const VecX& weights, double value, Points& F) const;
 
-  /// Volume ⅓ ∬ w x·(x_u × x_v) du dv between the origin and the surface with dofs x (n×3). For a
-  /// closed surface with outward normals, this is the enclosed volume. `weights`: factor w per
-  /// triangle; empty: 1 everywhere. Throws InputError for wrong sizes.
+  /// Volume ⅓ ∬ w X·(X_u × X_v) du dv between the origin and the surface X(u, v) with dofs x (n×3).
+  /// For a closed surface with outward normals, this is the enclosed volume. `weights`: factor w
+  /// per triangle; empty: 1 everywhere. Throws InputError for wrong sizes.
   double volume(const Points& x, const VecX& weights = VecX()) const;
 
  private:
   static constexpr int kLanes = 4;  // triangles that are computed side by side
-  // Triangles that are computed side by side. Lanes beyond `count` repeat the first one and are not
-  // summed.
+  // Triangles that are computed side by side (SIMD). Lanes beyond `count` repeat the first one and
+  // are not summed.
   struct alignas(32) Batch {
-    // Entries of P: gradient, altitude, slant (DofTransformCoefficients).
+    // Entries of the dof transformation: gradient, altitude, slant (DofTransformCoefficients).
     double numbers[18 * kLanes];
     int dof[12 * kLanes];  // local dofs of the part
     int triangle[kLanes];

@@ -15,15 +15,17 @@ namespace batten {
 ///
 ///     η_T² = ½ Σ_edges of T  h_e ∫_e |[x_nn]|² ds  +  Σ_spokes of T  h_s ∫_s |[x_nn]|² ds
 ///
-/// [x_nn] is the jump of the second normal derivative, a vector. A C1 surface has no other jumps of
-/// second derivatives, so it equals the jump of x_uu + x_vv, which is what is computed. Spokes are
-/// the inner edges of HCT triangles, from the vertices to the centroid. All lengths are in (u, v)
-/// and beta is 1; the unit is x² over domain length².
+/// Edges e and spokes s have the lengths h_e and h_s. [x_nn] is the jump of the second normal
+/// derivative of the surface x, a vector. No other second derivative of a C1 surface jumps, so it
+/// equals the jump of x_uu + x_vv, which is what is computed. Spokes are the inner edges of HCT
+/// triangles, from the vertices to the centroid. All lengths are in (u, v) and beta is 1; the unit
+/// is x² over domain length².
 ///
-/// The indicator is zero for a cubic. On smooth shapes its sum is O(h⁴), like the error of the
-/// energy. With a trim, only the part inside counts; boundary edges have no jump. Integrals use
-/// three Gauss points, which is exact for HCT. Cost: about a microsecond per triangle. Reference:
-/// [Verfurth1996], residual estimator for plates; only the dominant edge term is used.
+/// The indicator is zero for a cubic surface. On smooth shapes its sum is O(h⁴), like the error of
+/// the energy. With a trim, only the part of the surface inside it counts; boundary edges have no
+/// jump. Integrals use three Gauss points, which is exact for HCT. Cost: about a microsecond per
+/// triangle. Reference: [Verfurth1996], residual estimator for plates; only the dominant edge term
+/// is used.
 VecX residual_indicator(const Surface& surface);
 
 // Marking.
@@ -46,14 +48,15 @@ std::vector<int> dorfler_marking(const Values& values, double fraction) {
 
 // Local refinement of a conforming mesh.
 
-/// Result of bisected(). Old vertices keep their indices; new vertices follow, in the order of the
-/// bisected edges.
+/// Result of bisected(). The vertices of the original mesh keep their indices; new vertices follow,
+/// in the order of the bisected edges.
 struct Bisection {
   ParametricMesh mesh;
-  std::vector<int> midpoint;  ///< new vertex at the midpoint of each old edge; -1: not bisected
+  /// Per edge of the original mesh: index of the new vertex at its midpoint; -1: edge not bisected.
+  std::vector<int> midpoint;
 };
 
-/// Bisects the marked triangles across their longest edges, and as many others as are needed to
+/// Bisects the marked triangles across their longest edges, and the additional triangles needed to
 /// keep the mesh conforming ([Rivara1984]).
 ///
 /// `marked`: one flag per triangle. Angles never fall below half of the smallest angle of the
@@ -62,10 +65,10 @@ struct Bisection {
 /// if `marked` has the wrong size. Cost: O(triangles), in a few sweeps.
 Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked);
 
-/// Result of extract_submesh(). Vertices keep their relative order.
+/// Result of extract_submesh(). Its vertices are in the order of the original mesh.
 struct Submesh {
   ParametricMesh mesh;
-  std::vector<int> vertex;  ///< new index of each old vertex; -1: not in the submesh
+  std::vector<int> vertex;  ///< index in the submesh of each original vertex; -1: not contained
 };
 /// Extracts the part of a mesh that consists of the given triangles.
 Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& triangles);
@@ -74,8 +77,9 @@ Submesh extract_submesh(const ParametricMesh& mesh, const std::vector<int>& tria
 
 /// Result of interpolate_onto().
 struct SurfaceTransfer {
-  Points dofs;                  ///< dofs of the new mesh, n×3
-  double max_displacement = 0;  ///< largest |new - old| at the same (u, v), in model units
+  Points dofs;  ///< dofs of the surface on the new mesh, n×3
+  /// Largest distance of the new from the old surface at equal (u, v), model units.
+  double max_displacement = 0;
 };
 
 /// Interpolates a surface onto another mesh: values and gradients at the vertices of `to`, normal

@@ -16,7 +16,7 @@ struct SurfaceJet {
 
   /// Area vector x_u × x_v, whose length is the Jacobian of the surface.
   Vec3 area_vector() const;
-  /// Unit normal, right-handed with (u, v); zero if the surface is singular.
+  /// Unit normal x_u × x_v / |x_u × x_v|; zero if x_u × x_v = 0.
   Vec3 normal() const;
 };
 
@@ -30,8 +30,8 @@ struct Curvatures {
 Curvatures curvatures(const SurfaceJet& jet);
 
 /// The surface X(u, v) = Σ N_m(u, v) q_m with dofs q (n×3). It is C1; second derivatives jump at
-/// element edges. With a trim, the surface is only the part inside of its loops. Copies share mesh
-/// and trim.
+/// element edges. With a trim, only the part inside the trim's loops belongs to the surface. Copies
+/// share mesh and trim.
 class Surface {
  public:
   /// Result of closest_point().
@@ -50,7 +50,7 @@ class Surface {
   const Points& dofs() const { return dofs_; }
   /// The trim, or null if the surface covers the whole mesh.
   const std::shared_ptr<const Trim>& trim() const { return trim_; }
-  /// The 12 dofs of one triangle, columns x, y, z.
+  /// The 12 dofs of one triangle: three per vertex, then one per edge; columns x, y, z.
   Eigen::Matrix<double, 12, 3> triangle_dofs(int triangle) const;
 
   Vec3 position(const Location& where) const;
@@ -73,7 +73,7 @@ class Surface {
   double area() const;
 
  private:
-  // Nearest point of the trim's loops.
+  // Point on the trim's loops nearest to p.
   ClosestPoint closest_on_loops(const Vec3& p) const;
 
   std::shared_ptr<const ParametricMesh> mesh_;
@@ -89,36 +89,38 @@ class Surface {
 SparseMatrix evaluation_operator(const ParametricMesh& mesh, TriangleElement kind,
                                  const std::vector<Location>& points, Derivative derivative = kW);
 
-/// Display mesh: parametric locations and facets. Points on element edges are shared, so that the
-/// facets are watertight.
+/// Display mesh of a surface: locations in its parametric mesh, and the flat facets between them.
+/// Points on element edges are shared, so that the facets are watertight.
 struct Tessellation {
-  /// Display points; those at mesh vertices come first, in mesh order.
+  /// Locations of the display points; those at mesh vertices come first, in mesh order.
   std::vector<Location> points;
   std::vector<std::array<int, 3>> facets;
   std::vector<int> facet_triangle;  ///< index of the element triangle that contains each facet
 };
-/// Creates a display mesh with n² facets per triangle, n ≥ 1.
+/// Creates a display mesh with n² facets per element triangle, n ≥ 1.
 Tessellation tessellate(const ParametricMesh& mesh, int n);
 
-/// Curvatures at the points of a tessellation. They are evaluated at the centroids of the
-/// sub-triangles, where they are most accurate, averaged to the vertices with area weights, and
-/// interpolated linearly. Error: O(h²). With a trim, an element counts by the fraction of its area
-/// that is inside; vertices with less than a fifth of an element around them get the mean of their
-/// neighbours.
+/// Curvatures of a surface at the points of a tessellation. They are evaluated at the centroids of
+/// the three sub-triangles of each element, where they are most accurate, averaged to the vertices
+/// with area weights, and interpolated linearly. Error: O(h²). With a trim, an element counts by
+/// the fraction of its area that is inside; vertices with less than a fifth of an element around
+/// them get the mean of their neighbours.
 std::vector<Curvatures> recovered_curvatures(const Surface& surface, const Tessellation& points);
 
 // Dofs that interpolate a given surface.
 
-/// Position of a surface and its derivatives with respect to u and v (two columns).
+/// Position x of a surface at a point (u, v), and its derivatives with respect to u and v (the
+/// columns of `gradient`).
 struct FirstOrderJet {
   Vec3 x = Vec3::Zero();
   Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
-/// Interpolates a surface over (u, v) on a mesh. The dofs are positions and slopes at vertices, and
-/// normal slopes at edge midpoints. If `edge_midpoints` is not null, it receives the positions of
-/// `surface` at edge midpoints, one row per edge; compare them with the interpolant to see how well
-/// the mesh resolves the surface. Calls `surface` once per vertex and per edge, in parallel.
+/// Computes the dofs (n×3) that interpolate a given surface over (u, v) on a mesh: positions and
+/// slopes at vertices, and normal slopes at edge midpoints. If `edge_midpoints` is not null, it
+/// receives the positions of `surface` at edge midpoints, one row per edge; compare them with the
+/// interpolant to see how well the mesh resolves the surface. Calls `surface` once per vertex and
+/// per edge, in parallel.
 Points interpolate_surface(const ParametricMesh& mesh,
                            const std::function<FirstOrderJet(const Vec2& uv)>& surface,
                            Points* edge_midpoints = nullptr);

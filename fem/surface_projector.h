@@ -22,12 +22,13 @@ class SurfaceProjector {
  public:
   explicit SurfaceProjector(const Surface& surface);
 
-  /// Nearest point to p, starting from the nearest sample. `p` and the distance: model units.
+  /// Point of the surface nearest to p in space, by Newton's method from the nearest sample (vertex
+  /// or centroid of an element). p and the distance are in model units.
   Surface::ClosestPoint nearest(const Vec3& p) const;
-  /// Nearest point to p, starting from a known location nearby, for example that of the previous
-  /// point on a curve. Newton steps are replaced by Gauss-Newton steps if the distance is not
-  /// convex. Steps are halved until the distance decreases, and those that leave the mesh end on
-  /// its boundary.
+  /// Point of the surface nearest to p in space, by Newton's method from a known location nearby,
+  /// for example that of the previous point on a curve. Newton steps are replaced by Gauss-Newton
+  /// steps if the distance is not convex. Steps are halved until the distance decreases; a step
+  /// that leaves the mesh ends on its boundary.
   Surface::ClosestPoint nearest(const Vec3& p, const Location& start) const;
 
  private:
@@ -47,7 +48,7 @@ class SurfaceEvaluator {
   explicit SurfaceEvaluator(Surface surface);
 
   const Surface& surface() const { return surface_; }
-  /// Location of (u, v) in the mesh, see TriangleLocator::locate().
+  /// Triangle that contains (u, v), and barycentric coordinates; see TriangleLocator::locate().
   Location locate(const Vec2& uv) const { return locator_.locate(uv); }
   /// Position of the surface at a location of the mesh or at parameters (u, v); model units.
   Vec3 position(const Location& where) const;

@@ -16,12 +16,12 @@ class TriangleLocator {
  public:
   explicit TriangleLocator(const ParametricMesh& mesh);
 
-  /// Triangle that contains (u, v), and the barycentric coordinates. A point outside of the mesh
-  /// gives the nearest point of the mesh. A point on an edge or vertex gives the adjacent triangle
-  /// with the lowest index. On a periodic mesh, u is taken modulo the period.
+  /// Triangle that contains (u, v), and the barycentric coordinates in it. A point outside of the
+  /// mesh gives the nearest point of the mesh. A point on an edge or vertex gives the adjacent
+  /// triangle with the lowest index. On a periodic mesh, u is taken modulo the period.
   Location locate(const Vec2& uv) const;
-  /// Triangles whose bounding box intersects the box from `low` to `high`, ascending. Periodicity
-  /// is not considered.
+  /// Indices of the triangles whose bounding box in (u, v) intersects the box from `low` to `high`,
+  /// ascending. Periodic images are not considered.
   std::vector<int> near(const Vec2& low, const Vec2& high) const;
 
  private:

@@ -26,30 +26,30 @@ namespace batten {
 /// Region of a parametric mesh that is bounded by loops of cubic curves.
 class Trim {
  public:
-  /// Position of a triangle relative to the region; `Cut` if the loops pass through it.
+  /// Position of a triangle relative to the trimmed region; `Cut`: boundary loops pass through it.
   enum class Side : char { Outside, Inside, Cut };
 
-  /// Cuts a mesh by loops. On a mesh that is periodic in u, each loop is given once, beginning with
-  /// u in [0, period), and cuts on both sides of the seam. Cost: O(triangles + arcs · triangles
-  /// that they cross).
+  /// Classifies and cuts the triangles of a mesh by the loops that bound a region. On a mesh that
+  /// is periodic in u, each loop is given once, beginning with u in [0, period), and cuts on both
+  /// sides of the seam. Cost: O(triangles + arcs · triangles that they cross).
   Trim(const ParametricMesh& mesh, DomainLoops domain_loops);
 
-  /// Loops that bound the region. On a mesh that is periodic in u, their images one period to
-  /// either side are included.
+  /// Loops that bound the trimmed region. On a mesh that is periodic in u, their images one period
+  /// to either side are included.
   const DomainLoops& loops() const { return loops_; }
   Side side(int triangle) const { return side_[triangle]; }
-  /// Triangles that the loops pass through, ascending.
+  /// Indices of the triangles that the boundary loops pass through, ascending.
   const std::vector<int>& cut_triangles() const { return cut_triangles_; }
-  /// Fraction of the area of a triangle that is inside the region, 0 to 1.
+  /// Fraction of the area of a triangle that is inside the trimmed region, 0 to 1.
   double area_fraction(int triangle) const { return area_fraction_[triangle]; }
-  /// Area of the part of the mesh inside the region, in (u, v). It equals the area of the region if
-  /// the mesh covers it.
+  /// Area of the part of the mesh inside the trimmed region, in (u, v). If the mesh covers the
+  /// region, this is the area of the whole region.
   double area() const { return area_; }
 
-  /// Quadrature rule on the part of a triangle that is inside the region: barycentric points, and
-  /// weights that sum to area_fraction(triangle); multiply by the area of the triangle. Exact for
-  /// polynomials of `degree` on each sub-triangle (V_j, V_k, centroid). Points are ordered by
-  /// sub-triangle.
+  /// Quadrature rule on the part of a triangle inside the trimmed region: barycentric points, and
+  /// weights that sum to area_fraction(triangle). Multiply the weights by the area of the triangle.
+  /// Exact for polynomials of `degree` on each sub-triangle (two vertices and the centroid). Points
+  /// are ordered by sub-triangle.
   TriangleRule rule(int triangle, int degree) const;
 
   /// Trim of the concatenated `meshes` (ParametricMesh::concatenated()). `trims`: one per mesh;
@@ -58,7 +58,7 @@ class Trim {
   static Trim concatenated(const std::vector<const Trim*>& trims,
                            const std::vector<const ParametricMesh*>& meshes);
 
-  /// Trim of the mesh that consists of the given triangles only, in this order.
+  /// This trim, restricted to the mesh that consists of the given triangles in the given order.
   Trim restricted(const std::vector<int>& triangles) const;
 
  private:
@@ -69,7 +69,7 @@ class Trim {
     bool straight;
     PlanarCubic side;
   };
-  // Cuts a triangle by the arcs near it.
+  // Cuts a triangle by the cubic arcs of the loops near it.
   void cut_triangle(int triangle, const TriangleShape& shape,
                     const std::vector<PlanarCubic>& segments);
 

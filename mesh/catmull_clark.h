@@ -9,23 +9,24 @@
 
 namespace batten {
 
-/// Smallest sharpness at which an edge or node counts as infinitely sharp.
+/// Smallest sharpness (in subdivision levels) at which a crease or corner is infinitely sharp.
 constexpr double kInfinitelySharp = 10;
 
-/// A semi-sharp crease edge of a cage. `sharpness` is the number of subdivision levels during which
-/// the crease rule applies: 0 is smooth; a sharpness of kInfinitelySharp or more never decays.
+/// A semi-sharp crease edge of a subdivision cage. `sharpness` is the number of subdivision levels
+/// during which the edge is treated as a crease: 0 means a smooth edge; a sharpness of
+/// kInfinitelySharp or more never decays.
 struct CageCrease {
   int a = 0, b = 0;  ///< end nodes of the edge, 0-based
   double sharpness = kInfinitelySharp;
 };
-/// A semi-sharp corner of a cage: a node that keeps its position for `sharpness` subdivision
-/// levels.
+/// A semi-sharp corner of a subdivision cage: a node that keeps its position for `sharpness`
+/// subdivision levels.
 struct CageCorner {
   int node = 0;
   double sharpness = kInfinitelySharp;
 };
-/// Semi-sharp creases and corners of a cage; boundary edges are always sharp. If several entries
-/// refer to the same edge or node, the last one applies.
+/// Semi-sharp creases and corners of a subdivision cage. Boundary edges are always sharp. If
+/// several entries refer to the same edge or node, the last one applies.
 struct CageTags {
   std::vector<CageCrease> creases;
   std::vector<CageCorner> corners;
@@ -33,15 +34,15 @@ struct CageTags {
 
 /// Options of catmull_clark().
 struct CatmullClarkOptions {
-  int levels = 4;  ///< at least 1; each level splits an n-gon into n quads
+  int levels = 4;  ///< number of subdivision levels, at least 1; each splits an n-gon into n quads
   CageTags tags = {};
 };
 
-/// Subdivides a cage by the Catmull-Clark scheme and projects the nodes to the limit surface. The
-/// result is a quad mesh.
+/// Subdivides a cage of polygons by the Catmull-Clark scheme, and projects the nodes of the
+/// resulting quad mesh to the limit surface.
 ///
-/// For a node v with n edges, e denotes the far ends of these edges, f the centroids of the faces
-/// around v, and d the corners diagonally opposite to v in the quads. One level moves v to v'. The
+/// For a node v with n edges, let e be the far ends of the edges, f the centroids of the faces
+/// around v, and d the corners diagonally opposite to v in quads. One level moves v to v'. The
 /// limit position of v is v∞:
 ///
 ///     v' = v (n - 2)/n + Σ e/n² + Σ f/n²,     v∞ = (n² v + 4 Σ e + Σ d)/(n (n + 5))
@@ -68,10 +69,10 @@ struct CatmullClarkOptions {
 /// [HalsteadKassDeRose1993] (limit positions); [DeRoseKassTruong1998] (semi-sharp creases).
 ShellMesh catmull_clark(const ShellMesh& cage, const CatmullClarkOptions& options = {});
 
-/// Subdivides a cage until the quads deviate from the limit surface by about `chord`, but at most 8
-/// times and to at most 200,000 quads. `chord`: largest distance between a quad and the limit
-/// surface, in the length unit of the cage. Throws the same exceptions as catmull_clark(). Costs
-/// about as much as the last subdivision.
+/// Subdivides a cage of polygons by the Catmull-Clark scheme until the quads deviate from the limit
+/// surface by about `chord`, but at most 8 times and to at most 200,000 quads. `chord`: largest
+/// distance between a quad and the limit surface, in the length unit of the cage. Throws the
+/// exceptions of catmull_clark(). Costs about as much as the last subdivision.
 ShellMesh catmull_clark_limit(const ShellMesh& cage, const CageTags& tags, double chord);
 
 }  // namespace batten

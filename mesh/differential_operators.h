@@ -5,7 +5,8 @@
 
 namespace batten {
 
-/// Integrated cotangent Laplacian L_c, n×n; only the lower triangle is stored:
+/// Integrated cotangent Laplacian L_c of a mesh with n vertices, n×n; only the lower triangle of
+/// the matrix is stored:
 ///
 ///     (L_c)_ij = -½ (cot α_ij + cot β_ij),   (L_c)_ii = ½ Σ_j (cot α_ij + cot β_ij)
 ///
@@ -19,19 +20,19 @@ namespace batten {
 /// curvatures; on a sphere, n_i points away from the centre.
 SparseMatrix cotangent_laplacian(const TriangleMesh& mesh);
 
-/// Half the cotangents of the three corner angles of each triangle, 3×triangles. They are the terms
-/// from which cotangent_laplacian() is assembled. O(triangles).
+/// Half the cotangents of the three corner angles of each triangle, 3 × number of triangles.
+/// cotangent_laplacian() is assembled from these terms. O(triangles).
 Eigen::Matrix3Xd half_cotangents(const TriangleMesh& mesh);
 
 /// Cotangent weight ½ (cot α + cot β) of each edge, in the order of MeshTopology::edges(). α and β
-/// are the angles opposite to the edge. The weight is the negative off-diagonal entry of
-/// cotangent_laplacian(). O(triangles).
+/// are the angles opposite to the edge. A boundary edge has only α. The weight is the off-diagonal
+/// entry of cotangent_laplacian(), with opposite sign. O(triangles).
 std::vector<double> edge_cotangents(const TriangleMesh& mesh);
 
-/// Mixed area of each of the n vertices, in model units². A vertex gets its Voronoi area within
-/// each adjacent triangle. In an obtuse triangle, the vertex at the obtuse angle gets half of the
-/// area and the other two a quarter each. The mixed areas sum to the area of the mesh; those of
-/// vertices without triangles are 0. Reference: [Meyer2003].
+/// Mixed area of each of the n vertices, in model units². In each adjacent triangle, a vertex gets
+/// the area of its Voronoi cell. In an obtuse triangle, the vertex at the obtuse angle gets half of
+/// the triangle's area, the other two vertices a quarter each. The mixed areas sum to the area of
+/// the mesh; those of vertices without triangles are 0. Reference: [Meyer2003].
 VecX mixed_areas(const TriangleMesh& mesh);
 
 }  // namespace batten

@@ -10,9 +10,9 @@
 
 namespace batten {
 
-/// Quality measures of one face with the corners p_1 … p_k. Repeated corners are counted once (a
-/// quad whose last two nodes coincide is a triangle). N = ½ Σ p_i × p_i+1 is the area vector,
-/// n = N/|N| the normal.
+/// Quality measures of one face with k corners. Repeated corners are counted once (a quad whose
+/// last two nodes coincide is a triangle). The normal n is the unit vector along Σ p_i × p_i+1,
+/// summed over the corners p_i.
 ///
 /// - aspect: ratio of the longest edge to the smallest width, times ½ cot(π/2k) for odd k or
 ///   cot(π/k) for even k. The aspect is 1 for all regular polygons. The width at an edge is the
@@ -31,14 +31,14 @@ namespace batten {
 ///   above 180 if the normal of the corner points against n.
 ///
 /// If there are fewer than three distinct corners, the aspect is infinite, and Jacobian and angles
-/// are 0. If a coordinate is not finite, all five measures are NaN. Aspect, warpage and angles of
+/// are 0. If a coordinate is not finite, all measures are NaN. Aspect, warpage and angles of
 /// second-order faces are computed from the corners only. Angles and warpage are in degrees.
 struct ElementQuality {
   double aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
 
-/// Quality measures of one face of `shells`. `points`: positions of all nodes (n×3), used instead
-/// of `shells.points`.
+/// Quality measures of one face of `shells`, for example after a deformation. `points`: positions
+/// of all nodes (n×3), used instead of `shells.points`.
 ElementQuality quality_of(const ShellMesh& shells, const Points& points, int face);
 
 /// Limits beyond which a quality measure of an element counts as a violation. Angles are in
@@ -46,16 +46,16 @@ ElementQuality quality_of(const ShellMesh& shells, const Points& points, int fac
 struct QualityLimits {
   double aspect = 5, warpage_degrees = 15, jacobian = 0.5;
   double smallest_triangle_angle_degrees = 20, largest_triangle_angle_degrees = 120;
-  double smallest_angle_degrees = 45, largest_angle_degrees = 135;  ///< for quads, polygons
+  /// Limits of the angles of faces with four or more corners.
+  double smallest_angle_degrees = 45, largest_angle_degrees = 135;
 };
 
-/// Summary of one quality measure over all faces. NaN counts as worse than any other value, and as
-/// a violation.
+/// Summary of one quality measure over the faces of a mesh. NaN is the worst value and a violation.
 struct MeasureSummary {
   double worst = 0;
   int worst_face = -1;  ///< face with the worst value (ties: lowest index); -1: no faces
-  double mean = 0;      ///< mean of the finite values
-  int violations = 0;   ///< number of faces beyond the limit
+  double mean = 0;      ///< mean of the finite values over the faces
+  int violations = 0;   ///< number of faces beyond the limit of QualityLimits
 };
 
 /// Summary of all quality measures over all faces of a mesh.
@@ -64,22 +64,22 @@ struct QualitySummary {
   MeasureSummary aspect, warpage_degrees, jacobian, smallest_angle_degrees, largest_angle_degrees;
 };
 
-/// Computes the quality measures of all faces and compares them with `limits`. `points`: positions
-/// of all nodes (n×3), used instead of `shells.points`. Throws InputError unless there is one point
-/// per node. O(faces).
+/// Computes the quality measures of all faces of `shells`, and compares them with `limits`.
+/// `points`: positions of all nodes (n×3), used instead of `shells.points`. Throws InputError
+/// unless there is one point per node. O(faces).
 QualitySummary summarize(const ShellMesh& shells, const Points& points,
                          const QualityLimits& limits = {});
 
 /// Indices of the faces that a deformation inverted or folded, ascending. `before` and `after` are
-/// the node positions before and after the deformation (n×3). The result contains:
+/// the node positions before and after the deformation (n×3). The faces listed are:
 ///
 /// - Faces whose `jacobian` (see ElementQuality) was positive before and is zero, negative or NaN
-///   after. These are quads that fold onto themselves and triangles that lost their area.
+///   afterwards. These are quads that fold onto themselves and triangles that lost their area.
 /// - Folded faces. At a folded edge, which two faces share (and no third one), the angle between
-///   the normals of these faces was below 90 degrees before and is above 120 after. The normals are
-///   taken as if both faces had the same orientation. Of the two faces, the one with more folded
-///   edges is listed, or both if the numbers are equal. Therefore a single flipped triangle is
-///   listed, but its three neighbours are not.
+///   the normals of these faces was below 90 degrees before and is above 120 degrees afterwards.
+///   The normals are taken as if both faces had the same orientation. Of the two faces, the one
+///   with more folded edges is listed, or both if the numbers are equal. Therefore a single flipped
+///   triangle is listed, but its three neighbours are not.
 ///
 /// The result is empty for rigid motions. Throws InputError unless there is one point per node.
 /// O(faces · log faces).
@@ -87,16 +87,16 @@ std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before, c
 
 // Solid elements inverted by a deformation.
 
-/// Indices of the solids that a deformation inverted: the Jacobian determinant (triple product of
-/// the three edges) of at least one corner changes its sign or becomes 0. `before`, `after`: node
-/// positions before and after the deformation (n×3). Tetrahedra, pyramids (except at the apex),
-/// wedges and hexahedra are supported; their corner nodes come first. Corners with a determinant of
-/// 0 before the deformation are ignored. O(elements).
+/// Indices of the solid elements that a deformation inverted. An element is inverted if, at one of
+/// its corners, the Jacobian determinant (triple product of the three edges) changes its sign or
+/// becomes 0. `before`, `after`: node positions before and after the deformation (n×3). Tetrahedra,
+/// pyramids (except at the apex), wedges and hexahedra are supported; their corner nodes come
+/// first. Corners with a determinant of 0 before the deformation are ignored. O(elements).
 std::vector<int> inverted_solids(std::span<const NonShellElement> elements, const Points& before,
                                  const Points& after);
 
-/// Number of corners of a solid element (4, 5, 6 or 8), deduced from its number of nodes. It is 0
-/// for elements that are not solids, and for unsupported numbers of nodes.
+/// Number of corners of a solid element (4, 5, 6 or 8), deduced from its number of nodes; 0 for an
+/// element that is not solid or has an unsupported number of nodes.
 int corner_count(const NonShellElement& solid);
 
 }  // namespace batten

@@ -8,22 +8,22 @@
 
 namespace batten {
 
-/// Vertex indices, ascending, without repetition. The functions of this header that return a
+/// Selected vertices: vertex indices, ascending, without repetition. Functions that return a
 /// Selection accept vertex indices in any order, and throw InputError if an index is out of range;
-/// the message names the first one. Selections by position never contain vertices without
+/// the message names the first such index. Selections by position never contain vertices without
 /// triangles. Distances and rings continue across non-manifold edges. Selections by position,
 /// distance or rings contain either all coincident vertices of a node or none of them.
 using Selection = std::vector<int>;
 
-/// Vertices in an axis-aligned box: all positions p with low ≤ p ≤ high in every coordinate.
+/// Vertices in an axis-aligned box: low ≤ p ≤ high in every coordinate of their position p.
 Selection vertices_in_box(const TriangleMesh& mesh, const Vec3& low, const Vec3& high);
 
-/// Vertices in a sphere: all positions p with |p - centre| ≤ radius.
+/// Vertices in a sphere: |p - centre| ≤ radius for their position p.
 Selection vertices_in_sphere(const TriangleMesh& mesh, const Vec3& centre, double radius);
 
-/// Vertices on the positive side of a plane, up to the height `max_height` above it. Their
-/// positions p satisfy 0 ≤ n·(p - origin) ≤ max_height with the unit vector n along `normal`.
-/// Throws InputError if `normal` is zero or not finite.
+/// Vertices on the positive side of the plane through `origin` with the given normal, up to the
+/// height `max_height` above the plane (model units). Vertices on the plane are included. Throws
+/// InputError if `normal` is zero or not finite.
 Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, const Vec3& normal,
                                 double max_height = std::numeric_limits<double>::infinity());
 
@@ -35,10 +35,10 @@ Selection vertices_beyond_plane(const TriangleMesh& mesh, const Vec3& origin, co
 /// Fast marching: fronts start at the sources and propagate through triangles. Two corners a, b
 /// with the distances d_a, d_b give the third corner c the distance d_c = |c - s|. The virtual
 /// source s lies in the plane of the triangle, on the other side of ab, at distance d_a from a and
-/// d_b from b. If the segment sc does not cross ab, d_c = min(d_a + |ac|, d_b + |bc|). Fronts that
-/// start from edges are treated as locally straight: d_c = d_a + g·(c - a) with |g| = 1 and
-/// g·(b - a) = d_b - d_a. Vertices are processed in the order of their distances, and again if a
-/// later front gives a smaller distance. Therefore obtuse triangles need not be split.
+/// d_b from b. If the segment from s to c does not cross ab, d_c = min(d_a + |ac|, d_b + |bc|).
+/// Fronts that start from edges are treated as locally straight: d_c = d_a + g·(c - a) with |g| = 1
+/// and g·(b - a) = d_b - d_a. Vertices are processed in the order of their distances, and again if
+/// a later front gives a smaller distance. Therefore obtuse triangles need not be split.
 ///
 /// Accuracy: exact to rounding on flat meshes that are fully visible from one source, otherwise
 /// first order in the edge length h. Measured errors: 0.08 h on spheres at a quarter of the great
@@ -56,13 +56,13 @@ VecX geodesic_distances(const TriangleMesh& mesh, const std::vector<int>& source
 Selection vertices_within(const TriangleMesh& mesh, const std::vector<int>& sources,
                           double distance);
 
-/// The given vertices together with `rings` rings of neighbours around them.
+/// The given vertices and all vertices at most `rings` edges away from them.
 Selection grown(const MeshTopology& topology, const std::vector<int>& vertices, int rings);
 
-/// The border of a set of vertices: those with at least one neighbour outside the set.
+/// The border of a set of vertices: the vertices with at least one neighbour outside the set.
 Selection border(const MeshTopology& topology, const std::vector<int>& vertices);
 
-/// All corners of the given triangles.
+/// All vertices that are corners of the given triangles.
 Selection vertices_of_triangles(const MeshTopology& topology, const std::vector<int>& triangles);
 
 /// Triangles with at least one corner among the given vertices, ascending.
@@ -86,20 +86,20 @@ int nearest_vertex(const TriangleMesh& mesh, const Vec3& point);
 
 /// Mesh saliency of every vertex: a measure of visual importance between 0 and 1 [Lee2005].
 ///
-///     C         mean curvature, δ_i · n_i (mesh/differential_operators.h; n_i: vertex normal)
+///     C         mean curvature at each vertex (see cotangent_laplacian())
 ///     G(C, σ)   mean of C over the vertices within 2σ, weights A_j exp(-|p_j - p_i|² / 2σ²)
 ///     S_σ       |G(C, σ) - G(C, 2σ)|,   σ = 2ε, 3ε, 4ε, 5ε, 6ε,   ε = 0.003 size
 ///     S         saliency: Σ_σ N(S_σ), divided by its largest value
 ///
-/// `size` is the diagonal of the bounding box of the mesh, A_j the mixed area of vertex j. The
-/// operator N divides a map S_σ by its maximum and multiplies it by (1 - m̄)², where m̄ is the mean
-/// of the other local maxima. Maps with a few high peaks therefore count more than maps with many
-/// similar ones. The paper has no weights A_j; they make the result independent of local mesh
-/// refinement. The saliency is 0 everywhere on surfaces of nearly constant curvature (all S_σ below
-/// 1e-9 / size).
+/// `size` is the diagonal of the bounding box of the mesh, p_i the position and A_j the mixed area
+/// of a vertex. The operator N divides a map S_σ by its maximum and multiplies it by (1 - m̄)²,
+/// where m̄ is the mean of the other local maxima. Maps with a few high peaks therefore count more
+/// than maps with many similar ones. [Lee2005] has no weights A_j; they make the result independent
+/// of local mesh refinement. The saliency is 0 everywhere on surfaces of nearly constant curvature
+/// (all S_σ below 1e-9 / size).
 ///
 /// O(n · vertices within 0.072 size), in parallel: 10 s on one core for 100,000 vertices. Throws
-/// InputError if the mesh has no triangles. References: [Lee2005]; [Itti1998] (N).
+/// InputError if the mesh has no triangles. References: [Lee2005]; [Itti1998] (operator N).
 VecX mesh_saliency(const TriangleMesh& mesh);
 
 /// Region growing: the vertices connected to vertex `picked` by edge paths along which the saliency

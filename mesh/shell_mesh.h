@@ -16,12 +16,13 @@ namespace batten {
 /// be inconsistently oriented, or be duplicated. prepare() resolves these cases.
 ///
 /// A linear face is a polygon, given by its nodes in order. A second-order face is given by its
-/// corners, followed by the midside nodes of the edges 12, 23, …, like the elements S6 and S8.
+/// corners, followed by the midside nodes of its edges (first to second corner, second to third,
+/// …), like the elements S6 and S8.
 class ShellMesh {
  public:
   Points points;  ///< node coordinates, n×3
 
-  /// Appends a face. `nodes`: 0-based node indices; a second-order face must have 6 or 8.
+  /// Appends a face. `nodes`: 0-based node indices; a second-order face must have 6 or 8 nodes.
   void add_face(std::span<const int> nodes, bool second_order = false) {
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     start_.push_back(isize(nodes_));
@@ -30,11 +31,11 @@ class ShellMesh {
 
   int node_count() const { return static_cast<int>(points.rows()); }
   int face_count() const { return isize(second_order_); }
-  /// All nodes of a face, including midside nodes.
+  /// Node indices of face f, including midside nodes.
   std::span<const int> face(int f) const {
     return {nodes_.data() + start_[f], static_cast<size_t>(start_[f + 1] - start_[f])};
   }
-  /// The corner nodes of a face, without midside nodes.
+  /// Node indices of the corners of face f, without midside nodes.
   std::span<const int> corners(int f) const {
     return face(f).first(face(f).size() / (second_order_[f] ? 2 : 1));
   }
@@ -52,17 +53,17 @@ class ShellMesh {
 /// node).
 struct NonShellElement {
   enum class Kind {
-    Solid,          ///< solid: corners, then midside nodes, in the order of the deck
-    Beam,           ///< bar or beam: both ends, then the orientation node, if the deck has one
-    Bush,           ///< spring, damper, gap or fastener, with the same nodes as a Beam
+    Solid,          ///< solid element: corners, then midside nodes, in the order of the deck
+    Beam,           ///< bar or beam: both ends, then the orientation node, if any
+    Bush,           ///< spring, damper, gap, fastener: ends, then orientation node, if any
     Rigid,          ///< rigid body element (RBE2, for example); first node: independent node
-    Interpolation,  ///< interpolation (RBE3) element; first node: dependent reference node
+    Interpolation,  ///< interpolation element (RBE3); first node: dependent reference node
     Mass,           ///< point mass with one node
-    Other           ///< any other element
+    Other           ///< any other element type
   };
   Kind kind = Kind::Other;
-  std::string name;             ///< name in the deck: CHEXA, RBE2, C3D8, *MPC, …
-  long label = 0;               ///< element number in the deck; 0: none
+  std::string name;             ///< element type in the deck: CHEXA, RBE2, C3D8, *MPC, …
+  long label = 0;               ///< element number in the deck; 0: no number
   std::vector<int> nodes;       ///< 0-based node indices of the mesh
   std::vector<double> weights;  ///< for Kind::Interpolation: one per node after the first
 };

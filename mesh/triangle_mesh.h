@@ -30,9 +30,9 @@ namespace batten {
 class MeshTopology {
  public:
   struct Edge {
-    int low, high;  ///< the two vertices of the edge, low < high
-    /// Triangle that traverses the edge from low to high, and the one that traverses it from high
-    /// to low. -1: no triangle on this side.
+    int low, high;  ///< vertex indices of both ends of the edge, low < high
+    /// `left`: triangle that traverses the edge from vertex `low` to vertex `high`; `right`:
+    /// triangle that traverses it from `high` to `low`. -1: there is no such triangle.
     int left, right;
   };
 
@@ -46,9 +46,10 @@ class MeshTopology {
                std::vector<int> duplicate_vertex_nodes = {});
 
   int vertex_count() const { return vertex_count_; }
-  /// Number of nodes: vertex_count() without the duplicate vertices.
+  /// Number of nodes. Coincident vertices of several manifold patches count as one node.
   int node_count() const { return vertex_count_ - isize(duplicate_vertex_nodes_); }
-  /// The node to which a vertex belongs: the vertex itself, or the node that it duplicates.
+  /// The node to which a vertex belongs. It differs from the vertex only for a duplicate vertex
+  /// where several manifold patches meet.
   int node_of(int vertex) const {
     return vertex < node_count() ? vertex : duplicate_vertex_nodes_[vertex - node_count()];
   }
@@ -57,14 +58,14 @@ class MeshTopology {
   std::span<const int> coincident_vertices(int vertex) const {
     return part(coincident_vertices_, coincident_start_, node_of(vertex));
   }
-  /// The given vertices together with all vertices of the same nodes, ascending, without
-  /// repetition.
+  /// The given vertices and all vertices that belong to the same nodes as these vertices,
+  /// ascending, without repetition.
   std::vector<int> expand_to_nodes(std::vector<int> vertices) const;
   /// The nodes to which the given vertices belong, ascending, without repetition.
   std::vector<int> nodes_of(std::vector<int> vertices) const;
   int triangle_count() const { return isize(triangles_); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
-  /// The edges, sorted by (low, high).
+  /// The edges, sorted by Edge::low; edges with equal `low` are sorted by Edge::high.
   const std::vector<Edge>& edges() const { return edges_; }
   /// Indices of the edges opposite to the three corners of a triangle.
   const std::array<int, 3>& edges_of(int triangle) const { return edges_of_[triangle]; }
@@ -72,17 +73,18 @@ class MeshTopology {
   std::span<const int> neighbours(int vertex) const {
     return part(neighbours_, neighbour_start_, vertex);
   }
-  /// Triangles around a vertex, ascending.
+  /// Indices of the triangles around a vertex, ascending.
   std::span<const int> triangles_of(int vertex) const {
     return part(triangles_of_, triangle_start_, vertex);
   }
-  /// The triangle across the edge opposite to `corner` (0, 1 or 2), or -1 at the boundary.
+  /// The triangle that shares the edge opposite to `corner` (0, 1 or 2) with the given triangle; -1
+  /// if the edge has only one triangle.
   int across(int triangle, int corner) const;
 
-  /// Free boundary loops as closed chains of vertices, with the surface on their left. Each loop
-  /// starts at its lowest-numbered vertex, and the loops are sorted by their first vertices. Loops
-  /// that share an edge with another patch (a non-manifold edge) are not free boundaries; they are
-  /// in non_manifold_loops().
+  /// Free boundary loops of the mesh: closed chains of vertices, with the surface on their left.
+  /// Each loop starts at its lowest-numbered vertex, and the loops are sorted by their first
+  /// vertices. Loops that share an edge with another patch (a non-manifold edge) are not free
+  /// boundaries; they are in non_manifold_loops().
   const std::vector<std::vector<int>>& boundary_loops() const { return loops_; }
   const std::vector<std::vector<int>>& non_manifold_loops() const { return non_manifold_loops_; }
   /// True if the vertex lies on the boundary of its manifold patch, that is, on an edge with only
@@ -104,8 +106,8 @@ class MeshTopology {
   void find_components();
 
   void find_coincident_vertices();
-  /// Per edge: 1 if another edge joins the same two nodes. Empty for meshes without duplicate
-  /// vertices.
+  /// Flag of each edge: 1 if another edge joins the same two nodes. Empty for meshes without
+  /// duplicate vertices.
   std::vector<char> non_manifold_edges() const;
 
   int vertex_count_, component_count_ = 0;
@@ -121,11 +123,12 @@ class MeshTopology {
 /// its own points, but shares the connectivity.
 class TriangleMesh {
  public:
-  /// Builds a mesh. `points`: one per node (n×3). `duplicate_vertex_nodes`: see MeshTopology.
-  /// Throws InputError like the constructor of MeshTopology, or if a coordinate is not finite.
+  /// Builds a mesh. `points`: one per node (n×3). `triangles`, `duplicate_vertex_nodes`: see the
+  /// constructor of MeshTopology. Throws InputError like the constructor of MeshTopology, or if a
+  /// coordinate is not finite.
   TriangleMesh(Points points, std::vector<std::array<int, 3>> triangles,
                std::vector<int> duplicate_vertex_nodes = {});
-  /// A mesh with the same connectivity and other positions. `points`: one per vertex (n×3). Throws
+  /// A mesh with the connectivity of this mesh and the vertex positions `points` (n×3). Throws
   /// InputError if the number of points differs from the number of vertices or a coordinate is not
   /// finite.
   TriangleMesh with_points(Points points) const;
@@ -138,12 +141,12 @@ class TriangleMesh {
   const std::vector<std::array<int, 3>>& triangles() const { return topology_->triangles(); }
   /// Twice the area of a triangle times its unit normal.
   Vec3 area_vector(int triangle) const;
-  /// Bounding box of all vertices that have triangles.
+  /// Bounding box of all vertices that belong to triangles.
   Box3 box() const;
-  /// Diagonal of box(): the reference length for relative tolerances. It is 0 for a mesh without
-  /// triangles.
+  /// Mesh size: the diagonal of the bounding box, which is the reference length for relative
+  /// tolerances; 0 for a mesh without triangles.
   double size() const;
-  /// Length of a closed polygon through the given vertices. The first vertex is not repeated at the
+  /// Length of the closed polygon through the given vertices. Do not repeat the first vertex at the
   /// end.
   double length(const std::vector<int>& closed_loop) const;
 
@@ -164,12 +167,12 @@ class TriangleTree {
 
   struct ClosestPoint {
     int triangle = -1;
-    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< position, barycentric coordinates
+    Vec3 at = Vec3::Zero(), weights = Vec3::Zero();  ///< position; barycentric coordinates
     double distance = 0;
   };
   /// The point of the mesh that is closest to p (ties: triangle with the lowest index). If `normal`
   /// is given, only triangles whose normal has a positive dot product with `normal` are considered.
-  /// Empty if no triangle is considered.
+  /// Empty if there is no such triangle.
   std::optional<ClosestPoint> nearest(const Vec3& p, const std::optional<Vec3>& normal = {}) const;
 
  private:

@@ -18,8 +18,7 @@ struct ElasticSupport {
   std::string name;
   /// Location of a point support; unset: support along a curve or on an area.
   std::optional<ShellLocation> position;
-  /// Curve along which the support acts, restricted to the box of `part`; empty: support on an
-  /// area.
+  /// Name of the curve along which the support acts, in the box of `part`; empty: area support.
   std::string line;
   ShellPart part;
   /// Stiffness along x, y, z: force per displacement at a point, per length of a curve, or per

@@ -11,9 +11,9 @@
 
 namespace batten {
 
-// Each function returns a load vector F, n×3 over the dofs of the model; its work with a
-// displacement q is Σ F_m · q_m. `shape`: absolute dofs of the middle surface. Load vectors can be
-// added.
+// Each of the following functions returns a load vector F, n×3 over the dofs of the model; its work
+// with a displacement q is Σ F_m · q_m. `shape`: absolute dofs of the middle surface. Load vectors
+// can be added.
 
 /// Force per area at a point x of the surface with unit normal n = x_u × x_v / |x_u × x_v|.
 using SurfaceTraction = std::function<Vec3(const Vec3& x, const Vec3& n)>;
@@ -57,7 +57,7 @@ Points point_force(const ModelLayout& model, const ShellLocation& position, cons
 struct Resultant {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
 };
-/// Computes the resultant of a load vector F.
+/// Computes the resultant of a load vector F (n×3) on the middle surface with dofs `shape`.
 Resultant resultant(const ModelLayout& model, const Points& shape, const Points& F);
 
 }  // namespace batten

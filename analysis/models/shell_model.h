@@ -24,7 +24,7 @@ struct RigidBodyModes {
   /// configuration that would not resist these motions, for example three almost collinear points.
   std::vector<std::string> weakly_constrained;
   double smallest_lever =
-      0;  ///< smallest RMS lever arm of weakly constrained motions / size of the shell; 0: none
+      0;  ///< smallest RMS lever arm against weakly constrained motions / shell size; 0: none
 };
 
 /// Finds the motions that ties and supports do not resist, or hardly resist. Cost: O(constraints +
@@ -38,8 +38,8 @@ struct SupportReaction {
   Resultant resultant;  ///< force on the shell, and moment about the origin
 };
 
-/// Assembled system for one shape: ties and supports, and the 3n×3n stiffness matrix K including
-/// springs.
+/// Assembled system of a shell: constraints and springs of ties and supports, and the 3n×3n
+/// stiffness matrix K, which includes the springs.
 struct ShellSystem {
   ShellTies ties;
   SparseMatrix K;
@@ -57,9 +57,9 @@ struct ShellSystem {
 /// pair of triangular solves.
 class ShellModel {
  public:
-  /// Handling of rigid-body modes. Refused: the constructor throws NoSolutionError. Shifted: an
-  /// unsupported shell is allowed, for vibration analysis. The factored matrix is then K + shift()
-  /// M; only natural_modes() takes the shift into account.
+  /// How the constructor treats an unsupported shell. Refused: throws NoSolutionError. Shifted:
+  /// allows it, for vibration analysis. The factored matrix is then K + shift() M (K: stiffness, M:
+  /// mass matrix); only natural_modes() takes the shift into account.
   enum class RigidBodyHandling { Refused, Shifted };
   /// Assembles and factors the system. `shape`: absolute dofs of the middle surface.
   /// `backend_factory`: creates the linear solver; empty: SparseCholesky. Throws InputError under
@@ -75,11 +75,12 @@ class ShellModel {
   /// only update_shape() may be called.
   void update_shape(Points shape);
 
-  /// Displacement q (n×3) under the load F (n×3). Throws InputError if F has the wrong size.
+  /// Displacement dofs (n×3) under the load F (n×3). Throws InputError if F has the wrong size.
   Points solve(const Points& F) const;
-  /// Reactions of the supports, one entry per support name. They balance the load F to rounding. A
-  /// reaction consists of the Lagrange multipliers λ of the constraints, from K q - F = Cᵀ λ, and
-  /// the forces of the springs.
+  /// Reactions of the supports for the displacement q under the load F, one entry per support name.
+  /// They balance the load F to rounding. A reaction consists of the Lagrange multipliers λ of the
+  /// constraints, from K q - F = Cᵀ λ (C: coefficients of the constraints), and the forces of the
+  /// springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// Assembles the system for another shape on the same layout: one stiffness matrix, no
   /// factorization.
@@ -89,15 +90,14 @@ class ShellModel {
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with the Lagrange multipliers λ of the constraints C. G: the goal as a load vector. For a
-  /// displacement, it is a unit point_force(); for the compliance, it is F, and the result does not
-  /// include the change of G itself. Cost: a few sparse products.
+  /// with the Lagrange multipliers λ of the constraints and their coefficients C. G: the goal as a
+  /// load vector. For a displacement, it is a unit point_force(); for the compliance, it is F, and
+  /// the result does not include the change of G itself. Cost: a few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                      const ShellSystem& other, const Points& other_F) const;
-  /// Adjoint solution a of K a = G, with all prescribed displacements zero.
+  /// Adjoint solution (n×3): displacement under the load G, with zero prescribed displacements.
   Points adjoint(const Points& G) const;
-  /// Strain energy ½ qᵀ K q of the shell for the displacement q, excluding the energy of all
-  /// springs.
+  /// Strain energy of the shell for the displacement q (n×3), excluding the energy of all springs.
   double energy(const Points& q) const;
 
   const ModelLayout& layout() const { return layout_; }
@@ -118,9 +118,9 @@ class ShellModel {
   int unknowns() const { return solver_.reduction().free_count(); }
 
  private:
-  // Stiffness of assembler_ with the springs of ties_.
+  // Stiffness matrix of the shell, including the springs of ties and supports.
   SparseMatrix stiffness();
-  // K q - F including the load of the springs: the forces of the constraints.
+  // Forces that the constraints exert on the dofs: K q - F, including the load of the springs.
   Points residual_forces(const Points& q, const Points& F) const;
 
   ModelLayout layout_;

@@ -10,13 +10,14 @@ namespace batten {
 /// Natural vibration modes of a shell, lowest frequency first.
 struct ShellModes {
   VecX frequencies;  ///< natural frequencies, 1/time: Hz if the unit of time is the second
-  std::vector<Points> shapes;  ///< mass-normalised mode shapes (n×3): Σ over x, y, z of qᵀ M q = 1
-  int rigid_body_count = 0;  ///< number of rigid-body modes, which come first
+  std::vector<Points> shapes;  ///< mode shapes q (n×3), scaled so that tr(qᵀ M q) = 1 (M: mass)
+  int rigid_body_count = 0;    ///< number of rigid-body modes, which come first
 };
 
-/// Computes the lowest `count` natural frequencies and modes, K q = (2π f)² M q. For an unsupported
-/// shell (ShellModel::RigidBodyHandling::Shifted), the rigid-body modes come first, in addition to
-/// the `count` modes.
+/// Computes the lowest `count` natural frequencies f and modes q, K q = (2π f)² M q with the
+/// stiffness matrix K and the mass matrix M. For an unsupported shell
+/// (ShellModel::RigidBodyHandling::Shifted), the rigid-body modes come first, in addition to the
+/// `count` modes.
 ///
 /// Uses the implicitly restarted Lanczos iteration [Sorensen1992] of Spectra in shift-and-invert
 /// mode: about 3 · count solves with the factor of the shell. Throws InputError if a section has no
@@ -26,14 +27,15 @@ ShellModes natural_modes(const ShellModel& shell, int count);
 
 /// Load factors at which a shell buckles, smallest first.
 struct ShellBuckling {
-  /// Positive multiples of the load; fewer than requested if the remaining factors are negative.
+  /// Factors on the load, above 0, ascending; fewer than requested if further ones are negative.
   VecX factors;
   std::vector<Points> shapes;  ///< buckling modes (n×3); the largest displacement is 1 model unit
 };
 
 /// Linear buckling under the load F whose displacement is q = shell.solve(F): solves (K + λ G(q)) u
-/// = 0 for the smallest λ > 0, with G from ShellAssembler::geometric_stiffness(). Bending prestress
-/// and displacements before buckling are neglected.
+/// = 0 for the smallest load factors λ > 0, with the stiffness matrix K and the geometric stiffness
+/// G (ShellAssembler::geometric_stiffness()). Bending prestress and displacements before buckling
+/// are neglected.
 ///
 /// `q`: displacement dofs, n×3, model units. `count`: number of load factors. Throws InputError for
 /// an invalid count, and NoSolutionError, as natural_modes() does. Cost: as natural_modes(); twice

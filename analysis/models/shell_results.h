@@ -16,24 +16,24 @@ namespace batten {
 struct ShellLoadCase {
   std::string name;
   Points load;  ///< load vector, n×3 (shell_loads.h)
-  /// Points of application of point forces: stresses are singular there.
+  /// Points of application of point forces, at which stresses are singular.
   std::vector<Vec3> singular_points = {};
 };
 
 /// A shell whose shape or mesh changes: its definition and its loads as functions of the shape.
 /// `layout`: the model; `shape`: absolute dofs of the middle surface on it.
 struct ShellProblem {
-  /// Sections and supports. Sections and supports may depend on the mesh, for example through the
-  /// location of a point support.
+  /// Computes sections and supports. They may depend on the mesh, for example through the location
+  /// of a point support.
   std::function<ShellDefinition(const ModelLayout& layout, const Points& shape)> definition;
-  /// The load cases of a shape, always with the same names and in the same order.
+  /// Computes the load cases for a shape; their names and order must not depend on the shape.
   std::function<std::vector<ShellLoadCase>(const ModelLayout& layout, const Points& shape,
                                            const ShellDefinition& definition)>
       load_cases;
 };
 
 /// Largest displacement of a middle surface. It is sought at the vertices and, in triangles that
-/// the trim cuts, at quadrature points of the inside.
+/// the trim cuts, at quadrature points inside the trim.
 struct MaxDisplacement {
   double value = 0;
   Vec3 vector = Vec3::Zero();
@@ -51,11 +51,11 @@ struct ShellCaseResult {
   std::vector<SupportReaction> reactions;
   double equilibrium_residual = 0;  ///< |load + Σ reactions| / max(|load|, Σ |reaction|)
   double energy = 0;                ///< strain energy (ShellModel::energy())
-  double energy_norm_error = 0;     ///< estimated relative error, see ShellStresses
+  double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;
   ShellStresses::Peak max_stress;        ///< largest von Mises stress
   Vec3 max_stress_point = Vec3::Zero();  ///< point of `max_stress` on the top or bottom side
-  /// `max_stress` is within three elements of a point load or support.
+  /// True if `max_stress` lies within three element lengths of a point force or point support.
   bool near_singularity = false;
 };
 
@@ -87,7 +87,7 @@ struct ThinShellRatios {
   /// stiff.
   double edge_over_boundary_layer = 0;
 };
-/// Measures the ratios at the centroids of the triangles. O(triangles).
+/// Computes the largest ratios over the centroids of all triangles of a shell. O(triangles).
 ThinShellRatios thin_shell_ratios(const ShellModel& shell);
 
 }  // namespace batten

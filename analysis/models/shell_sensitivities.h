@@ -27,10 +27,10 @@ class ShellSensitivities {
     std::string load_case;
     Vec3 at, direction;
   };
-  /// Derivatives for one goal, of the displacement along its direction and of the compliance.
+  /// Derivatives, with respect to the shape, of the displacement and of the compliance of one goal.
   struct Derivatives {
-    double displacement = 0;
-    double compliance = 0;  ///< derivative of the work of the loads, Fᵀu
+    double displacement = 0;  ///< derivative of the displacement along Goal::direction
+    double compliance = 0;    ///< derivative of the work of the loads, Fᵀu
   };
 
   /// Solves the load cases and their adjoint problems. Throws the exceptions of ShellModel and of
@@ -39,9 +39,9 @@ class ShellSensitivities {
   ShellSensitivities(const ModelLayout& layout, const Points& shape, ShellProblem problem,
                      const std::vector<Goal>& goals);
 
-  /// Derivatives of all goals for a rate of change of the dofs (n×3), by central differences of the
-  /// system. Throws InputError for a rate of the wrong size. Cost: two stiffness matrices and two
-  /// sets of loads.
+  /// Derivatives of all goals. `shape_rate`: rate of change of the shape's dofs (n×3). The system
+  /// is differentiated by central differences. Throws InputError for a rate of the wrong size.
+  /// Cost: two stiffness matrices and two sets of loads.
   std::vector<Derivatives> along(const Points& shape_rate) const;
 
  private:
@@ -57,8 +57,8 @@ class ShellSensitivities {
   std::vector<SolvedGoal> goals_;
 };
 
-/// Dofs of the shape whose parameter is changed by `change`; nullopt if the changed value is not
-/// permitted.
+/// Computes the dofs (n×3) of a shape after its parameter has changed by `change`; nullopt if the
+/// changed value is not permitted.
 using ShapeOfChange = std::function<std::optional<Points>(double change)>;
 
 /// Derivative of a shape with respect to a parameter: the central difference of `shape_of(±step)`,

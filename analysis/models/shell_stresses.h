@@ -11,12 +11,14 @@ namespace batten {
 
 /// Stress resultants at one point: symmetric tensors in the tangent plane, in space coordinates.
 struct ShellStress {
-  Mat3 forces = Mat3::Zero();   ///< membrane forces N, force per length
-  Mat3 moments = Mat3::Zero();  ///< moments M, moment per length; positive: tension at the top
+  Mat3 forces = Mat3::Zero();  ///< membrane forces, force per length
+  /// Bending moments, moment per length; positive: tension at the top.
+  Mat3 moments = Mat3::Zero();
   double thickness = 0;
 
   /// Stress at a height above the middle surface, relative to half of the thickness: 1 is the top
-  /// (where the normal points), -1 the bottom. σ = N/t + height · 6 M/t².
+  /// (where the normal points), -1 the bottom. σ = forces/t + height · 6 moments/t² with the
+  /// thickness t.
   Mat3 at(double height) const {
     return forces / thickness + height * 6 / (thickness * thickness) * moments;
   }
@@ -60,10 +62,10 @@ class ShellStresses {
   /// Contributions of the triangles to goal_error(), for adaptive refinement.
   VecX goal_error_per_triangle(const ShellStresses& adjoint) const;
 
-  /// Largest von Mises stress at a vertex inside of the trim, at the top or bottom.
+  /// Largest von Mises stress at a vertex inside the trim, at the top or bottom of the shell.
   struct Peak {
     double value = 0;
-    double height = 1;  ///< side of the shell at which the peak occurs: 1: top, -1: bottom
+    double height = 1;  ///< side of the shell at which the peak occurs; 1 is the top, -1 the bottom
     double spread = 0;  ///< largest deviation of the surrounding raw stresses from `value`
     Location where;
     Vec3 at = Vec3::Zero();
@@ -71,14 +73,15 @@ class ShellStresses {
   Peak peak() const { return peak_; }
 
  private:
-  static constexpr int kParts = 12;  // six of N, six of M
+  static constexpr int kParts = 12;  // six of the membrane forces, six of the moments
   using Parts = Eigen::Matrix<double, kParts, 1>;
   struct Sample {
     Location where;
     double weight;  // area of the surface
     Parts parts;
   };
-  // Fit at one vertex: a quadratic in the position relative to it.
+  // Quadratic in the (u, v) position relative to a vertex, fitted to the stresses around the
+  // vertex.
   struct Polynomial {
     Eigen::Matrix<double, 6, kParts> coefficients;
     double size = 0;

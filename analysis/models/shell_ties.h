@@ -15,16 +15,17 @@ namespace batten {
 
 /// Collection of springs with the energy ½ Σ k (Σ a_m · q_m - value)².
 ///
-/// Each spring acts at a quadrature point of a curve or an area; k is the stiffness per length or
-/// area, times the length or area that the point represents. On curves that cross elements
-/// anywhere, exact constraints would be too many or too few. Springs that are a thousand times as
-/// stiff as the adjacent elements avoid both (see shell_ties()).
+/// q_m: displacement at dof m; a_m: coefficients. Each spring acts at a quadrature point of a curve
+/// or an area; k is the stiffness per length or area, times the length or area that the point
+/// represents. On curves that cross elements anywhere, exact constraints would be too many or too
+/// few. Springs that are a thousand times as stiff as the adjacent elements avoid both (see
+/// shell_ties()).
 class ShellSprings {
  public:
   using Entries = std::vector<ConstraintSet::CoupledEntry>;
   struct Spring {
     int name;         ///< index of the spring's name in names()
-    Entries entries;  ///< coefficients a_m; each dof occurs once
+    Entries entries;  ///< coefficient vector of each dof; each dof occurs once
     double stiffness, value;
   };
 
@@ -37,10 +38,10 @@ class ShellSprings {
   const std::vector<std::string>& names() const { return names_; }
   /// Stiffness matrix (lower triangle), 3n×3n over [x; y; z].
   SparseMatrix stiffness() const;
-  /// Load vector (n×3) of the prescribed values: Σ k · value · a_m over all springs.
+  /// Load vector (n×3) of the prescribed values: Σ stiffness · value · coefficients over springs.
   Points load() const;
   /// Scalar force of a spring for the displacement q (n×3). The force on the shell at each dof of
-  /// the spring is this value times the coefficient a_m.
+  /// the spring is this value times the coefficient of the dof.
   static double pull(const Spring& spring, const Points& q);
 
  private:
@@ -61,9 +62,10 @@ struct ShellTies {
 ///
 ///     ω = -(n · U_y - b/|x_t| n · U_t)/a,     y = a (τ × n) + b τ,  τ = x_t/|x_t|,
 ///
-/// where y is a direction into the region and U its displacement. Moments are thus transferred
-/// across smooth joins and across creases of any angle, also if three or more regions meet. Along
-/// `hinges`, regions share positions and derivatives only.
+/// where n is the normal, x_t the derivative along the curve, y a direction into the region and U
+/// the displacement of the region. Moments are thus transferred across smooth joins and across
+/// creases of any angle, also if three or more regions meet. Along `hinges`, regions share
+/// positions and derivatives only.
 ///
 /// If the curve follows element edges on both sides, the ties are exact constraints, with ω equal
 /// at vertices and edge midpoints. If the curve is embedded in a region, springs along it tie

@@ -27,28 +27,28 @@
 
 namespace batten {
 
-/// Adds geometric constraints on one curve to a constraint set. Keeps references to both.
+/// Adds geometric constraints on one curve to a constraint set. Keeps references to mesh and set.
 class CurveConstraints {
  public:
-  /// The set must have as many dofs as the mesh; throws InputError otherwise.
+  /// Throws InputError if the constraint set does not have as many dofs as the mesh.
   CurveConstraints(const CurveMesh& mesh, ConstraintSet& set);
 
   /// The curve passes through `position` at parameter u.
   void point(const std::string& name, double u, const Vec3& position);
-  /// The derivative dX/du at u has the given direction and length.
+  /// The derivative dX/du of the curve at parameter u equals `derivative`.
   void derivative(const std::string& name, double u, const Vec3& derivative);
-  /// The tangent at u is parallel to tau, up to sign. At a corner, this is the tangent of the
-  /// segment that begins there. Throws InputError if tau is zero.
+  /// The tangent of the curve at parameter u is parallel to tau, up to sign. At a corner, the
+  /// tangent of the segment that begins there is constrained. Throws InputError if tau is zero.
   void direction(const std::string& name, double u, const Vec3& tau);
-  /// The second derivative at u vanishes.
+  /// The second derivative of the curve at parameter u vanishes.
   void zero_curvature(const std::string& name, double u);
   /// The curve lies in a plane. `n`: normal, of any length; `through`: any point of the plane.
   /// Throws InputError if n is zero.
   void in_plane(const std::string& name, const Vec3& through, const Vec3& n);
-  /// The curve is mirror-symmetric about a plane: X(start + s) is the mirror image of X(end - s).
-  /// The mesh must be symmetric: node parameters to 1e-9 of the total length, corners exactly. On a
-  /// closed curve, node 0 and the opposite node lie in the plane. Throws InputError if the mesh is
-  /// not symmetric or n is zero.
+  /// The curve X(u) is mirror-symmetric about the plane through `through` with the normal n:
+  /// X(start + s) is the mirror image of X(end - s). The mesh must be symmetric: node parameters to
+  /// 1e-9 of the total length, corners exactly. On a closed curve, node 0 and the opposite node lie
+  /// in the plane. Throws InputError if the mesh is not symmetric or n is zero.
   void symmetric(const std::string& name, const Vec3& through, const Vec3& n);
 
  private:
@@ -75,10 +75,10 @@ class CurveConstraints {
 // Directions are constrained up to their sign; a normal is constrained only if x_u × x_v ≠ 0.
 // Reference: [Celniker1991], section 6; verified forms in docs/theory/elements.md.
 
-/// Adds geometric constraints on one surface mesh to a constraint set. Keeps references to both.
+/// Adds geometric constraints on a surface to a constraint set. Keeps references to mesh and set.
 class SurfaceConstraints {
  public:
-  /// The set must have as many dofs as the mesh; throws InputError otherwise.
+  /// Throws InputError if the constraint set does not have as many dofs as the mesh.
   SurfaceConstraints(const ParametricMesh& mesh, TriangleElement kind, ConstraintSet& set);
 
   /// The surface passes through `position` at a location or at a vertex: one uncoupled constraint.
@@ -94,7 +94,8 @@ class SurfaceConstraints {
   /// is zero.
   void normal(const std::string& name, int vertex, const Vec3& n);
 
-  /// Like the tangent and normal constraints at a vertex, but at any location of the surface.
+  /// At any location of the surface, constrains the derivative in the direction s of (u, v) to be
+  /// parallel to tau, or the surface normal to be parallel to n.
   void tangent(const std::string& name, const Location& where, const Vec2& s, const Vec3& tau);
   void normal(const std::string& name, const Location& where, const Vec3& n);
 
@@ -111,12 +112,13 @@ class SurfaceConstraints {
              const std::vector<double>& parameters, const HermiteCurve& curve,
              const Vec2& direction);
 
-  /// The surface has the normal n along whole edges: (q_b - q_a)·n = 0, q_u·n = q_v·n = 0 at both
-  /// ends, q_n·n = 0 at the midpoint. Exact on the whole edges.
+  /// The surface has the normal n along whole mesh edges, exactly: the chord of each edge, the
+  /// derivatives along u and v at its two ends and the normal derivative at its midpoint are
+  /// perpendicular to n.
   void constant_normal(const std::string& name, const std::vector<int>& edges, const Vec3& n);
 
-  /// The surface has the normal n(s) along edges; s in [0, 1] runs from the lower-numbered end of
-  /// each edge to the higher one.
+  /// The surface has the normal n(s) along mesh edges; s in [0, 1] runs from the lower-numbered end
+  /// of each edge to the higher one.
   ///
   /// The derivatives across the edge and the tangent of the edge are constrained at both ends and
   /// at the midpoint, so the shape of the edge must be compatible with n. Set `edge_curve_is_fixed`
@@ -127,7 +129,7 @@ class SurfaceConstraints {
                       const std::function<Vec3(int edge, double s)>& n, bool edge_curve_is_fixed);
 
  private:
-  // Adds (s · ∇x) · r = 0 at a point.
+  // Constrains the derivative of the surface in the direction s of (u, v) to be perpendicular to r.
   void add_slope_constraint(const std::string& name, const Location& where, const Vec2& s,
                             const Vec3& r);
 
@@ -155,48 +157,51 @@ class SurfaceConstraints {
 
 /// Density of the constraint points along an embedded curve.
 struct PointSpacing {
-  /// Largest step along c, relative to the local element size h. h is √(2 area of the triangle), or
-  /// the length of the element edge that the curve runs along if that is longer. Below 0.35, the
-  /// constraints are so dense that the surface oscillates; above 1, the surface dimples between
-  /// them.
+  /// Largest step between constraint points along the curve in (u, v), relative to the local
+  /// element size h. h is √(2 area of the triangle), or the length of the element edge that the
+  /// curve runs along if that is longer. Below 0.35, the constraints are so dense that the surface
+  /// oscillates; above 1, the surface dimples between constraint points.
   double step = 0.7;
-  /// Number of additional points at half steps at each open end, where the gap is largest.
+  /// Number of additional constraint points at half steps at each end of an open curve, where the
+  /// distance between surface and curve is largest.
   int extra_end_points = 0;
 };
 
-/// Parameters of the constraint points of one curve, ascending. They are spaced evenly in ∫ ds/h
-/// along the curve (h: local element size, see PointSpacing), and include both ends (for a closed
-/// curve, the start) and all `required` parameters. `pcurve`: the curve c(t) in (u, v).
+/// Parameters of the constraint points of one embedded curve, ascending. They are spaced evenly in
+/// ∫ ds/h along the curve (h: local element size, see PointSpacing), and include both ends (for a
+/// closed curve, the start) and all `required` parameters. `pcurve`: the curve c(t) in (u, v).
 std::vector<double> embedded_point_parameters(const ParametricMesh& mesh,
                                               const TriangleLocator& locator,
                                               const HermiteCurve& pcurve,
                                               const PointSpacing& spacing = {},
                                               std::vector<double> required = {});
 
-/// Adds constraints along embedded curves to a constraint set. Keeps references to mesh, locator
-/// and set.
+/// Adds constraints along embedded curves to a constraint set. Keeps references to the mesh, the
+/// locator and the set.
 class EmbeddedLineConstraints {
  public:
-  /// The set must have as many dofs as the mesh; throws InputError otherwise.
+  /// Throws InputError if the constraint set does not have as many dofs as the mesh.
   EmbeddedLineConstraints(const ParametricMesh& mesh, TriangleElement kind,
                           const TriangleLocator& locator, ConstraintSet& set);
 
-  /// The surface interpolates the curve at the given parameters t: x(c(t)) = X(t). `pcurve`: c(t)
+  /// The surface x interpolates a curve at the given parameters t: x(c(t)) = X(t). `pcurve`: c(t)
   /// in (u, v); `curve`: X(t) in space. Throws InputError if c(t) is not on the mesh.
   void points(const std::string& name, const HermiteCurve& pcurve, const HermiteCurve& curve,
               const std::vector<double>& parameters);
-  /// The derivative of the surface across the curve equals g(t), averaged with each hat function
-  /// over `parameters`. On a closed curve, the last hat function extends across the start.
+  /// The derivative of the surface across the curve `pcurve` equals g(t) on average, weighted by
+  /// each of the hat functions (piecewise linear) over `parameters`. On a closed curve, the last
+  /// hat function extends across the start.
   void slope(const std::string& name, const HermiteCurve& pcurve,
              const std::vector<double>& parameters, const std::function<Vec3(double t)>& g);
-  /// The surface normal along the curve is n(t), averaged as in slope(). Only the derivative across
-  /// the curve is constrained, so n(t) should be perpendicular to the tangent of the curve.
+  /// The surface normal along the curve `pcurve` is n(t) on weighted average, as in slope(). Only
+  /// the derivative across the curve is constrained, so n(t) should be perpendicular to the tangent
+  /// of the curve.
   void normal(const std::string& name, const HermiteCurve& pcurve,
               const std::vector<double>& parameters, const std::function<Vec3(double t)>& n);
 
  private:
   using Visit = std::function<void(double t, double weight, const Vec2& nu, const Location& where)>;
-  // Visits the Gauss points of each hat function; weight = φ_k ds, divided by ∫ φ_k ds.
+  // Visits the Gauss points of each hat function φ_k; their weights φ_k ds are divided by ∫ φ_k ds.
   void integrate_hats(const HermiteCurve& pcurve, const std::vector<double>& parameters,
                       const std::function<void(size_t hat)>& begin, const Visit& visit,
                       const std::function<void()>& end) const;

@@ -9,32 +9,34 @@
 
 extern "C" {
 
-// Table of the module's functions. They return an error message for the user, or null on success;
-// the message is valid until the next call. All functions except serve() are called in process 0.
+// Functions of the PETSc module. They return an error message for the user, or null on success; the
+// message is valid until the next call. All functions except serve() are called in MPI process 0.
 struct BattenDistributed {
   int rank, size;
-  // Executes the requests of process 0 until it calls end(). Called in all other processes.
+  // Executes requests of MPI process 0 until that calls end(); called in all other processes.
   void (*serve)();
-  // Factors the symmetric matrix whose lower triangle is given in compressed columns without gaps.
-  // `id` identifies the factor.
+  // Factors a symmetric n×n matrix, whose lower triangle is given in compressed columns without
+  // gaps: column starts `outer`, row indices `inner`, `values`. `id`: number of the new factor.
   const char* (*factorize)(int id, int n, const int* outer, const int* inner, const double* values);
-  // Solves with factor `id`: b (n×k, stored by columns) is overwritten by x.
+  // Solves A x = b with the factor `id` of a matrix A: b (n×k, by columns) is overwritten by x.
   const char* (*solve)(int id, double* b, int k);
   void (*release)(int id);
   void (*end)();
 };
 
-// Initialises MPI and PETSc and fills in the table. Entry point that is looked up by name in the
-// module (petsc_module.cpp), which is loaded only when a run has several MPI processes.
+// Initialises MPI and PETSc and fills in `module`. Returns an error message, or null on success.
+// This entry point is looked up by name in the PETSc module (petsc_module.cpp), which is loaded
+// only when a run has several MPI processes.
 const char* batten_distributed(BattenDistributed* module);
 }
 
 namespace batten {
 
-/// Solver whose factor is distributed over all MPI processes. Process 0 passes it the whole matrix.
+/// Linear solver whose factor is distributed over all MPI processes; used by process 0.
 class DistributedSolver final : public LinearSolverBackend {
  public:
-  /// `module` must outlive this object. `id`: identifies the factor; unique to this solver.
+  /// Creates a solver that uses the functions `module` of the PETSc module. `module` must outlive
+  /// the solver. `id`: number of the factor in the module, different for each solver.
   DistributedSolver(const BattenDistributed& module, int id) : module_(module), id_(id) {}
   ~DistributedSolver() override;
   DistributedSolver(const DistributedSolver&) = delete;
@@ -42,7 +44,8 @@ class DistributedSolver final : public LinearSolverBackend {
 
   bool factorize(const SparseMatrix& A) override;
   const std::string& message() const override { return message_; }
-  /// Solves A x = b in place. Throws NoSolutionError if the PETSc module reports an error.
+  /// Solves A x = b in place for the last factorized matrix A. Throws NoSolutionError if the PETSc
+  /// module reports an error.
   void solve_in_place(Eigen::Ref<MatX> b) const override;
 
  private:
@@ -61,16 +64,15 @@ class MpiProcesses {
   /// Starts the PETSc module. `start`: entry point of the module, batten_distributed(). Throws
   /// InputError if MPI or PETSc cannot be initialised.
   explicit MpiProcesses(const char* (*start)(BattenDistributed*));
-  /// Terminates all processes other than process 0.
+  /// In MPI process 0: terminates all other MPI processes.
   ~MpiProcesses();
   MpiProcesses(const MpiProcesses&) = delete;
   MpiProcesses& operator=(const MpiProcesses&) = delete;
 
-  /// Number of MPI processes.
   int size() const { return module_.size; }
-  /// True for processes other than 0; they only call serve().
+  /// True in all MPI processes except process 0; workers only call serve().
   bool is_worker() const { return module_.rank > 0; }
-  /// Executes the requests of process 0 until process 0 terminates. Called in all other processes.
+  /// Executes requests of MPI process 0 until that terminates; called in all other processes.
   void serve() { module_.serve(); }
   /// Factory of solvers that are distributed over all MPI processes. The solvers must not outlive
   /// this object.

@@ -12,45 +12,47 @@
 
 namespace batten {
 
-/// Solver of symmetric positive definite systems. Back ends: SparseCholesky (default) on one
-/// machine; DistributedSolver on several MPI processes (docs/distributed.md).
+/// Solver of sparse symmetric positive definite linear systems. Back ends: SparseCholesky (default)
+/// on one machine; DistributedSolver on several MPI processes (docs/distributed.md).
 class LinearSolverBackend {
  public:
   virtual ~LinearSolverBackend() = default;
 
-  /// Whether factorize() accepts A without a new symbolic analysis. Back ends without symbolic
-  /// analysis accept every matrix.
+  /// Whether factorize() accepts the matrix A without a new symbolic analysis. Back ends without
+  /// symbolic analysis accept every matrix.
   virtual bool has_pattern_of(const SparseMatrix& A) const;
-  /// Symbolic analysis of A. `order`: elimination order, or empty for an automatic one. Back ends
-  /// that choose their own order ignore it.
+  /// Performs the symbolic analysis of the matrix A. `order`: elimination order of the unknowns;
+  /// empty: automatic. Back ends that choose their own order ignore `order`.
   virtual void analyze(const SparseMatrix& A, const std::vector<int>& order);
-  /// Factors A, of which only the lower triangle is stored. Returns false if A is not positive
-  /// definite.
+  /// Factors the symmetric matrix A, of which only the lower triangle is stored. Returns false if A
+  /// is not positive definite.
   virtual bool factorize(const SparseMatrix& A) = 0;
   /// Reason why the last factorize() failed; empty if it succeeded.
   virtual const std::string& message() const = 0;
-  /// Solves A x = b in place: b (n×k) is overwritten by x.
+  /// Solves A x = b in place for the last factorized n×n matrix A: b (n×k) is overwritten by x.
   virtual void solve_in_place(Eigen::Ref<MatX> b) const = 0;
 };
 
-/// Creates one back end for each linear system. If empty, SparseCholesky is used.
+/// Function that creates a linear solver; called once for each linear system. If the function is
+/// empty, SparseCholesky is used.
 using BackendFactory = std::function<std::unique_ptr<LinearSolverBackend>()>;
 
 // Libraries of SparseCholesky.
 
 /// Library on which a SparseCholesky is based.
 enum class CholeskyLibrary {
-  Cholmod,  ///< AMD or METIS ordering; factor computed by Batten; not in every build
-  Eigen     ///< AMD ordering; factor computed by Eigen; in every build
+  Cholmod,  ///< CHOLMOD orders (AMD, METIS), Batten computes the factor; not in every build
+  Eigen     ///< Eigen orders (AMD) and computes the factor; in every build
 };
 
-/// Libraries that this build contains, the default first: CHOLMOD if available, otherwise Eigen.
+/// Libraries for sparse Cholesky factorization that this build contains, the default first: CHOLMOD
+/// if available, otherwise Eigen.
 std::span<const CholeskyLibrary> cholesky_libraries();
-/// Name of a library: "CHOLMOD" or "Eigen".
+/// Name of a Cholesky library: "CHOLMOD" or "Eigen".
 const char* library_name(CholeskyLibrary library);
 
-/// Creates a supernodal factor that the given library computes. Throws InputError if this build
-/// does not contain the library.
+/// Creates a supernodal Cholesky factor, without values, that the given library will compute.
+/// Throws InputError if this build does not contain the library.
 std::unique_ptr<SupernodalFactor> make_supernodal_factor(
     CholeskyLibrary library = cholesky_libraries().front());
 

@@ -42,57 +42,60 @@ class SparseCholesky final : public LinearSolverBackend {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Symbolic analysis: orders the unknowns and computes the sparsity pattern of the factor.
-  /// `factor_reuse` selects the ordering. Throws InputError if A is not square or if memory cannot
-  /// hold the factor (see available_memory(); checked with CHOLMOD only).
+  /// Symbolic analysis of the matrix A: orders the unknowns and computes the sparsity pattern of
+  /// the Cholesky factor. `factor_reuse` selects the ordering. Throws InputError if A is not square
+  /// or if memory cannot hold the factor (see available_memory(); checked with CHOLMOD only).
   void analyze(const SparseMatrix& A, FactorReuse factor_reuse = FactorReuse::once);
-  /// Symbolic analysis with a given elimination order, for example a nested dissection of the mesh:
-  /// `order` lists the unknowns, first eliminated first. An empty order selects AMD. Throws
-  /// InputError if `order` is not a permutation of all unknowns.
+  /// Symbolic analysis of the matrix A with a given elimination order, for example a nested
+  /// dissection of the mesh: `order` lists the unknowns, first eliminated first. An empty order
+  /// selects AMD. Throws InputError if `order` is not a permutation of all unknowns.
   void analyze(const SparseMatrix& A, const std::vector<int>& order) override;
-  /// Whether A has the analysed sparsity pattern, so that factorize() accepts it. Cost: O(entries).
+  /// Whether A has the analysed sparsity pattern, so that factorize() accepts A. O(entries of A).
   bool has_pattern_of(const SparseMatrix& A) const override;
-  /// Elimination order of the last analysis, computed or given. It can be reused for another matrix
-  /// with the same pattern. Throws NoSolutionError before a successful factorize().
+  /// Elimination order used by the last symbolic analysis, computed or given: lists the unknowns,
+  /// first eliminated first. It can be reused for another matrix with the same pattern. Throws
+  /// NoSolutionError before a successful factorize().
   std::vector<int> order() const;
 
-  /// Numeric factorization of A. If nothing was analysed yet, analyze(A) is called first. Throws
-  /// InputError if the pattern differs from the analysed one. With CHOLMOD's pattern it uses
-  /// several cores, and later calls allocate next to nothing. Returns false if A is not positive
-  /// definite; message() then names the unknown and the probable cause.
+  /// Numeric factorization of the matrix A. Calls analyze(A) first if no matrix was analysed yet.
+  /// Throws InputError if the pattern differs from the analysed one. With CholeskyLibrary::Cholmod
+  /// it uses several cores, and later calls allocate next to nothing. Returns false if A is not
+  /// positive definite; message() names the unknown and the probable cause.
   bool factorize(const SparseMatrix& A) override;
 
-  /// Solves A x = b in place: b (n×k) is overwritten by x. Throws NoSolutionError without a
-  /// successful factorize(), InputError if b does not have n rows. It allocates memory only for the
-  /// first solve in the program, which starts the threads, and for the first solve with more than
-  /// four columns. One column takes as long as four; eight take 1.1 to 1.3 times as long.
+  /// Solves A x = b in place for the factorized n×n matrix A: b (n×k) is overwritten by x. Throws
+  /// NoSolutionError without a successful factorize(), InputError if b does not have n rows.
+  /// Allocates memory only for the first solve in the program, which starts the threads, and the
+  /// first solve with more than four columns. One column takes as long as four; eight take 1.1 to
+  /// 1.3 times as long.
   void solve_in_place(Eigen::Ref<MatX> b) const override;
-  /// Solution of A x = b for all columns of b; like solve_in_place(), but allocates the result.
+  /// Solution of A x = b for the factorized matrix A and all columns of b. Like solve_in_place(),
+  /// but allocates the result.
   MatX solve(const Eigen::Ref<const MatX>& b) const;
 
-  /// Computes the part of the factor that a partial solve must visit, if b is zero outside of the
-  /// rows `nonzero` and only the rows `wanted` of x are needed. std::nullopt means all rows.
-  /// Compute the subset once and reuse it: computing it costs a fraction of a solve.
+  /// Computes the part of the factor that a partial solve of A x = b must visit, if b is zero
+  /// outside of the rows `nonzero` and only the rows `wanted` of x are needed. std::nullopt means
+  /// all rows. Compute the subset once and reuse it: computing it costs a fraction of a solve.
   ///
-  /// By linearity, it also serves if b changes in few rows only: the change of x is the solution
-  /// for the change of b. The forward solve visits the elimination tree from the rows `nonzero` to
-  /// the root, the backward solve from the root to the rows `wanted`. This is half the work if one
-  /// of the two is a small region, and almost nothing if both are. SolveSubset::entries gives the
-  /// remaining work, compared with 2 factor_entries() for a full solve. Throws NoSolutionError
-  /// without a successful factorize(). Reference: [GilbertPeierls1988].
+  /// By linearity, a partial solve also suffices if b changes in few rows only: the change of x is
+  /// the solution for the change of b. The forward solve visits the elimination tree from the rows
+  /// `nonzero` to the root, the backward solve from the root to the rows `wanted`. This is half the
+  /// work if one of the two row sets is a small region of the mesh, and almost nothing if both are.
+  /// SolveSubset::entries gives the remaining work (full solve: 2 factor_entries()). Throws
+  /// NoSolutionError without a successful factorize(). Reference: [GilbertPeierls1988].
   SolveSubset subset(const std::optional<std::vector<int>>& nonzero,
                      const std::optional<std::vector<int>>& wanted) const;
-  /// Partial solve in place, restricted to `subset`. b must be zero outside of the rows `nonzero`
-  /// that were passed to subset(). The rows `wanted` of x are bit-identical to those of a full
-  /// solve; the values of the other rows are undefined. Throws InputError if the subset belongs to
-  /// another analysis.
+  /// Partial solve of A x = b in place, restricted to the part `subset` of the factor. b must be
+  /// zero outside of the rows `nonzero` that were passed to subset(). The rows `wanted` of x are
+  /// bit-identical to those of a full solve; the values of the other rows are undefined. Throws
+  /// InputError if the subset belongs to another analysis.
   void solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> b) const;
 
   /// Reason why the last factorize() failed; empty if it succeeded.
   const std::string& message() const override;
 
-  /// Number of entries of the factor, including explicit zeros in supernodes. A solve reads each
-  /// entry twice.
+  /// Number of entries of the Cholesky factor, including explicit zeros in supernodes. A solve
+  /// reads each entry twice.
   long factor_entries() const;
 
   /// Name of the default library of the build: "CHOLMOD" or "Eigen".

@@ -28,40 +28,42 @@ enum class FactorReuse { once, many };
 /// entries above the diagonal are not read), then the rows below.
 struct SupernodalPattern {
   int count = 0;                    // number of supernodes
-  const int* columns = nullptr;     // count+1: first column of each, then n
-  const int* row_starts = nullptr;  // count+1: first index in `rows` of each
-  // Rows of each supernode, ascending; its own columns come first.
+  const int* columns = nullptr;     // count+1: first column of each supernode, then the matrix size
+  const int* row_starts = nullptr;  // count+1: first index in `rows` of each supernode
+  // Row indices of each supernode, ascending; the indices of its own columns come first.
   const int* rows = nullptr;
-  const int* value_starts = nullptr;  // count+1: offset of each block in the values
+  const int* value_starts = nullptr;  // count+1: offset of each supernode's block in the values
 };
 
-/// Supernodes that a partial solve visits; created by SparseCholesky::subset() for one analysis.
+/// Supernodes of a Cholesky factor that a partial triangular solve visits; created by
+/// SparseCholesky::subset().
 struct SolveSubset {
-  /// Number of entries of the factor that the forward and the backward sweep read in total. A full
-  /// solve reads 2 factor_entries().
+  /// Number of entries of the factor that the forward and the backward sweep of the partial solve
+  /// read in total. A full solve reads 2 SparseCholesky::factor_entries().
   long entries = 0;
 
-  long analysis = 0;  // identifies the analysis it belongs to
-  // Flags: whether each supernode, and each chunk of supernodes, is visited by a sweep.
+  long analysis = 0;  // identifies the symbolic analysis to which the subset belongs
+  // Flag for each supernode, and for each chunk of supernodes: 1 if the sweep visits it, else 0.
   std::vector<char> forward, backward, chunk_forward, chunk_backward;
 };
 
-/// Factorization P A Pᵀ = L Lᵀ in dense supernodal blocks. Implementation detail of SparseCholesky;
-/// make_supernodal_factor() (linear_solver_backend.h) creates it for one library.
+/// Cholesky factorization P A Pᵀ = L Lᵀ, with a permutation P, in dense supernodal blocks.
+/// Implementation detail of SparseCholesky; make_supernodal_factor() (linear_solver_backend.h)
+/// creates one that a given library computes.
 class SupernodalFactor {
  public:
   virtual ~SupernodalFactor() = default;
 
-  /// Symbolic analysis of A, which must have at least one row. `order`: elimination order, or empty
-  /// for an automatic one.
+  /// Symbolic analysis of the matrix A, which must have at least one row. `order`: elimination
+  /// order of the unknowns; empty: automatic.
   virtual void analyze(const SparseMatrix& A, const std::vector<int>& order,
                        FactorReuse factor_reuse) = 0;
 
-  /// Numeric factorization. Returns the error message, or "" on success.
+  /// Computes the numeric values of the factor of A. Returns an error message, or "" on success.
   virtual std::string factorize(const SparseMatrix& A) = 0;
 
-  /// Pattern of the factor and elimination order. Valid after a successful factorize(), unchanged
-  /// until the next analyze().
+  /// Supernodal pattern of the factor; order() gives the elimination order. Both are valid after a
+  /// successful factorize() and unchanged until the next analyze().
   virtual SupernodalPattern pattern() const = 0;
   virtual const int* order() const = 0;
 
@@ -70,8 +72,8 @@ class SupernodalFactor {
   virtual double* values() = 0;
 };
 
-// Libraries: supernodal_factor_cholmod.cpp, which not every build contains, and
-// supernodal_factor_eigen.cpp. For the orders, see elimination_order().
+// Implementations of make_supernodal_factor() and elimination_order() for each library:
+// supernodal_factor_cholmod.cpp (not in every build) and supernodal_factor_eigen.cpp.
 
 std::unique_ptr<SupernodalFactor> make_cholmod_factor();
 std::vector<int> cholmod_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
@@ -79,7 +81,7 @@ std::vector<int> cholmod_elimination_order(const SparseMatrix& graph, FactorReus
 std::unique_ptr<SupernodalFactor> make_eigen_factor();
 std::vector<int> eigen_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse);
 
-/// Error message for a pivot that is not positive; `unknown`: index of the unknown.
+/// Error message for a Cholesky pivot that is not positive; `unknown`: index of its unknown.
 inline std::string not_positive_definite(long unknown) {
   return "the matrix is not positive definite (pivot of unknown " + std::to_string(unknown) +
          "): a motion is not constrained; fix more points, or use beta > 0";

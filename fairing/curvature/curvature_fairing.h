@@ -12,16 +12,16 @@ namespace batten {
 /// Options of fair_curvature() and minimum_curvature_curve().
 struct CurvatureFairingOptions {
   CurveFunctional functional = CurveFunctional::Variation;
-  /// Maximum distance of the returned cubics from the quintic curve; model units, above 0.
+  /// Maximum distance of the returned cubics from the minimising quintics; model units, above 0.
   double tolerance = 0;
   /// Number of quintic segments; at least one between adjacent fixed points. The error of the
-  /// minimising curve falls with the sixth power of this number (Energy: about the same).
+  /// minimising curve falls with about the sixth power of this number.
   int segments = 16;
-  /// Weight of the length, ≥ 0: length_weight · length is added to the functional; both refer to
-  /// the curve scaled to size 1.
+  /// Weight of the curve length, ≥ 0: length_weight · length is added to the minimised functional,
+  /// for the curve scaled to size 1.
   double length_weight = 0;
-  /// Weight of ∫ (d ln|X'| / du)² du on the curve scaled to size 1, above 0. The functionals do not
-  /// depend on the parametrisation; this term keeps the speed uniform. Every shape has a
+  /// Weight of ∫ (d ln|X'| / du)² du for the curve X(u) scaled to size 1, above 0. The functionals
+  /// do not depend on the parametrisation; this term keeps the speed uniform. Every shape has a
   /// parametrisation of uniform speed, so the term hardly affects the shape:
   /// docs/theory/curvature-fairing.md.
   double parametrization_weight = 1e-3;
@@ -50,32 +50,33 @@ struct CurveSpring {
 /// Result of fair_curvature(): the faired curve and the course of the iteration.
 struct CurvatureFairingResult {
   HermiteCurve curve;              ///< faired curve, C1 cubics; u is arc length to a few digits
-  QuinticCurve quintic;            ///< the minimising C2 curve, over the same u
-  std::vector<double> parameters;  ///< parameter of each fixed point, in input order
+  QuinticCurve quintic;            ///< the minimising C2 curve; same parameter u as `curve`
+  std::vector<double> parameters;  ///< parameter of each fixed point on `curve`, in input order
   /// Maximum distance between `curve` and `quintic`, measured at samples; model units.
   double deviation = 0;
-  /// Value of the functional for `quintic`; unit 1/length (Energy) or 1/length³ (Variation).
+  /// Value of the minimised functional for `quintic`; unit 1/length (Energy) or 1/length³
+  /// (Variation).
   double functional = 0;
-  double start_functional = 0;  ///< value of the functional for the initial quintic curve
+  double start_functional = 0;  ///< value of the minimised functional for the initial curve
   /// Largest violation at a fixed point: distance divided by the size of the curve, or sine of the
   /// angle between the tangents.
   double max_residual = 0;
   int iterations = 0;  ///< number of Ceres iterations in all rounds
   int rounds = 0;
-  /// True if the last round converged, and parameters and foot points no longer moved.
+  /// True if the last round converged and moved neither parameters nor foot points of springs.
   bool converged = false;
 };
 
-/// True if this build includes Ceres. Without it, fair_curvature() and minimum_curvature_curve()
-/// throw InputError.
+/// True if this build includes the Ceres solver. Without Ceres, fair_curvature() and
+/// minimum_curvature_curve() throw InputError.
 bool have_curvature_fairing();
 
-/// Computes the functional of a curve with `points` Gauss points per segment. With 8 points the
-/// relative error is 1e-9 if each segment turns by less than 45°.
+/// Computes a curvature functional of a curve with `points` Gauss points per segment. With 8 points
+/// the relative error is 1e-9 if each segment turns by less than 45°.
 double curvature_functional(const QuinticCurve& curve, CurveFunctional functional, int points = 10);
 
-/// Fairs a curve: minimises the functional, plus the terms of springs and length_weight, over
-/// quintic C2 curves.
+/// Fairs a curve: minimises options.functional, plus the terms of springs and
+/// options.length_weight, over quintic C2 curves.
 ///
 /// The curve gets a node at each fixed point and evenly spaced nodes between them. The minimisation
 /// starts from `start` and uses Levenberg-Marquardt and then BFGS (Ceres). The result is a local
@@ -103,7 +104,7 @@ struct CurveThroughPoint {
   std::optional<Vec3> tangent = {};  ///< tangent vector along the curve, of any length except zero
 };
 
-/// Computes the curve of smallest functional through points in the given order.
+/// Computes the curve through points in the given order that minimises options.functional.
 ///
 /// `closed`: the curve returns to the first point. The initial curve consists of cubics with the
 /// given tangents; missing tangents are those of the circle through neighbouring points. Throws

@@ -38,7 +38,7 @@ class QuinticCurve {
   /// wrapped on a closed one.
   CurveMesh::SegmentPoint locate(double u) const { return mesh_.locate(u); }
 
-  /// Position (order 0) or derivative of order 1 to 3 with respect to u.
+  /// Point of the curve (order 0) or its derivative of order 1 to 3 by the curve parameter u.
   Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
   Vec3 evaluate(double u, int order = 0) const { return evaluate(locate(u), order); }
   /// Arc length of one segment, accurate to 1e-12 if the segment turns by less than a quarter of a
@@ -60,19 +60,19 @@ class QuinticCurve {
 
 // Functionals of curvature fairing.
 
-/// Functional that a faired curve minimises. Both depend on the shape only, not on the
-/// parametrisation.
+/// Functional that a faired curve minimises; independent of the parametrisation of the curve.
 enum class CurveFunctional {
-  /// ∫ κ² ds, unit 1/length: the minimum-energy curve, a thin elastic rod of free length that can
-  /// slide through its points. If the curve has to turn back between its ends (a U-turn, a loop),
-  /// the functional decreases as the curve grows, without bound. Then there is no minimum, and
-  /// fair_curvature() throws NoSolutionError; a `length_weight` restores a minimum.
+  /// ∫ κ² ds of the curvature κ over the arc length s, unit 1/length: the minimum-energy curve, a
+  /// thin elastic rod of free length that can slide through its points. If the curve has to turn
+  /// back between its ends (a U-turn, a loop), the functional decreases as the curve grows, without
+  /// bound. Then there is no minimum, and fair_curvature() throws NoSolutionError; a
+  /// `length_weight` restores a minimum.
   Energy,
-  /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum-variation curve [MoretonSequin1992]. κ' is the
-  /// derivative of curvature by arc length, τ the torsion. The integrand is the squared component
-  /// of d(κN)/ds normal to the curve (N: principal normal). It is (dκ/ds)² for a plane curve,
-  /// vanishes only for circles and straight lines, and is smooth through inflections, where κ and N
-  /// alone are not. (The full d(κN)/ds would cost κ⁴ more, also on circles.)
+  /// ∫ κ'² + κ²τ² ds, unit 1/length³: the minimum-variation curve [MoretonSequin1992]. κ is the
+  /// curvature, κ' its derivative by the arc length s, τ the torsion. The integrand is the squared
+  /// component of d(κN)/ds normal to the curve (N: principal normal). It is (dκ/ds)² for a plane
+  /// curve, vanishes only for circles and straight lines, and is smooth through inflections, where
+  /// κ and N alone are not. (The full d(κN)/ds would cost κ⁴ more, also on circles.)
   Variation
 };
 

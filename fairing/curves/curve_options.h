@@ -21,7 +21,7 @@ struct FitOptions {
   /// Smallest turning angle of a corner, degrees in (0, 180]; 180: no corners. See find_corners().
   double corner_angle = 50;
   std::optional<std::vector<int>> corners;  ///< point indices of the corners; unset: detected
-  std::optional<bool> closed;               ///< unset: true if the last point equals the first
+  std::optional<bool> closed;               ///< unset: closed if the last point equals the first
   /// Prescribed ends of an open curve; unset: the first and the last point, with free tangents.
   std::optional<CurveEnd> start, end;
   /// True: points keep their initial parameters (chord or arc length). The curve then has more
@@ -53,16 +53,16 @@ struct CurveFit {
 /// A condition that a faired curve satisfies exactly.
 struct CurveCondition {
   enum class Type {
-    Point,    ///< the curve passes through `at`
+    Point,    ///< the curve passes through the point `at`
     Tangent,  ///< at the curve point closest to `at`, the tangent is parallel to ±`direction`
     ZeroEndCurvature,  ///< the second derivative vanishes at both ends of an open curve
     Plane,             ///< the whole curve lies in the plane through `at` with normal `direction`
-    Symmetry           ///< the curve is mirror-symmetric about that plane
+    Symmetry           ///< mirror symmetry about the plane through `at` with normal `direction`
   };
   std::string name;
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
-  /// Direction of the tangent, or normal of the plane, of any length except zero.
+  /// Tangent direction (Tangent) or plane normal (Plane, Symmetry); any length except zero.
   Vec3 direction = Vec3::UnitZ();
 };
 
@@ -103,7 +103,8 @@ struct FairOptions {
     /// make that impossible, FairCurve::deviation is larger.
     Deviation,
     /// Waves of length `wavelength` keep half of their height. Waves of length v keep the fraction
-    /// 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴) of their height.
+    /// 1 / (1 + (1-b) (wavelength/v)⁶ + b (wavelength/v)⁴) of their height, with b = 1 / (1 + (L /
+    /// (2 wavelength))²) and the curve length L.
     Wavelength
   };
   Smoothing smoothing = Smoothing::CrossValidation;
@@ -112,8 +113,8 @@ struct FairOptions {
   /// Maximum distance of a point from the curve, for Smoothing::Deviation; model units, above 0.
   double deviation = 0;
   double wavelength = 0;  ///< smoothing wavelength, for Smoothing::Wavelength; model units, above 0
-  double alpha = 0;  ///< (stretching resistance / bending resistance) · size², dimensionless, ≥ 0
-  double corner_angle = 50;  ///< smallest turning angle of a corner, degrees, as in FitOptions
+  double alpha = 0;       ///< (stretching / bending resistance of the curve) · size², ≥ 0
+  double corner_angle = 50;  ///< smallest turning angle of a corner, degrees; 180: no corners
   std::optional<std::vector<int>> corners;  ///< point indices of the corners; unset: detected
   /// True: the curve is closed. Unset: it is closed if the last point equals the first.
   std::optional<bool> closed;
@@ -124,16 +125,16 @@ struct FairOptions {
   bool fix_ends = false;  ///< true: fixes the first and the last point of an open curve
   /// Conditions that the curve satisfies exactly.
   std::vector<CurveCondition> conditions;
-  /// Maximum number of rounds of solving and moving the parameters.
+  /// Maximum number of rounds, each of which solves for the curve and moves the parameters.
   int max_rounds = 10;
 };
 
 /// Result of fair_points(): the faired curve and the course of the iteration.
 struct FairCurve {
   HermiteCurve curve;              ///< faired curve; its parameter u is arc length to a few digits
-  std::vector<double> parameters;  ///< parameter of the closest curve point for each point
+  std::vector<double> parameters;  ///< per point: parameter of the closest point of `curve`
   std::vector<int> outliers;       ///< indices of the points ignored as outliers, ascending
-  Deviation deviation;             ///< deviation of the points that are not outliers
+  Deviation deviation;             ///< distances of the points, without the outliers, from `curve`
   double wavelength = 0;           ///< smoothing wavelength used, model units; 0: no smoothing
   /// Estimated standard deviation of the points from the underlying curve, model units; 0 for fewer
   /// than eleven points.
@@ -141,7 +142,7 @@ struct FairCurve {
   double effective_dofs = 0;  ///< effective degrees of freedom of the fit, per coordinate
   int rounds = 0;
   bool converged = false;   ///< true: parameters stopped moving within max_rounds
-  double max_residual = 0;  ///< largest violation of a condition / size of the curve
+  double max_residual = 0;  ///< largest violation of a condition, divided by the size of `curve`
 };
 
 }  // namespace batten

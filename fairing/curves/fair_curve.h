@@ -21,7 +21,7 @@ namespace batten {
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
-/// Interpolates the points without fairing; the curve is C2 between corners. Intended for
+/// Interpolates ordered points by a spline that is C2 between corners, without fairing, for
 /// comparison with fair_points().
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
                                   const FairOptions& options = {});
@@ -39,8 +39,9 @@ HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec
 /// the seam. Throws InputError if the interval is not a part of the curve, or if `wavelength` is
 /// not above 0.
 HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength);
-/// Fairs a curve inside a sphere (a brush), as fair_interval() does, with φ falling from 1 at the
-/// centre to 0 at `radius`. Throws InputError if the curve does not meet the sphere.
+/// Fairs the part of a curve inside a sphere (a brush), as fair_interval() does. The wavelength
+/// below which waves are smoothed falls from `wavelength` at the centre to 0 at `radius`. Throws
+/// InputError if the curve does not meet the sphere.
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
                         double wavelength);
 
@@ -54,9 +55,9 @@ HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double ra
 /// hundredth of the largest curvature are not counted. Corners are not counted, and counting
 /// restarts after each corner.
 struct Fairness {
-  double length = 0;             ///< length of the curve, model units
-  double bending = 0;            ///< ∫ κ² ds, 1/length
-  double variation = 0;          ///< ∫ (dκ/ds)² ds inside the segments, 1/length³
+  double length = 0;     ///< length of the curve, model units
+  double bending = 0;    ///< ∫ κ² ds of the curvature κ, 1/length
+  double variation = 0;  ///< ∫ (dκ/ds)² ds of the curvature κ inside the segments, 1/length³
   double largest_curvature = 0;  ///< largest curvature, 1/length
   /// Largest jump of the curvature vector at a node, 1/length; 0 if the curve is C2.
   double largest_jump = 0;

@@ -17,15 +17,16 @@ class InputCurve {
   virtual ~InputCurve() = default;
   virtual double start() const = 0;
   virtual double end() const = 0;
-  /// Position (order 0), first or second derivative with respect to t. At a break, derivatives are
-  /// those of the piece that begins there; at end(), those of the last piece.
+  /// Position (order 0), first or second derivative at the curve parameter t. At one of the
+  /// breaks(), derivatives are those of the piece that begins there; at end(), those of the last
+  /// piece.
   virtual Vec3 evaluate(double t, int order = 0) const = 0;
   /// Parameters at which derivatives may jump, ascending, including start() and end().
   virtual std::vector<double> breaks() const { return {start(), end()}; }
-  /// Breaks that are corners regardless of their turning angle.
+  /// Those of the breaks() at which the curve has a corner, whatever its turning angle.
   virtual std::vector<double> corners() const { return {}; }
-  /// True if every piece between breaks is a polynomial of degree 3 or less in t. Such curves are
-  /// reproduced exactly instead of being fitted.
+  /// True if every piece between breaks() is a polynomial of degree 3 or less in the parameter.
+  /// Such curves are reproduced exactly instead of being fitted.
   virtual bool piecewise_cubic() const { return false; }
 };
 
@@ -47,10 +48,10 @@ class ArcLength {
  public:
   explicit ArcLength(std::shared_ptr<const InputCurve> curve);
   double total() const { return panels_.back().before + panels_.back().length; }
-  /// Arc length from the start to the parameter t.
+  /// Arc length of the curve from its start to the parameter t.
   double length_at(double t) const;
-  /// Parameter t at arc length s from the start. Inverts the polynomial of a panel and refines the
-  /// result by Newton steps.
+  /// Parameter of the curve at arc length s from its start, by inverting a polynomial approximation
+  /// of the arc length and refining the result by Newton steps.
   double parameter(double s) const;
 
  private:

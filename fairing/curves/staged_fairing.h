@@ -23,8 +23,8 @@ struct CurveSamples {
   std::vector<Vec3> points = {};  ///< points of the curve in order, model units
   /// Indices of the corners among the points; unset: corners are detected.
   std::optional<std::vector<int>> corners = {};
-  std::optional<bool> closed = {};      ///< unset: true if the last point equals the first
-  std::vector<Vec3> extra_points = {};  ///< further points at which the deviation is measured
+  std::optional<bool> closed = {};      ///< unset: closed if the last point equals the first
+  std::vector<Vec3> extra_points = {};  ///< additional points whose deviation is measured
 
   /// True unless all points coincide.
   bool has_length() const;
@@ -59,7 +59,7 @@ struct FairStage {
   std::optional<CurveSegment> segment;
   std::string where = {};  ///< prefix of messages, such as "scene.toml:8:1: stage 'smooth': "
 
-  /// True for a local stage.
+  /// True if the stage fairs only a part of the curves (a brush or a segment).
   bool local() const { return brush || segment; }
 };
 
@@ -77,10 +77,11 @@ struct FairedLine {
   /// Estimated noise of the points (FairCurve::noise, model units) in the first stage that faired
   /// the whole curve.
   double noise = 0;
-  std::vector<int> outliers;  ///< indices of the input points that this first stage ignored
+  /// Indices of the input points ignored by the first stage that faired the whole curve.
+  std::vector<int> outliers;
   int rounds = 0;
   bool converged = true;
-  double max_residual = 0;  ///< largest residual of the conditions, divided by `size`
+  double max_residual = 0;  ///< largest violation of a curve condition, divided by `size`
   /// Requested and reached deviation, model units, if a stage exceeded its requested deviation;
   /// otherwise unset.
   std::optional<std::pair<double, double>> exceeded_deviation;
@@ -99,7 +100,7 @@ struct StagedFairingResult {
   /// The interpolating spline of the points, followed by the curve after each stage (unchanged if
   /// the stage did not apply). Empty if the curve cannot be faired.
   std::vector<HermiteCurve> states;
-  std::vector<double> parameters;  ///< parameter of each point on the last curve, non-descending
+  std::vector<double> parameters;  ///< parameter of each point on states.back(), non-descending
   /// Reason why the curve cannot be faired, such as "zero length"; empty if it can be faired.
   std::string rejection_reason;
 

@@ -12,14 +12,14 @@ namespace batten {
 /// First to third derivatives of a surface at one point, one per column: X_u, X_v, X_uu, X_uv,
 /// X_vv, X_uuu, X_uuv, X_uvv, X_vvv.
 using Jet3 = Eigen::Matrix<double, 3, 9>;
-/// The derivatives of Jet3 for the twelve shape functions of a triangle, one function per row: Jet3
-/// = qᵀ Table3 for the dofs q (12×3).
+/// First to third derivatives of the twelve shape functions of a triangle, one function per row,
+/// columns as in Jet3: Jet3 = qᵀ Table3 for the dofs q (12×3) of the triangle.
 using Table3 = Eigen::Matrix<double, 12, 9>;
 
 /// Second fundamental form II and its covariant derivative C = ∇II in the orthonormal frame Y_1,
 /// Y_2 of the principal directions.
 ///
-/// C is symmetric in its three indices:
+/// n is the unit normal, Y_ab are second derivatives; C is symmetric in its three indices:
 ///
 ///     C_abc = n·Y_abc - Σ_l (Γ^l_ab II_lc + Γ^l_ac II_lb + Γ^l_bc II_la),   Γ^l_ab = Y_l·Y_ab
 struct CurvatureTensors {
@@ -42,30 +42,32 @@ struct CurvatureVariationWeights {
 /// Gauss-Newton step and kept constant during the step.
 Mat2 principal_frame(const Jet3& jet);
 
-/// Computes II and C in the orthonormal frame closest to the given one.
+/// Computes the second fundamental form and its covariant derivative at a point with derivatives
+/// `jet`, in the orthonormal frame closest to `frame`.
 ///
-/// The matrix M of `frame` is first made orthonormal for this jet: (M g Mᵀ)^(-1/2) M with the
-/// metric tensor g. Requires X_u × X_v ≠ 0.
+/// The matrix M = `frame` is first made orthonormal for this jet: (M g Mᵀ)^(-1/2) M with the metric
+/// tensor g. Requires X_u × X_v ≠ 0.
 CurvatureTensors curvature_tensors(const Jet3& jet, const Mat2& frame);
 
 inline constexpr int kCurvatureVariationResiduals = 8;
 using CurvatureVariationVector = Eigen::Matrix<double, kCurvatureVariationResiduals, 1>;
 using CurvatureVariationJacobian = Eigen::Matrix<double, kCurvatureVariationResiduals, 27>;
 
-/// Computes the residuals at a point, multiplied by √J with J = |X_u × X_v|: the integral of their
-/// squares over du dv is the functional.
+/// Computes the residuals of curvature variation at a point, multiplied by √J with J = |X_u × X_v|
+/// (forms.jacobian). The integral of their squares over du dv is minimised.
 ///
-/// b1 = ¾ (C111 + C122) and b2 = ¾ (C112 + C222) are proportional to the gradient of the mean
-/// curvature. a1 = ¼ C111 - ¾ C122 and a2 = ¾ C112 - ¼ C222 are the remaining part of C. With s =
-/// weights.principal, the residuals are:
+/// Cabc and IIab are components of `forms`, K is the Gaussian curvature. b1 = ¾ (C111 + C122) and
+/// b2 = ¾ (C112 + C222) are proportional to the gradient of the mean curvature. a1 = ¼ C111 - ¾
+/// C122 and a2 = ¾ C112 - ¼ C222 are the remaining part of C. With s = weights.principal, the
+/// residuals are:
 ///
 ///     b1 + s a1, b2 - s a2, √(1-s²) a1, √(1-s²) a2        s = 1: C111 and C222, zero on cyclides
 ///     √second_form (II11, √2 II12, II22), √gauss K
 CurvatureVariationVector curvature_variation_residuals(const CurvatureTensors& forms,
                                                        const CurvatureVariationWeights& weights);
 
-/// Computes the residuals and their derivatives with respect to the jet, in the order [x of all
-/// nine columns; y; z]. The frame must be orthonormal for this jet.
+/// Computes curvature_variation_residuals() at a point and their derivatives with respect to `jet`,
+/// in the order [x of all nine columns; y; z]. The frame must be orthonormal for this jet.
 CurvatureVariationJacobian curvature_variation_jacobian(const Jet3& jet, const Mat2& frame,
                                                         const CurvatureVariationWeights& weights,
                                                         CurvatureVariationVector& residuals);
@@ -79,7 +81,7 @@ struct JoinPoint {
   /// Tangent of the curve in the (u, v) of each part: the derivative with respect to a parameter of
   /// the curve that is common to both parts.
   std::array<Vec2, 2> direction;
-  double weight = 0;      ///< quadrature weight with respect to the common parameter
+  double weight = 0;      ///< quadrature weight with respect to the common curve parameter
   bool curvature = true;  ///< true: penalise the jump of curvature at this point
   /// True: penalise the jump of the tangent plane at this point. Set it to false if constraints
   /// already make the tangent planes agree.

@@ -32,7 +32,7 @@ struct MinimumVariationOptions {
   /// functional. Empty: no triangle.
   std::vector<char> frozen;
   /// Dofs of alternative starting surfaces; the minimisation begins at the one with the smallest
-  /// functional. Empty: it begins at `start`.
+  /// functional. Empty: the minimisation begins at the given `start`.
   std::vector<Points> starts;
   int max_iterations = 40;
   /// `strength`: fraction of the displacement from `start` to the minimum that is applied, above 0,
@@ -44,16 +44,16 @@ struct MinimumVariationOptions {
 /// Result of minimize_curvature_variation().
 struct MinimumVariationSurface {
   Points dofs;                  ///< dofs of the surface, n×3
-  double fraction = 1;          ///< fraction of the displacement from the start that was applied
-  double functional = 0;        ///< functional E of the result, 1/length²
-  double start_functional = 0;  ///< functional E of `start`, 1/length²
+  double fraction = 1;          ///< applied fraction of the displacement from start to minimum
+  double functional = 0;        ///< minimised functional at `dofs`, 1/length²
+  double start_functional = 0;  ///< minimised functional at the start, 1/length²
   /// Maximum displacement of a vertex along the normal of the starting surface, model units.
   double max_move = 0;
   double max_residual = 0;  ///< maximum violation of a constraint, model units
   int iterations = 0;       ///< number of accepted Gauss-Newton steps
   int factorizations = 0;
-  /// True if the last step hardly moved the shape, or if no step can reduce the functional by 3 %,
-  /// or if two consecutive steps reduced it by less than that.
+  /// True if the last step hardly moved the shape, if no step can reduce the functional by 3 %, or
+  /// if two consecutive steps reduced it by less than 3 %.
   bool converged = false;
 };
 

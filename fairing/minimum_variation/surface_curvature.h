@@ -7,12 +7,13 @@
 
 namespace batten {
 
-/// Computes ∫ κ1² + κ2² dA, a dimensionless number that depends on the shape only, not on size,
-/// position or parametrisation.
+/// Computes ∫ κ1² + κ2² dA of a surface with the principal curvatures κ1, κ2: a dimensionless
+/// number that depends on the shape only, not on size, position or parametrisation.
 ///
 /// It is 0 for a plane, 2 A/R² for a part of area A of a sphere of radius R, and 8π for the whole
-/// sphere. It equals 4∫H² dA - 2∫K dA. If the boundary and the normals along it are given, ∫K is
-/// fixed as well (Gauss-Bonnet). Then the minima are those of the Willmore energy ∫H² dA.
+/// sphere. It equals 4∫H² dA - 2∫K dA with the mean curvature H and the Gaussian curvature K. If
+/// the boundary and the normals along it are given, ∫K is fixed as well (Gauss-Bonnet). Then the
+/// minima are those of the Willmore energy ∫H² dA.
 ///
 /// The quadrature is that of C1Triangle::default_quadrature: degree 4 on the thirds of HCT
 /// triangles, the six-Duffy rule on Z12. The result is infinite if x_u × x_v vanishes. `gradient`,
@@ -22,11 +23,12 @@ double curvature_functional(const Surface& surface, Points* gradient = nullptr);
 /// Options of fair_curvature() for surfaces.
 struct SurfaceCurvatureOptions {
   /// Weight, above 0, of ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv per round,
-  /// made dimensionless by the areas of the domain and the starting surface. The functional does
-  /// not depend on the parametrisation; this term keeps it close to that of the start. Use 0.1 to
-  /// 0.001: larger values take more rounds, smaller ones more iterations.
+  /// made dimensionless by the areas of the domain and the starting surface. The minimised
+  /// functional does not depend on the parametrisation; this term keeps the parametrisation close
+  /// to that of the start. Use 0.1 to 0.001: larger values take more rounds, smaller ones more
+  /// iterations.
   double parametrization_weight = 1e-2;
-  /// Relative decrease of the functional per round below which the iteration has converged.
+  /// Relative decrease of curvature_functional() per round below which the iteration has converged.
   double tolerance = 1e-6;
   int max_rounds = 20;
   int max_iterations = 300;  ///< maximum number of iterations of all rounds together
@@ -34,10 +36,11 @@ struct SurfaceCurvatureOptions {
 
 /// Result of fair_curvature() for surfaces.
 struct SurfaceCurvatureResult {
-  Points dofs;                  ///< dofs of the surface, n×3
-  double functional = 0;        ///< value of the functional for this surface
-  double start_functional = 0;  ///< value for the start projected onto the constraints
-  double max_residual = 0;      ///< maximum violation of a constraint, model units
+  Points dofs;            ///< dofs of the surface, n×3
+  double functional = 0;  ///< curvature_functional() of the result
+  /// Value of curvature_functional() for the start projected onto the constraints.
+  double start_functional = 0;
+  double max_residual = 0;  ///< maximum violation of a constraint, model units
   int iterations = 0, rounds = 0;
   bool converged = false;
 };

@@ -30,44 +30,49 @@ namespace batten {
 /// Bicubic B-spline surface S(u, v).
 struct BicubicPatch {
   SplineAxis u, v;
-  Points poles;  ///< pole of basis functions i of u and j of v: row i · v.functions() + j
+  /// Control points, one per row: that of basis functions i in u and j in v at i · v.functions() +
+  /// j.
+  Points poles;
 
   Vec3 position(const Vec2& uv) const;
   Vec3 normal(const Vec2& uv) const;  ///< vector along S_u × S_v, not normalised
 };
 
-/// Tolerances of a fit.
+/// Tolerances of fit_bicubic_patch().
 struct PatchGoal {
   /// Maximum distance of the spline from the target surface, model units, above 0.
   double deviation = 0;
-  double angle_deg = 180;  ///< maximum angle to the prescribed tangent planes, degrees, above 0
+  /// Maximum angle between the spline and the prescribed tangent planes, degrees, above 0.
+  double angle_deg = 180;
 };
 
-/// A boundary point `uv` of the region at which the tangent plane is prescribed, as the span of the
-/// derivatives x_u and x_v.
+/// A boundary point (u, v) of the fitted region, and the tangent plane that the spline shall have
+/// there: the plane spanned by the derivatives x_u and x_v.
 struct PatchTangent {
   Vec2 uv;
   Vec3 x_u, x_v;
 };
 
-/// Function that gives the maximum step in u and in v from a boundary sample to the next one, for
-/// the (u, v) of the sample. The step depends on the size of the knot cell that contains the
-/// sample.
+/// Limits the spacing of samples on the boundary of the fitted region: maps the (u, v) of a sample
+/// to the maximum steps in u and in v to the next sample. The step depends on the size of the knot
+/// cell that contains the sample.
 using BoundaryStep = std::function<Vec2(const Vec2&)>;
 
-/// Target of a fit: a surface that is known inside a region of (u, v).
+/// Target surface of fit_bicubic_patch(), known only inside a region of the (u, v) plane.
 struct PatchTarget {
-  std::function<bool(const Vec2&)> inside;  ///< whether a point lies in the region; thread-safe
-  /// Target surface, inside and on the boundary; thread-safe.
+  std::function<bool(const Vec2&)> inside;  ///< whether (u, v) lies in the region; thread-safe
+  /// Point of the target surface at (u, v), inside the region or on its boundary; thread-safe.
   std::function<Vec3(const Vec2&)> position;
-  /// Samples the boundary of the region: returns points in order along it, with steps in u and in v
-  /// of at most `longest`.
+  /// Samples the boundary of the fitted region: returns points (u, v) in order along it, with steps
+  /// in u and in v of at most `longest`.
   std::function<std::vector<Vec2>(const BoundaryStep& longest)> boundary;
-  Vec2 low, high;  ///< bounding box of the region; if periodic, high - low in u is the period
-  bool periodic = false;         ///< true: the region is periodic in u
-  std::vector<Vec2> fixed = {};  ///< points that the spline interpolates exactly, such as corners
-  /// Samples those parts of the boundary along which tangent planes are prescribed, with steps of
-  /// at most `longest`. Null: no tangent planes are prescribed.
+  /// Corners of the region's bounding box in (u, v). If `periodic`, high - low in u is the period.
+  Vec2 low, high;
+  bool periodic = false;  ///< true: the region is periodic in u
+  /// Points (u, v) at which the spline interpolates the target exactly, such as corners.
+  std::vector<Vec2> fixed = {};
+  /// Samples the parts of the region's boundary along which tangent planes are prescribed, with
+  /// steps of at most `longest`. Null: no tangent planes are prescribed.
   std::function<std::vector<PatchTangent>(const BoundaryStep& longest)> tangents = {};
 };
 
@@ -78,25 +83,25 @@ struct PatchFit {
   /// which differ from the fitted samples; model units.
   double deviation = 0;
   double angle_deg = 0;  ///< largest angle to the prescribed tangent planes at check points
-  bool reached = false;  ///< true: deviation and angle are at most their goals
+  bool reached = false;  ///< true: the tolerances in PatchGoal are met
 };
 
-/// Limits on the size of a fit.
+/// Limits on the number of poles (control points) of a fitted B-spline.
 struct PatchLimits {
   int max_poles_per_direction = 400;  ///< maximum number of poles in u and in v
   int max_poles = 60'000;
-  /// Number of knot intervals along the longer side in the first iteration, 2 or more. Features
-  /// much shorter than one interval fall between the samples and are missed.
+  /// Number of knot intervals along the longer side of the (u, v) rectangle in the first iteration,
+  /// 2 or more. Surface features much shorter than one interval fall between the samples and are
+  /// missed.
   int initial_intervals = 8;
 };
 
-/// Fits a bicubic B-spline with as few poles as possible, whose deviation and angle are at most
-/// those of `goal`.
+/// Fits a bicubic B-spline to `target` with as few poles as possible, within the tolerances `goal`.
 ///
 /// If the goal is not reached because of the limits, or because finer knots no longer reduce the
 /// error, the best fit found is returned. Coordinates should be near the origin, to keep accuracy.
-/// `start`: a patch whose knots are used in the first iteration, or null. Cost: about 3 µs per cell
-/// and iteration, plus one sparse factorization per iteration.
+/// `start`: a patch whose knots are used in the first iteration, or null. Cost: about 3 µs per knot
+/// cell and iteration, plus one sparse factorization per iteration.
 PatchFit fit_bicubic_patch(const PatchTarget& target, const PatchGoal& goal,
                            const PatchLimits& limits = {}, const BicubicPatch* start = nullptr);
 

@@ -25,14 +25,16 @@ class SplineAxis {
   /// Number of basis functions.
   int functions() const { return periodic_ ? intervals() : intervals() + 3; }
   double length(int interval) const { return knots_[interval + 1] - knots_[interval]; }
-  /// Index of the interval that contains t. wrapped(): t mapped into the range of the knots, by
-  /// clamping or, for a periodic basis, modulo the period.
+  /// Index of the knot interval that contains wrapped(t).
   int interval(double t) const;
+  /// Parameter t mapped into the range of the knots: clamped or, if periodic, modulo the period.
   double wrapped(double t) const;
-  /// Values of the four basis functions that are nonzero on an interval, at the local coordinate s
-  /// in [0, 1], or their derivatives of order `derivative` with respect to s.
+  /// Values of the four basis functions that are nonzero on a knot interval, at the local
+  /// coordinate s in [0, 1] of the interval, or their derivatives of order `derivative` with
+  /// respect to s.
   Eigen::Vector4d basis(int interval, double s, int derivative = 0) const;
-  /// Global index of the basis function `local` (0 to 3) of an interval.
+  /// Index, among all basis functions, of one of the four that are nonzero on a knot interval.
+  /// `local`: 0 to 3, in order along the knots.
   int function(int interval, int local) const {
     const int f = interval + local;
     return periodic_ && f >= intervals() ? f % intervals() : f;
@@ -54,7 +56,7 @@ struct CubicSpline {
   std::vector<double> knots;  ///< distinct knots, ascending, in the parameter u of the curve
   std::vector<int> multiplicities;
   std::vector<Vec3> poles;
-  bool closed = false;  ///< true: the curve returns smoothly to its first pole
+  bool closed = false;  ///< true: closed curve, smooth where it returns to its first pole
   double size = 0;      ///< diagonal of the bounding box of the poles
 };
 

@@ -23,13 +23,13 @@ namespace batten {
 
 // One cubic.
 
-/// Cubic in Bézier form. `Point`: double, Vec2 or Vec3. BezierCubic is an aggregate, so the Bézier
-/// points can be listed in braces.
+/// Cubic polynomial in t, 0 ≤ t ≤ 1, in Bézier form. `Point`: double, Vec2 or Vec3. BezierCubic is
+/// an aggregate, so the Bézier points can be listed in braces.
 template <class Point>
 struct BezierCubic {
   std::array<Point, 4> b;  ///< Bézier points b0 … b3
 
-  /// Cubic from p to q with the end derivatives 3 · `first_third` at p and 3 · `last_third` at q.
+  /// Cubic from p to q with the first derivatives 3 · `first_third` at p, 3 · `last_third` at q.
   static BezierCubic between(const Point& p, const Point& first_third, const Point& last_third,
                              const Point& q) {
     return {{p, p + first_third, q - last_third, q}};
@@ -44,12 +44,12 @@ struct BezierCubic {
     const double s = 1 - t;
     return s * s * s * b[0] + 3 * s * s * t * b[1] + 3 * s * t * t * b[2] + t * t * t * b[3];
   }
-  /// First derivative.
+  /// First derivative with respect to t.
   Point slope(double t) const {
     const double s = 1 - t;
     return 3 * (s * s * (b[1] - b[0]) + 2 * s * t * (b[2] - b[1]) + t * t * (b[3] - b[2]));
   }
-  /// Second derivative.
+  /// Second derivative with respect to t.
   Point second(double t) const {
     const double s = 1 - t;
     return 6 * (s * (b[2] - 2 * b[1] + b[0]) + t * (b[3] - 2 * b[2] + b[1]));
@@ -77,24 +77,23 @@ struct BezierCubic {
 
 using PlanarCubic = BezierCubic<Vec2>;
 
-/// Real-valued cubic in Bézier form, with its zeros.
+/// Real-valued cubic polynomial in t, 0 ≤ t ≤ 1, in Bézier form, and its zeros.
 struct BernsteinCubic : BezierCubic<double> {
-  /// Coordinate `axis` (0: x, 1: y) of a planar cubic, minus `origin`.
+  /// Cubic that is one coordinate (`axis`: 0 for x, 1 for y) of a planar cubic, minus `origin`.
   static BernsteinCubic coordinate(const PlanarCubic& cubic, int axis, double origin = 0) {
     return {{{cubic.b[0][axis] - origin, cubic.b[1][axis] - origin, cubic.b[2][axis] - origin,
               cubic.b[3][axis] - origin}}};
   }
-  /// End points of the intervals on which the cubic is monotone: 0, the extrema inside (0, 1), and
-  /// 1.
+  /// Ascending parameters between which the cubic is monotone: 0, its extrema in (0, 1), and 1.
   std::vector<double> monotone_parts() const;
-  /// Zero between `low` and `high`, by Newton's method safeguarded by bisection. The cubic must be
-  /// monotone in this interval and have different signs at its ends.
+  /// Parameter between `low` and `high` at which the cubic is zero, by Newton's method safeguarded
+  /// by bisection. The cubic must be monotone from `low` to `high` and change sign in between.
   double zero(double low, double high) const;
-  /// All zeros in [0, 1] at which the cubic changes sign, ascending.
+  /// All parameters in [0, 1] at which the cubic changes sign, ascending.
   std::vector<double> zeros() const;
 };
 
-/// Cubic in powers of t. Evaluation takes fewer operations than in Bézier form.
+/// Cubic polynomial c0 + c1 t + c2 t² + c3 t³, which takes fewer operations than the Bézier form.
 template <class Point>
 struct PowerCubic {
   Point c0, c1, c2, c3;
@@ -104,22 +103,22 @@ struct PowerCubic {
     return {b[0], 3 * (b[1] - b[0]), 3 * (b[2] - 2 * b[1] + b[0]),
             b[3] - 3 * b[2] + 3 * b[1] - b[0]};
   }
-  /// Cubic from p to q with the derivatives `slope_p` and `slope_q` with respect to t at its ends.
+  /// Cubic from p (t = 0) to q (t = 1) with the derivatives `slope_p` and `slope_q` at these ends.
   static PowerCubic of_hermite(const Point& p, const Point& slope_p, const Point& q,
                                const Point& slope_q) {
     return {p, slope_p, 3 * (q - p) - 2 * slope_p - slope_q, 2 * (p - q) + slope_p + slope_q};
   }
 
   Point at(double t) const { return c0 + t * (c1 + t * (c2 + t * c3)); }
-  /// First derivative.
+  /// First derivative with respect to t.
   Point slope(double t) const { return c1 + t * (2 * c2 + 3 * t * c3); }
-  /// Second derivative.
+  /// Second derivative with respect to t.
   Point second(double t) const { return 2 * c2 + 6 * t * c3; }
 };
 
-/// Value at t of the cubic over an interval of length h whose ends have the values p and q and the
-/// derivatives `slope_p` and `slope_q` with respect to the parameter of the interval; t runs from 0
-/// to 1. If p = q and the derivatives vanish, the value is exactly p. `Point`: a vector.
+/// Value of the cubic that has the values p, q and the derivatives `slope_p`, `slope_q` at the two
+/// ends of an interval of length h. `t`: position in the interval, 0 to 1; derivatives are with
+/// respect to h t. If p = q and the derivatives vanish, the value is exactly p. `Point`: a vector.
 template <class Point>
 Point hermite_value(const Point& p, const Point& slope_p, const Point& q, const Point& slope_q,
                     double h, double t) {
@@ -132,19 +131,19 @@ inline double smooth_step(double t) { return t * t * (3 - 2 * t); }
 
 // Cubics through given values.
 
-/// Condition at an end of an interpolating cubic spline.
+/// Condition that an interpolating cubic spline satisfies at one of its ends.
 enum class SplineEnd {
   Natural,    ///< the second derivative vanishes at this end
-  Parabolic,  ///< the piece at this end is a parabola (constant second derivative)
-  Given       ///< the slope at this end is given
+  Parabolic,  ///< the last piece at this end is a parabola (constant second derivative)
+  Given       ///< the caller prescribes the slope at this end
 };
 
 /// Computes the slopes, one row per knot, of the C2 cubic spline that interpolates the values at
 /// the knots.
 ///
-/// `knots`: n ≥ 2, strictly ascending. `values`, `slopes`: n×3; at ends of type SplineEnd::Given,
-/// the slopes are input. Two points with parabolic ends are joined by a straight line. Cost: O(n).
-/// Reference: [deBoor2001], chapter IV.
+/// `knots`: n ≥ 2, strictly ascending. `values`, `slopes`: n×3; the slope at an end of type
+/// SplineEnd::Given is read, all others are written. Two points with parabolic ends are joined by a
+/// straight line. Cost: O(n). Reference: [deBoor2001], chapter IV.
 void spline_slopes(std::span<const double> knots, const Eigen::Ref<const Points>& values,
                    SplineEnd first, SplineEnd last, Eigen::Ref<Points> slopes);
 
@@ -153,17 +152,17 @@ void spline_slopes(std::span<const double> knots, const Eigen::Ref<const Points>
 class PiecewiseCubic {
  public:
   PiecewiseCubic() = default;
-  /// `values`, `slopes`: one row per knot.
+  /// Curve with given values and first derivatives (`slopes`), one row of each per knot.
   PiecewiseCubic(std::vector<double> knots, Points values, Points slopes)
       : knots_(std::move(knots)), values_(std::move(values)), slopes_(std::move(slopes)) {}
 
-  /// End condition of an interpolating curve.
+  /// Condition at both ends of a curve made by through().
   enum class Ends {
     Natural,  ///< zero second derivative at both ends
     Flat      ///< zero slope at both ends
   };
-  /// C2 cubic spline through one value per knot, which minimises ∫ |x''|² du. `knots`: strictly
-  /// ascending. `values`: one row per knot. Cost: O(knots).
+  /// C2 cubic spline x(u) through one value per knot, which minimises ∫ |x''|² du. `knots`:
+  /// strictly ascending. `values`: one row per knot. Cost: O(knots).
   static PiecewiseCubic through(std::vector<double> knots, const Points& values, Ends ends);
   /// Least-squares fit by uniform cubic B-splines: the C2 curve with `spans` uniform spans over the
   /// range of `u` that is nearest to `values`, one row per parameter in `u`. `u`: ascending, not

@@ -23,7 +23,8 @@ namespace batten {
 class CurveMesh {
  public:
   CurveMesh() = default;
-  /// `parameters`: u_0 … u_m, strictly increasing. `corners`: indices of the nodes that are
+  /// `parameters`: parameters u of the nodes, strictly increasing; on a closed curve, followed by
+  /// the parameter at which node 0 is reached again. `corners`: indices of the nodes that are
   /// corners; not the first and last node of an open curve. On a closed curve, node 0 is the seam
   /// and may be a corner. Throws InputError if there are fewer than two parameters (closed: three),
   /// if they are not finite or not increasing, or if a corner is not a valid node.
@@ -34,10 +35,10 @@ class CurveMesh {
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
   int dof_count() const { return 2 * node_count() + isize(corners_); }
   bool closed() const { return closed_; }
-  /// Parameters u_0 … u_m of the nodes. On a closed curve, there is one more parameter than nodes,
-  /// because u_m belongs to node 0 again.
+  /// Curve parameters of the nodes, ascending. On a closed curve, there is one more parameter than
+  /// nodes, because the last one belongs to node 0 again.
   const std::vector<double>& parameters() const { return parameters_; }
-  /// Nodes that are corners, ascending.
+  /// Indices of the nodes that are corners, where the derivative of the curve may jump, ascending.
   const std::vector<int>& corners() const { return corners_; }
   bool is_corner(int node) const {
     const size_t k = corners_before(node);
@@ -49,11 +50,11 @@ class CurveMesh {
   double length(int segment) const { return parameters_[segment + 1] - parameters_[segment]; }
 
   int position_dof(int node) const { return first_dof(node) + is_corner(node); }
-  /// Dof of dX/du at the end of the segment before a node. slope_out(): dof of dX/du at the start
-  /// of the segment after it. Both are the same dof unless the node is a corner.
+  /// Index of the dof for the derivative dX/du of the curve just before a node. slope_out(): the
+  /// dof for dX/du just after the node. The two dofs are identical unless the node is a corner.
   int slope_in(int node) const { return first_dof(node) + !is_corner(node); }
   int slope_out(int node) const { return position_dof(node) + 1; }
-  /// The four dofs of a segment, in the order of HermiteSegment.
+  /// Indices of the four dofs of a segment: position and slope at its start, then at its end.
   std::array<int, 4> segment_dofs(int segment) const;
 
   /// Segment and local coordinate of a point of the curve.
@@ -61,15 +62,15 @@ class CurveMesh {
     int segment = 0;
     double s = 0;  ///< local coordinate in [0, 1]
   };
-  /// Segment and local coordinate of parameter u, which is clamped on an open curve and wrapped on
-  /// a closed one. The parameter of a node gives the segment that begins there; the end of an open
-  /// curve gives the last segment.
+  /// Segment that contains the curve parameter u, and local coordinate of u in it; u is clamped on
+  /// an open curve and wrapped on a closed one. The parameter of a node gives the segment that
+  /// begins there; the end of an open curve gives the last segment.
   SegmentPoint locate(double u) const;
-  /// Parameter u mapped into [start(), end()]: clamped on an open curve, wrapped on a closed one.
+  /// Curve parameter u mapped into [start(), end()]: clamped (open curve) or wrapped (closed).
   double wrapped(double u) const;
 
  private:
-  // Inline, as is_corner(): they are called for each evaluation of a curve.
+  // Number of corners before a node. Inline, because each evaluation of a curve calls it.
   size_t corners_before(int node) const {
     return corners_.empty()
                ? 0

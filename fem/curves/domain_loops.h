@@ -20,8 +20,8 @@ std::vector<PlanarCubic> planar_cubics(const HermiteCurve& curve);
 class DomainLoops {
  public:
   using Loop = std::vector<HermiteCurve>;
-  /// Whether points far away lie outside of the region or inside. Inside: all loops are holes, and
-  /// the outer boundary is not one of the loops.
+  /// Whether points far from all loops lie outside of the region or inside. Inside: all loops are
+  /// holes in an unbounded region.
   enum class Background { Outside, Inside };
 
   /// Constructs a region without loops: the whole plane (Inside) or an empty region (Outside).
@@ -38,11 +38,11 @@ class DomainLoops {
   const std::vector<PlanarCubic>& segments() const { return segments_; }
   Background background() const { return background_; }
 
-  /// Whether p is inside the region, by the winding number, from the intersections of a ray with
-  /// the cubics: exact to rounding. For points on a curve, either result is possible. Cost: O(arcs
-  /// that extend over the v of p).
+  /// Whether the point p = (u, v) is inside the region. The winding number is computed from the
+  /// intersections of a ray with the cubic arcs, exact to rounding. For points on a boundary arc,
+  /// either result is possible. Cost: O(arcs that intersect the line v = const through p).
   bool contains(const Vec2& p) const;
-  /// Area of the region, exact. With Background::Inside, it is minus the area of the holes.
+  /// Exact area of the region in (u, v); with Background::Inside, minus the area of the holes.
   double area() const;
   Vec2 low() const { return box_.min(); }
   Vec2 high() const { return box_.max(); }

@@ -54,7 +54,8 @@ CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>&
   }
   return best;
 }
-/// Like the overload above, for a single call: evaluates the samples itself.
+/// Finds the closest point of a curve to p as the overload with `at_u` does, but evaluates the
+/// samples at the parameters `u` itself. For single calls.
 template <class Evaluate>
 CurvePoint closest_on_curve(const Evaluate& evaluate, const std::vector<double>& u, const Vec3& p) {
   std::vector<Vec3> at_u;
@@ -87,14 +88,17 @@ class HermiteCurve {
   double end() const { return mesh_.end(); }
 
   Vec3 position(int node) const { return dofs_.row(mesh_.position_dof(node)); }
-  /// dX/du just before a node. slope_out(): dX/du just after it. They differ at corners only.
+  /// Derivative dX/du of the curve just before a node. slope_out(): the derivative just after the
+  /// node. The two derivatives differ only at corners.
   Vec3 slope_in(int node) const { return dofs_.row(mesh_.slope_in(node)); }
   Vec3 slope_out(int node) const { return dofs_.row(mesh_.slope_out(node)); }
 
-  /// Position (order 0) or derivative of order 1 to 3 with respect to u. u is clamped on an open
-  /// curve and wrapped on a closed one. At a node, the segment that begins there is evaluated.
+  /// Position (order 0) or derivative (order 1 to 3) at the curve parameter u, with respect to u. u
+  /// is clamped on an open curve and wrapped on a closed one. At a node, the segment that begins
+  /// there is evaluated.
   Vec3 evaluate(double u, int order = 0) const;
-  /// Position or derivative with respect to u at local coordinate s in [0, 1] of a segment.
+  /// Position (order 0) or derivative with respect to the curve parameter u (order 1 to 3), at a
+  /// point given by segment and local coordinate in [0, 1].
   Vec3 evaluate(CurveMesh::SegmentPoint at, int order = 0) const;
   /// Bézier form of a segment, over its local coordinate s.
   BezierCubic<Vec3> bezier(int segment) const;
@@ -102,8 +106,8 @@ class HermiteCurve {
   double curvature(double u) const;
   /// Arc length of the whole curve.
   double length() const;
-  /// Point of the curve closest to p. All zeros of (X - p)·X' are found by subdivision, so no
-  /// minimum is missed. Cost: O(segments); exact to rounding.
+  /// Point of the curve X(u) closest to p. All zeros of (X - p)·dX/du are found by subdivision, so
+  /// no local minimum of the distance is missed. Cost: O(segments); exact to rounding.
   CurvePoint closest_point(const Vec3& p) const;
 
   /// The same curve with additional nodes at the given parameters. Parameters that are nodes

@@ -17,22 +17,23 @@ namespace batten {
 struct CadProduct {
   std::string name;           ///< name of the product; "" if the product has no name
   std::string instance_name;  ///< name of the instance if it differs from `name`; otherwise ""
-  int level = 0;              ///< depth in the assembly tree; 0 at the top level
+  int level = 0;              ///< depth of the instance in the assembly tree; 0 at the top level
   bool assembly = false;
   /// Global position of the origin of the instance, in the unit of the file.
   Vec3 translation = Vec3::Zero();
   double rotation_deg = 0;  ///< rotation angle of the global placement, degrees, ≥ 0
-  std::string colour;       ///< colour of the instance itself as "#rrggbb"; "": none
+  std::string colour;       ///< colour assigned to the instance, "#rrggbb"; "": none
   int solids = 0, faces = 0, curves = 0;  ///< numbers of shapes in a part; 0 for an assembly
 };
 
-/// A name, colour or layer, with the numbers of entities that have it.
+/// A name, colour or layer that occurs in a CAD file, with the numbers of entities that have this
+/// name, have this colour or are on this layer.
 struct CadAttribute {
   std::string name;
-  int products = 0;  ///< number of products on a layer; 0 for names and colours
+  int products = 0;  ///< number of products on the layer; 0 for names and colours
   int solids = 0;    ///< number of solids and shells inside products
   int faces = 0;
-  int edges = 0;   ///< number of edges of faces
+  int edges = 0;   ///< number of edges that bound faces
   int curves = 0;  ///< number of edges that belong to no face
 };
 
@@ -45,7 +46,7 @@ struct CadContents {
   std::vector<std::string> notes;
   std::vector<CadProduct> products;
   std::vector<CadAttribute> names;  ///< names of shapes other than products, in file order
-  /// Colours ("#rrggbb") of faces and curves, also if inherited.
+  /// Colours ("#rrggbb") of faces and curves, including inherited colours.
   std::vector<CadAttribute> colours;
   std::vector<CadAttribute> layers;
   int solids = 0, shells = 0, faces = 0, edges = 0;
@@ -60,10 +61,9 @@ struct CadContents {
 
 // Triangle mesh of the faces of a CAD file.
 
-/// The triangles of all faces that have the same name and colour.
+/// A group of triangles: those of all CAD faces with the same name and colour.
 struct FacetGroup {
-  /// Name of the face. A face without a name gets that of its solid or its part, or else "part 1",
-  /// "part 2" …
+  /// Name of the CAD faces; without a name, that of the solid or part, or else "part 1", "part 2" …
   std::string name;
   std::string colour;  ///< colour of the faces, "#rrggbb"; "": no colour
   std::vector<int> triangles;
@@ -72,7 +72,7 @@ struct FacetGroup {
 /// Triangle mesh of all faces of a CAD file, with measures of its accuracy. Lengths are in the unit
 /// that was requested for the mesh.
 struct CadFacets {
-  ShellMesh mesh;  ///< The triangles, oriented like the faces of the file (outwards on solids).
+  ShellMesh mesh;  ///< the triangles, oriented like the CAD faces (outwards on solids)
   /// Unit surface normals at the corners of each triangle; empty unless curved triangles were
   /// requested.
   std::vector<PnTriangle::Corners> normals;
@@ -81,14 +81,14 @@ struct CadFacets {
   CadContents contents;  ///< summary of the CAD file, in the unit of the file
   double unit_in_metres = 1e-3;
   double size = 0, chord = 0;
-  /// Largest measured distance between the mesh and the CAD model. It is measured from seven points
-  /// per triangle (of the curved triangle, if requested) to the CAD face, and at three points per
-  /// chord along each edge.
+  /// Largest measured distance between the mesh and the CAD model. The distance is measured from
+  /// seven points of each triangle (of the curved triangle, if requested) to the CAD face, and at
+  /// three points per chord along each CAD edge.
   double deviation = 0;
-  int shells = 0;      ///< number of shells (connected sets of faces) after sewing
-  int free_edges = 0;  ///< number of mesh edges with one triangle on free edges of the CAD model
-  int cracks = 0;      ///< number of all other mesh edges with one triangle; should be 0
-  int unmeshed = 0;    ///< number of faces that could not be meshed
+  int shells = 0;      ///< number of shells (connected sets of CAD faces) after sewing
+  int free_edges = 0;  ///< number of mesh edges with one triangle on free CAD edges
+  int cracks = 0;      ///< number of mesh edges with one triangle elsewhere; should be 0
+  int unmeshed = 0;    ///< number of CAD faces that could not be meshed
 };
 
 }  // namespace batten

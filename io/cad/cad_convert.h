@@ -10,7 +10,7 @@
 
 namespace batten {
 
-/// Options of convert_cad().
+/// Options for converting a CAD file to another format.
 struct CadConvertOptions {
   /// Length unit of the output file in metres; 0: unit of the input file (mm for BREP).
   double unit_in_metres = 0;
@@ -20,14 +20,14 @@ struct CadConvertOptions {
   double chord = 0;
 };
 
-/// Result of a conversion: the contents of the input file, and of the output file after reading it
-/// back.
+/// Result of a CAD conversion: contents of the input file, and of the output file read back.
 struct CadConversion {
   CadContents before, after;  ///< `after` is empty for glTF
   /// One sentence for each kind of data that the output format cannot store.
   std::vector<std::string> notes;
   double unit_in_metres = 1e-3;  ///< length unit of the output file, in metres
-  /// Set for glTF only, in the output unit; see the members of CadFacets with the same names.
+  /// Accuracy of the triangle mesh, for glTF output only, in the output unit. The members are those
+  /// of CadFacets with the same names.
   double size = 0, chord = 0, deviation = 0;
   int triangles = 0, cracks = 0, unmeshed = 0;
 };
@@ -51,22 +51,22 @@ CadConversion convert_cad(const std::filesystem::path& from, const std::filesyst
 
 // Meshes the faces of CAD files by conforming triangles within a chord tolerance.
 
-/// Options of tessellate_cad().
+/// Options for meshing the faces of a CAD file by triangles.
 struct CadFacetOptions {
   double unit_in_metres = 0;  ///< length unit of the mesh in metres; 0: unit of the file
   /// Largest distance between the triangles and the CAD faces, in the unit of the mesh; 0: 1e-3 of
   /// the size of the model.
   double chord = 0;
-  /// True: compute curved triangles (PnTriangle). Far fewer of them are needed for the same chord
-  /// tolerance, but mesh edges on edges of CAD faces stay straight.
+  /// True: compute curved triangles (PnTriangle). Far fewer curved than flat triangles are needed
+  /// for a given chord tolerance, but mesh edges on edges of CAD faces stay straight.
   bool curved = false;
 };
 
-/// Reads a STEP, IGES or BREP file and meshes its faces. Adjacent faces share the nodes on their
+/// Reads a STEP, IGES or BREP file and triangulates its faces. Adjacent faces share the nodes on
 /// common edges. Free edges that are within 1e-5 of the model size of each other are sewn first (in
 /// IGES files all edges are free). The mesh is refined up to four times, until CadFacets::deviation
 /// is at most `chord`. Throws InputError for a file that cannot be read (as read_cad_lines()), a
-/// file without faces, or a chord that is below 1e-7 of the model size or not a valid length.
+/// file without faces, or a chord that is invalid or below 1e-7 of the model size.
 CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOptions& options = {});
 
 // Summaries of CAD files.

@@ -10,7 +10,7 @@
 
 namespace batten {
 
-/// CAD file formats. `Patches` (spline patches of G+Smo, .xml) can be read but not written.
+/// CAD file formats. `Patches` (spline patches of the library G+Smo, .xml) can only be read.
 enum class CadFormat { Step, Iges, Brep, Patches };
 
 /// The file extensions of CAD formats, with the dot.
@@ -20,7 +20,7 @@ const std::vector<std::string>& cad_extensions();
 /// extension.
 CadFormat cad_format(const std::filesystem::path& file);
 
-/// True if the content of a BREP file is in binary form.
+/// True if `bytes`, the content of a BREP file, is in binary form.
 bool is_binary_brep(const std::string& bytes);
 
 /// Checks that a file has the given format and is not truncated, as far as this can be recognised
@@ -31,29 +31,30 @@ void check_cad_text(const std::filesystem::path& file, CadFormat format);
 
 // Options for writing STEP files of surfaces and of fitted faces.
 
-/// Names, schema and additional curves of a STEP file of surfaces.
+/// Product name, author, schema and additional curves of a STEP file of surfaces.
 struct StepFileOptions {
   std::string name = "surface";  ///< product name
   std::string author = "";
-  bool ap242 = false;  ///< true: schema AP242; false: AP214
+  bool ap242 = false;  ///< STEP schema; true: AP242, false: AP214
   /// Named curves to write in addition to the faces, in a separate product "curves". CAD programs
   /// show these curves as wires, which can be hidden. Programs that mesh the whole file also mesh
   /// the curves, without sharing nodes with the faces. Empty: no additional product.
   std::vector<CubicSpline> lines = {};
 };
 
-/// Accuracy and size limits of fitted B-spline faces.
+/// Options for fitting B-spline faces to surfaces and writing them to a STEP file.
 struct StepFaceOptions {
-  double tolerance = 0;  ///< largest distance from the surface, model units; must be above 0
+  double tolerance = 0;  ///< largest distance of a face from its surface, model units; above 0
   /// Largest permitted angle between adjacent faces along edges at which their surfaces are
   /// tangent, degrees; above 0.
   double join_deg = 0.1;
   StepFileOptions file = {};
-  /// True: write planes, cylinders, spheres, cones and tori as analytic faces, if they fit a
-  /// surface within the tolerance.
+  /// True: write a face as an exact plane, cylinder, sphere, cone or torus if one of these fits the
+  /// surface within `tolerance`.
   bool analytic = true;
-  int max_poles = 400;  ///< maximum number of poles in one parameter direction, 16 or more
-  /// Maximum number of poles of a face, 256 or more. A face of 60,000 poles needs about 6 MB.
+  int max_poles = 400;  ///< maximum number of poles of a face in u, and in v; 16 or more
+  /// Maximum number of poles of a face in total (u times v), 256 or more. A face of 60,000 poles
+  /// takes about 6 MB in the file.
   int max_poles_total = 60'000;
   /// Maximum ratio of the number of poles of a face to the number of triangles of its surface;
   /// 6,000 poles are always permitted. A valid surface needs about one pole per triangle, seldom

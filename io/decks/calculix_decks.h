@@ -23,9 +23,9 @@ namespace batten {
 struct ShellDeck {
   /// Shell element type of the deck.
   enum class Element {
-    S6,  ///< six-node triangles, one per element of the surface
-    S3,  ///< three-node triangles, four per element
-    S8R  ///< eight-node quadrilaterals, three per element
+    S6,  ///< six-node triangles, one per triangle of the surface mesh
+    S3,  ///< three-node triangles, four per triangle of the surface mesh
+    S8R  ///< eight-node quadrilaterals, three per triangle of the surface mesh
   };
   /// A support (displacement boundary condition) on a curve or on an area.
   struct Support {
@@ -39,7 +39,7 @@ struct ShellDeck {
     std::optional<Box3> box = {};  ///< if set, only nodes inside this box are supported
     /// The components x, y, z of the displacement that are constrained.
     std::array<bool, 3> constrained = {true, true, true};
-    /// Prescribed displacement in the constrained components.
+    /// Prescribed displacement; only its constrained components are used.
     Vec3 displacement = Vec3::Zero();
   };
   struct PointForce {
@@ -49,7 +49,7 @@ struct ShellDeck {
 
   struct Pressure {
     std::string region;  ///< name of a face of the model
-    /// Force per unit area; a positive pressure acts along x_u × x_v of the face.
+    /// Force per unit area; a positive pressure acts along the normal x_u × x_v of the face.
     double pressure = 0;
   };
   /// Thickness of one face of the model.
@@ -67,23 +67,23 @@ struct ShellDeck {
   Element element = Element::S6;
   double thickness = 0, young = 0, poisson = 0;
   std::vector<Thickness> thicknesses;  ///< faces whose thickness differs from `thickness`
-  double density = 0;                  ///< used for gravity only
-  std::string units;                ///< names of the units for a comment in the deck: "mm, N, MPa"
-  std::vector<Support> supports;    ///< supports; at least one is required
-  double pressure = 0;              ///< force per unit area on all faces; positive along x_u × x_v
+  double density = 0;                  ///< mass density; used for gravity loads only
+  std::string units;              ///< names of the units for a comment in the deck: "mm, N, MPa"
+  std::vector<Support> supports;  ///< at least one support is required
+  double pressure = 0;            ///< force per unit area on all faces, positive along the normals
   std::vector<Pressure> pressures;  ///< pressures on single faces, added to `pressure`
-  /// Force per unit area at the point x, with unit normal n, of the given face; empty: no such
-  /// force.
+  /// Force per unit area at the point x, with unit normal n, of the face `region`; empty: none.
   std::function<Vec3(const std::string& region, const Vec3& x, const Vec3& n)> area_force;
   std::vector<LineForce> line_forces;
   std::vector<PointForce> point_forces;
   Vec3 gravity = Vec3::Zero();  ///< gravitational acceleration
 };
 
-/// Writes `path` (.inp) for `ccx -i <path without .inp>`. The file is written atomically.
+/// Writes a linear static shell analysis of faces of a model as a CalculiX deck `path` (.inp). Run
+/// it with `ccx -i <path without .inp>`. The file is written atomically.
 ///
-/// Each element of the surface becomes one S6 triangle, or is split into S3 or S8R elements. The
-/// nodes are the vertices and the surface points at the parametric midpoints of the edges. The
+/// Each triangle of the surface mesh becomes one S6 element, or is split into S3 or S8R elements.
+/// The nodes are the vertices and the surface points at the parametric midpoints of the edges. The
 /// surface is the mid-surface of the shell; shell normals have the direction of x_u × x_v. In a
 /// deck with one face, node numbers are mesh vertex + 1, then vertex_count + edge + 1; element
 /// numbers are triangle + 1. A face with embedded curves is meshed by quadratic_elements(), which
@@ -120,8 +120,9 @@ struct ModalDeck {
   /// elements.
   enum class Elements {
     Quadratic,  ///< S6 and S8R elements, with nodes added at the edge midpoints
-    /// S3 and S4 elements, which are two to ten times faster. S4 needs a mesh twice as fine for the
-    /// same accuracy. S3 is two to four times too stiff and suitable for first estimates only.
+    /// S3 and S4 elements, which are two to ten times faster than quadratic elements. S4 needs a
+    /// mesh twice as fine for the same accuracy. S3 is two to four times too stiff and suitable for
+    /// first estimates only.
     Linear
   };
 
@@ -132,8 +133,8 @@ struct ModalDeck {
   std::string units;  ///< names of the units for a comment in the deck: "mm, N, MPa, t, s"
 };
 
-/// Writes `path` (.inp) for `ccx -i <path without .inp>` or scripts/ccx_frequencies. The file is
-/// written atomically.
+/// Writes a CalculiX deck `path` (.inp) that computes the natural frequencies of a shell mesh. Run
+/// it with `ccx -i <path without .inp>` or scripts/ccx_frequencies. The file is written atomically.
 ///
 /// Node and element numbers are the indices in the mesh + 1. Added midpoint nodes get the following
 /// numbers; they are clamped if both ends of their edge are clamped. Quads with a repeated node

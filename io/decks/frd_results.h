@@ -20,25 +20,25 @@ struct FrdResults {
   std::vector<Node> nodes;
 };
 
-/// Reads a .frd file in text form, as ccx writes it for *NODE FILE, U and *EL FILE, S. Throws
-/// InputError if the file is missing, contains no results, or has an invalid line.
+/// Reads the displacements and stresses from a .frd file in text form, as ccx writes it for *NODE
+/// FILE, U and *EL FILE, S. Throws InputError if the file is missing, without results, or invalid.
 FrdResults read_frd(const std::filesystem::path& path);
 
 /// The nodes and elements of a .frd file.
 struct FrdMesh {
   struct Element {
     int label = 0, type = 0;  ///< element number, and type code of .frd (1: C3D8, 7: S3)
-    std::vector<int> nodes;   ///< 0-based indices of the nodes, in the node order of .frd
+    std::vector<int> nodes;   ///< indices into FrdMesh::points, in the node order of .frd files
   };
   std::vector<int> labels;  ///< node numbers in the file, ascending
   Points points;
   std::vector<Element> elements;
 };
 
-/// Reads the mesh, then calls `step` for each step of the results. The arguments of `step` are the
-/// value of the step (time, frequency or buckling factor) and the displacements (n×3; zero at nodes
-/// without a value). Only the mesh and one step are held in memory. Throws InputError as read_frd()
-/// does, and for an element with unknown nodes.
+/// Reads the mesh of a CalculiX result file (.frd), then calls `step` for each step of the results.
+/// The arguments of `step` are the mesh, the value of the step (time, frequency or buckling factor)
+/// and the displacements of the nodes (n×3; zero at nodes without a value). Only the mesh and one
+/// step are held in memory. Throws InputError as read_frd(), and for an element with unknown nodes.
 FrdMesh read_frd_steps(
     const std::filesystem::path& path,
     const std::function<void(const FrdMesh&, double value, const Points& displacements)>& step);

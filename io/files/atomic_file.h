@@ -34,13 +34,13 @@ class TemporaryFileGuard {
   Content content_;
 };
 
-/// Calls `move`, which must rename finished files to their final names. While `move` runs,
-/// remove_temporary_files() waits.
+/// Makes finished files visible: calls `move`, which must rename them to their final names. While
+/// `move` runs, remove_temporary_files() waits.
 void commit_files(const std::function<void()>& move);
 
-/// Removes all unfinished files and folders, most recent first. Afterwards the program must
-/// terminate without running destructors (std::_Exit). Other threads may still write but cannot
-/// finish any file, because commit_files() blocks from now on.
+/// Removes all temporary files and folders that have a TemporaryFileGuard, most recent first.
+/// Afterwards the program must terminate without running destructors (std::_Exit). Other threads
+/// may still write but cannot finish any file, because commit_files() blocks from now on.
 void remove_temporary_files();
 
 /// Thrown if the operating system does not permit a file to be written, for example because the
@@ -56,10 +56,10 @@ class FileError : public InputError {
 /// stays unchanged.
 class AtomicFile {
  public:
-  /// Creates the temporary file, so that a missing or read-only folder is detected before a long
-  /// computation. Removes temporary files of `path` that terminated processes left behind. Throws
-  /// FileError, with the file name and the reason given by the system; also if `path` exists and is
-  /// not a regular file.
+  /// Creates a temporary file in the folder of `path`, so that a missing or read-only folder is
+  /// detected before a long computation. Removes temporary files of `path` that terminated
+  /// processes left behind. Throws FileError, with the file name and the reason given by the
+  /// system; also if `path` exists and is not a regular file.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

@@ -34,7 +34,8 @@ inline constexpr std::uintmax_t kMaxInputFileSize = std::uintmax_t{1} << 31;
 
 // Limits on the nesting depth of text formats.
 
-/// Maximum nesting depth of lists, tables and dotted keys. The limit prevents stack overflows.
+/// Maximum nesting depth of lists, tables and dotted keys in TOML and JSON files, and of elements
+/// in XML files. The limit prevents stack overflows.
 inline constexpr int kMaxNestingDepth = 64;
 
 /// Checks a TOML or JSON text. Throws InputError with the location in `file` at which the text is
@@ -43,8 +44,8 @@ inline constexpr int kMaxNestingDepth = 64;
 /// comments do not count. O(length).
 void check_nesting_depth(std::string_view text, const std::string& file);
 
-/// Checks the nesting depth of the elements of an XML text, as check_nesting_depth() does. Comments
-/// and quoted strings do not count.
+/// Checks an XML text. Throws InputError with the location in `file` at which elements are nested
+/// more deeply than kMaxNestingDepth. Comments and quoted strings do not count.
 void check_xml_nesting_depth(std::string_view text, const std::string& file);
 
 // Runs readers of third-party libraries in a child process, so that a crash does not affect the
@@ -59,10 +60,10 @@ void enable_sandboxed_read(bool yes);
 bool is_sandboxed_read_enabled();
 
 /// Runs `read` in a forked child process and returns the resulting bytes. If
-/// is_sandboxed_read_enabled() is false, `read` runs in this process. The child is limited, by the
-/// size of `file`, to a processor time of 6 s + 4 s per MB, four times that in elapsed time, and
-/// memory of 1 GB + 200 times the size of the file. `times` multiplies the time limits; use it if
-/// `read` does more than reading. The child writes nothing to the terminal, and
+/// is_sandboxed_read_enabled() is false, `read` runs in this process. The child is limited,
+/// depending on the size of `file`, to a processor time of 6 s + 4 s per MB, four times that in
+/// elapsed time, and memory of 1 GB + 200 times the size of the file. `times` multiplies the time
+/// limits; use it if `read` does more than reading. The child writes nothing to the terminal, and
 /// is_sandboxed_read_enabled() is false in it.
 ///
 /// An exception of `read` is passed on as InputError; for other exceptions the message begins with

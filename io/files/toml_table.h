@@ -39,7 +39,7 @@ std::string comma_separated(const std::vector<std::string>& strings);
 /// `choices`: the permitted values, from which the most similar one is suggested.
 std::string expected_one_of(const std::string& found, const std::vector<std::string>& choices);
 
-/// A string read from a file, with its location, so that later checks can report the location.
+/// A string read from a file, with its location in the file for messages of later checks.
 struct LocatedString {
   std::string text;
   SourceLocation location;
@@ -47,56 +47,56 @@ struct LocatedString {
 
 /// A TOML table with a fixed set of permitted keys. The member functions read the value of a key.
 /// They throw InputError, with the location, the value found and the value expected, if the value
-/// has the wrong type. They also throw InputError if the key is missing and the function has no
-/// parameter `fallback`.
+/// has the wrong type. If the key is missing, they return `fallback`, or throw InputError if they
+/// have no such parameter.
 class TomlTable {
  public:
-  /// Keeps a reference to `table`. `what`: name of the table in messages, such as "[skin]". Throws
-  /// InputError if the table contains a key that is not in `keys`.
+  /// Creates a view of `table`, which must outlive it. `file`, `what`: names of the file and of the
+  /// table (such as "[skin]") in messages. `keys`: the permitted keys. Throws InputError if the
+  /// table contains a key that is not in `keys`.
   TomlTable(std::string file, const toml::table& table, std::string what,
             std::vector<std::string> keys);
 
   bool has(const std::string& key) const;
-  /// The location of the table, or of one of its keys. For a missing key: the location of the
-  /// table.
+  /// The location of the table; with `key`, that of the key, or of the table if the key is missing.
   SourceLocation location() const;
   SourceLocation location(const std::string& key) const;
   const std::string& what() const { return what_; }
 
-  /// A non-empty string.
+  /// The value of a key that must be a non-empty string.
   std::string text(const std::string& key) const;
   std::string text(const std::string& key, const std::string& fallback) const;
-  /// A finite number.
+  /// The value of a key that must be a finite number.
   double number(const std::string& key) const;
   double number(const std::string& key, double fallback) const;
-  /// A finite number above 0.
+  /// The value of a key that must be a finite number above 0.
   double positive(const std::string& key) const;
   double positive(const std::string& key, double fallback) const;
   bool boolean(const std::string& key, bool fallback) const;
-  /// An integer from `least` to 1,000,000.
+  /// The value of a key that must be an integer from `least` to 1,000,000; default: `fallback`.
   int integer(const std::string& key, int least, int fallback) const;
-  /// A list of finite numbers. `shape`: names of the numbers ("x, y, z"), which also determine how
-  /// many there must be.
+  /// The value of a key that must be a list of finite numbers. `shape`: names of the numbers ("x,
+  /// y, z"), which also determine the length of the list.
   VecX numbers(const std::string& key, const std::string& shape) const;
   Vec3 vector(const std::string& key) const;
-  /// A non-zero vector, normalised.
+  /// The value of a key that must be a non-zero vector; the result has length 1.
   Vec3 direction(const std::string& key) const;
   bool is_array(const std::string& key) const;
   std::vector<Vec3> points(const std::string& key) const;
-  /// A list of lists of finite numbers. `shape`: names of the numbers in each inner list ("t,
-  /// value"), which also determine its length.
+  /// The value of a key that must be a list of lists of finite numbers. `shape`: names of the
+  /// numbers in each inner list ("t, value"), which also determine the length of the inner lists.
   std::vector<VecX> rows(const std::string& key, const std::string& shape) const;
-  /// A non-empty list of finite numbers.
+  /// The value of a key that must be a non-empty list of finite numbers.
   std::vector<double> list(const std::string& key) const;
-  /// A non-empty list of strings. The result is empty if the key is missing.
+  /// The value of a key that must be a non-empty list of strings; empty if the key is missing.
   std::vector<LocatedString> strings(const std::string& key) const;
-  /// A non-empty list of non-empty lists of names.
+  /// The value of a key that must be a non-empty list of non-empty lists of names.
   std::vector<std::vector<LocatedString>> string_lists(const std::string& key) const;
-  /// A single name or a list of names. The result is empty if the key is missing.
+  /// The value of a key that must be a name or a list of names; empty if the key is missing.
   std::vector<LocatedString> names(const std::string& key) const;
 
-  /// The value that `choices` associates with the string found. Throws InputError for any other
-  /// string.
+  /// The value that `choices` associates with the string under `key`. Throws InputError if this
+  /// string is not one of the choices.
   template <class Value>
   Value choice(const std::string& key,
                std::initializer_list<std::pair<const char*, Value>> choices) const {
@@ -113,13 +113,13 @@ class TomlTable {
     return has(key) ? choice(key, choices) : fallback;
   }
 
-  /// Subtables with the permitted `keys`. table() reads a single table, [key] or {…}; the result
-  /// has one element. tables() reads a list of tables, [[key]] or [{…}, {…}]. The result is empty
-  /// if the key is missing.
+  /// The subtables under `key`, in which only `keys` are permitted. table() reads a single table,
+  /// [key] or {…}; its result has one element. tables() reads a list of tables, [[key]] or [{…},
+  /// {…}]. The result is empty if `key` is missing.
   std::vector<TomlTable> table(const std::string& key, std::vector<std::string> keys) const;
   std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> keys) const;
 
-  /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the location of the key.
+  /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the location of `key`.
   [[noreturn]] void fail(const std::string& key, const std::string& found,
                          const std::string& expected) const;
   /// The location of a key as the prefix of a message: "FILE:LINE:COLUMN: ".

@@ -16,7 +16,7 @@ namespace batten {
 /// file: the edges of its shapes and the free curves. An edge that is shared by faces is read once.
 /// If `creases` is true, only the edges of faces and the creases inside faces are read; a crease
 /// splits the edges on which it ends. Coordinates are converted from the unit of the file to the
-/// model unit. Curves in the parameter plane of a face and edges of length zero are skipped.
+/// model unit. Pcurves (in parameter planes of faces) and edges of length zero are skipped.
 ///
 /// The name of a curve is its label in the file. If several curves have the same label, numbers are
 /// appended from the second curve on. Curves without a label are named "edge1", "edge2" … in file
@@ -39,8 +39,7 @@ class CadSurface {
   /// each other than the sample points, the result may be a local minimum. Takes about 0.1 ms. Not
   /// thread-safe.
   double distance(const Vec3& p) const;
-  /// A lower bound of distance(): the distance from `p` to the bounding box of the face. Takes
-  /// nanoseconds.
+  /// A lower bound of distance(), in nanoseconds: the distance from `p` to the face's bounding box.
   double distance_lower_bound(const Vec3& p) const;
 
  private:
@@ -49,47 +48,46 @@ class CadSurface {
   std::shared_ptr<const Data> data_;
 };
 
-/// Distance from `p` to the closest of several faces. `first`: index of the face that is tried
-/// first; it is set to the index of the closest face. Faces whose bounding boxes are farther away
-/// are skipped, so the next query at a nearby point costs little more than a query of a single
-/// face. Throws InputError if `faces` is empty.
+/// Distance from `p` to the closest of several CAD faces. `first`: index of the face that is tried
+/// first; on return, the index of the closest face. Faces whose bounding boxes are farther away are
+/// skipped, so a further query at a nearby point costs little more than a query of a single face.
+/// Throws InputError if `faces` is empty.
 double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
 
-/// Reads the faces of a file, in file order. The result is empty if the file contains no faces.
+/// Reads the faces of a CAD file for distance queries, in file order; empty if there are no faces.
 /// Throws InputError for a file or entity that cannot be read, as read_cad_lines() does.
 std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
                                           double model_unit_in_metres);
 
 // Boundary loops of faces, and edges shared by two faces.
 
-/// The boundary loops of a face. The names of the curves are those of read_cad_lines() with
-/// `creases` = true.
+/// The boundary loops of a face of a CAD file. The names of the curves are those of
+/// read_cad_lines() with `creases` = true.
 struct CadFaceBoundary {
   std::string name;  ///< name of the face: "face 1", "face 2" … in file order
-  /// Names of the curves of each loop, starting with the outer loop.
+  /// Names of the curves of each boundary loop, starting with the outer loop.
   std::vector<std::vector<std::string>> loops;
   std::vector<std::string> inner;  ///< names of seams: curves along which the face meets itself
-  bool convex = false;  ///< true: one loop without re-entrant corners (tolerance 0.1 rad)
+  bool convex = false;  ///< true: a single loop without re-entrant corners (tolerance 0.1 rad)
   /// True if the face is a tube: it has a seam and two boundary loops.
   bool annulus() const { return !inner.empty() && loops.size() == 2; }
 };
 
-/// A curve shared by two faces.
+/// A curve shared by two faces of a CAD file.
 struct CadSharedEdge {
   std::string line;
-  double angle_deg = 0;  ///< largest angle between the two faces, degrees; see EdgeContinuity
+  double angle_deg = 0;  ///< largest angle between the two faces, degrees
 };
 
-/// All faces of a file, in file order, with their shared edges. A face with creases is split into
-/// its smooth parts.
+/// All faces of a CAD file, with their shared edges. Faces with creases are split at the creases.
 struct CadFaceTopology {
   std::vector<CadFaceBoundary> faces;
   std::vector<CadSharedEdge> joins;
   double size = 0;  ///< diagonal of the bounding box of all curves, model units
-  double gap = 0;   ///< Largest distance between curve ends that meet at one vertex, model units.
+  double gap = 0;   ///< largest distance between curve ends at one vertex, model units
 };
 
-/// Reads the boundary loops of all faces of a file. A closed face (sphere, torus) has no loops.
+/// Reads the boundary loops of all faces of a CAD file. A closed face (sphere, torus) has no loops.
 /// Adjacent faces of an IGES file may have separate edges. If these edges cannot be merged, the
 /// loops contain different, coincident curves. Throws InputError for a file or entity that cannot
 /// be read, as read_cad_lines() does.

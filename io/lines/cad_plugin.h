@@ -11,7 +11,7 @@
 
 namespace batten {
 
-/// The functions of the plug-in. Each member points to the function of the same name.
+/// The functions of the OpenCASCADE plug-in. Members point to the functions of the same names.
 struct CadPlugin {
   decltype(&batten::write_step) write_step;
   decltype(&batten::write_step_faces) write_step_faces;
@@ -32,12 +32,12 @@ struct CadPlugin {
   decltype(&batten::set_thread_count) set_thread_count;
 };
 
-/// The function table that this program uses. A program may define this function itself to load the
-/// plug-in on demand, as `batten` does. The program then starts without loading the 16 libraries of
-/// OpenCASCADE, which take half of the start-up time.
+/// The table of OpenCASCADE functions that this program uses. A program may define cad_plugin()
+/// itself to load the plug-in on demand, as `batten` does. Such a program starts without loading
+/// the 16 libraries of OpenCASCADE, which take half of the start-up time.
 const CadPlugin& cad_plugin();
 
-/// The table of the functions that are linked into this program or module.
+/// The table of those OpenCASCADE functions that are linked into this program or module.
 const CadPlugin& linked_cad_plugin();
 
 }  // namespace batten

@@ -49,7 +49,7 @@ std::vector<NamedPoints> read_point_lines(const std::filesystem::path& path,
 /// The file extensions that write_curves() supports, with the dot.
 const std::vector<std::string>& curve_file_extensions();
 
-/// Writes all curves to one file, atomically. The extension selects the format:
+/// Writes curves to one file, atomically. The extension selects the format:
 ///
 ///   .curves .csv .obj   The points of each curve at NamedCurve::parameters. A faired file has as
 ///                       many points as its input, except for points that fairing moved onto their

@@ -29,7 +29,7 @@ struct Drawing {
 
 // Reads DXF and SVG drawings.
 
-/// Reads a drawing. The extension selects the format:
+/// Reads the curves of a drawing file. The extension selects the format:
 ///
 ///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (bulges become arcs) and SPLINE
 ///          entities, in space or in their own plane (extrusion), and the contents of blocks that
@@ -69,7 +69,7 @@ std::vector<CharacterLine> read_sketch_graph(const std::filesystem::path& path);
 
 // Functions shared by the readers of DXF and SVG files.
 
-/// The readers of the two formats of read_drawing().
+/// Read the curves of a DXF or SVG drawing; called by read_drawing().
 Drawing read_dxf(const std::filesystem::path& path);
 Drawing read_svg(const std::filesystem::path& path);
 
@@ -82,8 +82,7 @@ DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform);
 class SkippedEntities {
  public:
   void add(const std::string& kind) { ++count_[kind]; }
-  /// Adds a sentence that lists the skipped entities to the notes of a drawing. Adds nothing if no
-  /// entity was skipped.
+  /// Adds a sentence that lists the skipped entities, if there are any, to Drawing::notes.
   void report_to(Drawing& drawing) const;
 
  private:

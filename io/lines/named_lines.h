@@ -13,15 +13,15 @@ namespace batten {
 /// made (for example from a single point).
 struct NamedCurve {
   std::string name;
-  HermiteCurve curve;  ///< without segments if there is no parametric curve
+  HermiteCurve curve;  ///< no segments: there is no parametric curve
   /// Parameters u of the points to write to .curves, .csv and .obj files.
   std::vector<double> parameters;
-  std::vector<Vec3> points;  ///< used only if there is no parametric curve
+  std::vector<Vec3> points;  ///< points of the curve; used only if `curve` has no segments
 
   bool has_curve() const { return curve.segment_count() > 0; }
-  /// The points of the curve at `parameters`, or `points` if there is no parametric curve.
-  /// Consecutive coincident points of a parametric curve are merged, because readers expect
-  /// distinct points.
+  /// The points to write to text files: those of the parametric curve at `parameters`, or `points`
+  /// if there is no parametric curve. Consecutive coincident points of a parametric curve are
+  /// merged, because readers expect distinct points.
   std::vector<Vec3> written_points() const;
 };
 
@@ -41,25 +41,26 @@ struct NamedPoints {
 
 /// Header data for writing curves to STEP and IGES files. Other formats ignore these options.
 struct CurveFileOptions {
-  double unit_in_metres = 1e-3;  ///< model unit in metres; the file declares this unit
-  bool ap242 = false;            ///< STEP only; true: schema AP242; false: AP214
+  /// Length unit of the curves in metres; the file declares this unit.
+  double unit_in_metres = 1e-3;
+  bool ap242 = false;  ///< STEP only: schema; true: AP242, false: AP214
 };
 
 // Names of curves.
 
-/// Makes names unique. Empty names are replaced by `other`; names that occur several times get the
-/// suffixes _1, _2, … in order.
+/// Makes the names of curves unique. Empty names are replaced by `other`; names that occur several
+/// times get the suffixes _1, _2, … in order.
 void make_names_unique(const std::vector<std::string*>& names, const std::string& other);
 
 // Chaining of segments.
 
 /// Joins curves of two points into longer polylines, because some programs write each edge as a
 /// separate curve (`l 1 2`, `l 2 3`, …). Two segments with the same name are joined at a common
-/// point if no other curve of that name contains the point and if the direction changes by less
-/// than 60 degrees there. The sides of a hexagon therefore stay six curves. Points are identical if
-/// their coordinates are equal. A polyline takes the position in the list and the direction of its
-/// first segment; if it is closed, its first point is repeated at the end. All other curves are
-/// unchanged. O(n log n).
+/// point if no third curve of that name contains the point and if the direction changes by less
+/// than 60 degrees at the point. The sides of a hexagon therefore stay six curves. Points are
+/// identical if their coordinates are equal. A polyline takes the position in the list and the
+/// direction of its first segment; if it is closed, its first point is repeated at the end. All
+/// other curves are unchanged. O(n log n).
 std::vector<NamedPoints> chain_segments(std::vector<NamedPoints> lines);
 
 }  // namespace batten

@@ -44,7 +44,7 @@ struct MeshContent;
 /// transformed back when it is written. A coordinate system defined by nodes follows these nodes.
 class MeshFile {
  public:
-  /// Reads a file; its extension determines the format.
+  /// Reads a mesh file, whose extension determines the format.
   ///
   /// Throws InputError ("file:line:column: found …, expected …") if the file cannot be read or uses
   /// features that are not supported. Examples are undefined coordinate systems, generated nodes,
@@ -56,11 +56,11 @@ class MeshFile {
   /// Cost: O(file size). Text is read at 60 to 120 MB/s; reading needs three to six times the size
   /// of the file in memory.
   static MeshFile read(const std::filesystem::path& path);
-  /// True if read() supports the extension of the file.
+  /// True if the extension of the file is that of a supported mesh format.
   static bool can_read(const std::filesystem::path& path);
 
-  /// Creates a mesh that does not belong to a file. Nodes and faces are numbered from 1, and there
-  /// are no sets. write() throws InputError for such a mesh.
+  /// Creates a MeshFile for a mesh that does not belong to a file. Nodes and faces are numbered
+  /// from 1, and there are no sets. write() throws InputError for such a mesh.
   static MeshFile from_shells(ShellMesh shells);
 
   /// The faces and the nodes of the mesh.
@@ -77,7 +77,7 @@ class MeshFile {
   std::optional<int> face_of_label(long label) const;
 
   using Set = MeshSet;
-  /// The sets in file order. Sets that contain no node or face of the mesh are omitted.
+  /// The node and face sets in file order, without sets that contain no node or face of the mesh.
   const std::vector<Set>& sets() const;
   /// The properties, each with the faces that have it. In a deck, a property defines thickness and
   /// material.
@@ -95,7 +95,7 @@ class MeshFile {
   const CageTags& cage_tags() const;
   /// Warnings, in complete sentences, about content of the file that is not part of the mesh.
   const std::vector<std::string>& warnings() const;
-  /// Name of the format for messages, such as "Nastran bulk data".
+  /// Name of the file format for messages, such as "Nastran bulk data".
   const std::string& format() const;
 
   /// Included files of the deck, relative to its folder. write() writes them under the same names
@@ -104,9 +104,9 @@ class MeshFile {
   std::vector<std::filesystem::path> included_files() const;
 
   using Rounding = MeshRounding;
-  /// Writes the file with the given node coordinates (n×3) and otherwise unchanged, together with
-  /// included_files(). Each file is written atomically. A deck of several files never overwrites a
-  /// file that was read.
+  /// Writes the mesh file with the node coordinates `points` (n×3) and otherwise unchanged,
+  /// together with included_files(). Returns the largest rounding error of a coordinate. Each file
+  /// is written atomically. A deck of several files never overwrites a file that was read.
   ///
   /// In text files, binary PLY and binary STL, only the coordinates of moved nodes are replaced;
   /// all other bytes are copied. A coordinate that is unchanged keeps its digits. In decks, a
@@ -115,7 +115,7 @@ class MeshFile {
   /// (rounding noise).
   ///
   /// A new coordinate is written with the fewest digits that reproduce the double. If the field is
-  /// too narrow for these, the nearest number that fits is written. Field widths are 8 or 16
+  /// too narrow for these digits, the nearest number that fits is written. Field widths are 8 or 16
   /// columns in Nastran, or 16 characters between commas (of which solvers keep 8 unless the card
   /// is GRID*); 16 or 20 in LS-DYNA; 20 in Abaqus and Radioss. Binary files may have single
   /// precision.

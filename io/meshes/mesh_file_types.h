@@ -32,7 +32,7 @@ struct MeshWriteOptions {
 /// Rounding error of the written coordinates, caused by the limited width of number fields.
 struct MeshRounding {
   double largest = 0;  ///< largest |written − given| of a coordinate, model units
-  /// Label of the node with the largest error; -1: all coordinates are exact.
+  /// Number in the file of the node with the largest rounding error; -1: all coordinates are exact.
   long max_error_label = -1;
 };
 

@@ -26,28 +26,29 @@ struct CombPanel {
   std::vector<std::pair<Vec3, double>> spheres;
 };
 
-/// Panels side by side with the same comb scale, view and length scale.
+/// Content of a picture of curvature combs: panels side by side, with the same view, length scale
+/// and comb scale (length of a tooth per unit of curvature).
 struct CombPicture {
   std::vector<CombPanel> panels;
   std::string unit;  ///< length unit shown in the legend
   /// Index of the panel that determines the comb scale. A tooth at the 95th percentile of curvature
   /// (by curve length) is as long as an eighth of the size of the drawing, or a quarter of the
-  /// median curve size if that is smaller. Teeth longer than 1.5 times that are truncated; the
-  /// caption of the panel gives their number.
+  /// median curve size if that is smaller. Teeth longer than 1.5 times this length are truncated;
+  /// the caption of the panel gives the number of truncated teeth.
   int scale_panel = 0;
-  /// Azimuth and elevation of the camera, in degrees as in PictureScene. Empty: the camera looks
-  /// perpendicularly at the best-fit plane of all curves.
+  /// Azimuth and elevation of the camera, degrees, as defined in PictureScene. Empty: the camera
+  /// looks perpendicularly at the best-fit plane of all curves.
   std::optional<std::pair<double, double>> view;
   int columns = 0;  ///< number of panels per row; 0: automatic, up to three
 };
 
-/// Draws the panels into one PNG file, written atomically. Titles are captions below the panels;
-/// the first panel contains the legend of the comb scale.
+/// Draws the panels of `picture` into one PNG file, written atomically. Titles are captions below
+/// the panels; the first panel contains the legend of the comb scale.
 ///
 /// Without `size`, the picture is 1600 pixels wide, and its height is adapted to the curves. Call
-/// it on the main thread; it needs a display (see require_display()) and takes about 1 s. Throws
-/// InputError if there is no display, no panel, or a panel without a curve, if `scale_panel`, the
-/// view or the size is out of range, or if the file cannot be written.
+/// draw_combs() on the main thread; it needs a display (see require_display()) and takes about 1 s.
+/// Throws InputError if there is no display, no panel, or a panel without a curve, if
+/// `scale_panel`, the view or the size is out of range, or if the file cannot be written.
 void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                 const std::optional<PictureSize>& size = {});
 
@@ -62,16 +63,16 @@ struct EdgeComb {
   std::array<std::vector<Vec3>, 2> curvature_vectors;
 };
 
-/// Content and view of a picture by draw_edge_combs().
+/// Content and view of a picture of the curvature combs across the edges of faces.
 struct EdgePicture {
   std::string title, unit;
   std::vector<EdgeComb> edges;
-  std::vector<std::vector<Vec3>> free_edges;  ///< polylines along free edges, which have one face
-  /// Azimuth and elevation of the camera, in degrees as in PictureScene.
+  std::vector<std::vector<Vec3>> free_edges;  ///< polylines along free edges (edges with one face)
+  /// Azimuth and elevation of the camera, degrees, as defined in PictureScene.
   std::pair<double, double> view{30, 25};
 };
 
-/// Draws the combs of all edges into one PNG file, written atomically.
+/// Draws the curvature combs across all edges of `picture` into one PNG file, written atomically.
 ///
 /// Each edge has two combs, one per face, whose teeth point away from the centres of curvature. The
 /// two combs coincide if the curvature is continuous across the edge; if it jumps, their tips

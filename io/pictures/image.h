@@ -29,14 +29,13 @@ void write_png(const std::filesystem::path& path, const Image& image);
 /// colours in one box of the RGB cube.
 class Palette {
  public:
-  /// Computes the palette by repeatedly splitting a box of the RGB cube at its mean colour. The box
-  /// with the largest variance (sum of squared distances from its mean) is split first.
+  /// Computes a palette for all `images` by repeatedly splitting a box of the RGB cube at its mean
+  /// colour, the box with the largest variance (sum of squared distances from its mean) first.
   ///
   /// Only the upper 6 bits of each channel are distinguished. All images share the palette, so that
-  /// static parts of an animation do not flicker. Cost: O(pixels). Throws InputError for invalid
-  /// images, like write_gif().
+  /// static parts of an animation do not flicker. Cost: O(pixels). Throws InputError if there are
+  /// no images, or if images are empty or differ in size.
   explicit Palette(const std::vector<Image>& images);
-  /// Number of colours in the palette.
   int count() const { return isize(colours_) / 3; }
   /// Red, green and blue of each palette colour: 3 · count() bytes.
   const std::vector<unsigned char>& colours() const { return colours_; }
@@ -45,7 +44,7 @@ class Palette {
 
  private:
   std::vector<unsigned char> colours_;
-  std::vector<unsigned char> index_;  // palette index of each cell of the RGB cube
+  std::vector<unsigned char> index_;  // index of the palette colour of each cell of the RGB cube
 };
 
 /// Writes an animated GIF file that repeats endlessly; the file is written atomically. Each frame

@@ -28,8 +28,8 @@ struct MeshPicture {
   bool mesh = false;  ///< true: draw the element edges
   double azimuth = -30, elevation = 30, zoom = 1;
   int up = 2;  ///< axis that points upwards: 0, 1, 2 for x, y, z
-  /// Additional node positions that must be visible. Pictures with the same list have the same
-  /// scale and can be compared.
+  /// Additional node positions (n×3 each) that must be visible in the picture. Pictures with the
+  /// same list have the same scale and can be compared.
   std::vector<const Points*> also_in_view;
 };
 
@@ -38,18 +38,17 @@ struct MeshPicture {
 std::vector<MeshPicture::Part> parts_of_faces(const ShellMesh& shells,
                                               const std::vector<MeshPicture::Part>& of_node);
 
-/// Draws the pictures into one PNG file, row by row; the file is written atomically. Titles are
-/// captions below the pictures (above, if there is only one picture). Shading is smooth across
-/// edges at which the normals of the faces differ by less than 30 degrees.
+/// Draws pictures of meshes into one PNG file, written atomically, with `columns` pictures per row.
+/// Titles are captions below the pictures (above, if there is only one picture). Shading is smooth
+/// across edges at which the normals of the faces differ by less than 30 degrees.
 ///
-/// Call it on the main thread; it needs a display (see require_display()). Throws InputError if
-/// there is no display, no picture or no column, if a picture has no faces, lists of the wrong
-/// length or values out of range, or if the file cannot be written.
+/// Call draw_meshes() on the main thread; it needs a display (see require_display()). Throws
+/// InputError if there is no display, no picture or no column, if a picture has no faces, lists of
+/// the wrong length or values out of range, or if the file cannot be written.
 void draw_meshes(const std::filesystem::path& path, const std::vector<MeshPicture>& pictures,
                  int columns, const PictureSize& size = {});
 
-/// Draws the pictures as draw_meshes() does, but into an image in memory, for example for one frame
-/// of an animation.
+/// Draws pictures of meshes like draw_meshes(), but into an image in memory, for animations.
 Image mesh_image(const std::vector<MeshPicture>& pictures, int columns,
                  const PictureSize& size = {});
 

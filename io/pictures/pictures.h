@@ -21,21 +21,21 @@ struct PictureScene {
   enum class Field {
     None,     ///< one colour for all faces
     Mean,     ///< mean curvature; negative values blue, positive values red
-    Gauss,    ///< Gaussian curvature, with the colours of Mean
+    Gauss,    ///< Gaussian curvature; negative values blue, positive values red
     Regions,  ///< each face in a different colour
-    Value     ///< PictureScene::value, from light (0) to dark (upper end of the scale)
+    Value     ///< values of PictureScene::value, from light (0) to dark (maximum)
   };
   /// A non-negative scalar field on the surface, and the title of its colour scale.
   struct Value {
     std::string title;
     std::function<double(int region, const Location& where)> at;
-    double limit = 0;  ///< upper end of the scale; 0: 98th percentile of the field
+    double limit = 0;  ///< upper end of the colour scale; 0: 98th percentile of the field
   };
 
   std::vector<const SkinnedRegion*> regions;
   std::string title;  ///< UTF-8; a long title is first scaled down, then truncated
-  /// Field shown by colours. The scale of a curvature is symmetric about 0; the extreme 2 % of the
-  /// values at each end are clipped.
+  /// Scalar field shown by colours. The colour scale of a curvature is symmetric about 0; the
+  /// extreme 2 % of the values at each end are clipped.
   Field field = Field::None;
   Value value;
   int contours = 0;  ///< number of contour lines of height, at equal height steps
@@ -45,10 +45,10 @@ struct PictureScene {
   /// Additional curves that belong to no face; drawn in a different colour.
   std::vector<HermiteCurve> extra_curves;
   bool mesh = false;  ///< true: draw the element edges inside the boundary of each face
-  /// Number of zebra stripes (reflection lines), alternately light and dark; 0: none. They divide
-  /// the range of the angle between the exact normal and `zebra_direction` (without the extreme 2 %
-  /// at each end) into equal steps. Stripes that break at an edge show a crease (G0); stripes with
-  /// a kink show a curvature jump (G1). Cannot be combined with a field.
+  /// Number of zebra stripes (reflection lines), alternately light and dark; 0: none. The stripes
+  /// divide the range of the angle between the exact surface normal and `zebra_direction` (without
+  /// the extreme 2 % at each end) into equal steps. Stripes that break at an edge show a crease
+  /// (G0); stripes with a kink show a curvature jump (G1). Cannot be combined with a field.
   int zebra = 0;
   Vec3 zebra_direction{1, 0.6, 0};
   /// Viewing direction in degrees. At azimuth 0 the camera looks along +y, at azimuth 90 along −x
@@ -60,18 +60,19 @@ struct PictureScene {
 
   // The following members are set by share_view() for a series of pictures. By default, each
   // picture determines its own values.
-  std::vector<Vec3> in_view;  ///< points that must be visible; empty: those of the faces
-  std::optional<std::pair<double, double>> contour_range;  ///< lowest and highest contour
+  std::vector<Vec3> in_view;  ///< points that must be visible; empty: all points of the faces
+  /// Heights of the lowest and the highest contour line; empty: determined from the surfaces.
+  std::optional<std::pair<double, double>> contour_range;
   double field_limit = 0;  ///< upper end of the colour scale; 0: determined from the field
 };
 
-/// Draws a PNG file, which is written atomically. Call it on the main thread; it takes about 1 s
-/// with software OpenGL. Throws InputError if there is no display or no face, a value is out of
-/// range, zebra stripes are combined with a field, or the file cannot be written.
+/// Draws a scene into a PNG file, written atomically. Call draw_picture() on the main thread; it
+/// takes about 1 s with software OpenGL. Throws InputError if there is no display or no face, a
+/// value is out of range, zebra stripes are combined with a field, or the file cannot be written.
 void draw_picture(const std::filesystem::path& path, const PictureScene& scene,
                   const PictureSize& size = {});
 
-/// Draws the same picture as draw_picture() into an image in memory, for animations.
+/// Draws a scene as draw_picture() does, but into an image in memory, for animations.
 Image picture_image(const PictureScene& scene, const PictureSize& size = {});
 
 /// Gives all scenes of a series the same camera, contour heights and colour scale, so that their
@@ -100,22 +101,22 @@ struct LoopAlternative {
   bool one_surface = false;
 };
 
-/// Panels side by side. The first panel shows the whole network with the loops of all alternatives;
-/// each further panel is a close-up of one alternative. Nearly planar loops are viewed
-/// perpendicularly to their plane.
+/// Content of a picture of loops, in panels side by side. The first panel shows the whole network
+/// with the loops of all alternatives; each further panel is a close-up of one alternative. Nearly
+/// planar loops are viewed perpendicularly to their plane.
 struct LoopPicture {
   std::vector<HermiteCurve> lines;  ///< all curves of the network
   std::vector<LoopAlternative> alternatives;
   double azimuth = -30, elevation = 30;  ///< view of the first panel, in degrees as in PictureScene
 };
 
-/// Draws the panels into one PNG file, written atomically. Curves of loops are drawn as tubes,
-/// other curves as thin lines.
+/// Draws the panels of `picture` into one PNG file, written atomically. Curves of loops are drawn
+/// as tubes, other curves as thin lines.
 ///
 /// Each loop is filled with a sheet in a different colour: a fan of triangles around the centre of
 /// the loop, or a band between two loops of one surface. These sheets are illustrations, not
-/// surfaces computed by Batten. Call it on the main thread. Throws InputError if there is no
-/// display or no alternative, an alternative has no loop, or the file cannot be written.
+/// surfaces computed by Batten. Call draw_loops() on the main thread. Throws InputError if there is
+/// no display or no alternative, an alternative has no loop, or the file cannot be written.
 void draw_loops(const std::filesystem::path& path, const LoopPicture& picture);
 
 }  // namespace batten

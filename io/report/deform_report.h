@@ -34,26 +34,28 @@ struct DeformReport : RunReport {
     std::string name;
     int vertices = 0;
     double size = 0;  ///< diagonal of the bounding box of the feature
-    /// Largest distance of a vertex from the original feature after the best-fit transform.
+    /// Largest distance of a vertex from its original position mapped by the best-fit similarity
+    /// transform, relative to `size`.
     double max_rigid_error = 0;
-    /// Scale factor, rotation angle and translation (model units) of the best-fit transform.
+    /// Scale factor, rotation angle (degrees) and translation (model units) of the similarity
+    /// transform that maps the original feature best to the deformed feature.
     double scale = 1, rotation_deg = 0, moved = 0;
   };
   std::vector<Feature> features;
 
-  /// A chain of vertices that a deformable curve prescribes.
+  /// A chain of vertices whose positions a deformable curve prescribes.
   struct Curve {
     std::string name;
     int vertices = 0, segments = 0;
-    Deviation fairing;  ///< distances of the original vertices from the faired curve
+    Deviation fairing;  ///< distances of the original vertices from the faired curve, model units
     double wavelength = 0;
-    double largest_shift = 0;  ///< largest displacement of the curve by its loads
-    double max_residual = 0;   ///< largest distance of the moved vertices from the curve
+    double largest_shift = 0;  ///< largest displacement of the curve by its loads, model units
+    double max_residual = 0;   ///< largest distance of a moved vertex from the curve / mesh size
     Fairness before, after;
   };
   std::vector<Curve> curves;
 
-  /// A boundary loop of the mesh; `loop` is its number, as in the key `loop` of [[select]].
+  /// A boundary loop of the mesh. `loop`: its number, as in the key `loop` of [[select]].
   struct Hole {
     int loop = 0, vertices = 0;
     std::string feature;  ///< name of the feature that contains the loop; empty: none
@@ -61,31 +63,31 @@ struct DeformReport : RunReport {
   };
   std::vector<Hole> holes;
 
-  /// Elements that are not shells, and how their nodes followed the shells.
+  /// Elements of a deck that are not shells, and how their nodes followed the shells.
   struct Attached {
     /// Number of elements per element type of the deck.
     std::vector<std::pair<std::string, int>> elements;
     /// Number of rigid elements, bushings and bolts, which move as rigid bodies.
     int connections = 0;
-    /// Largest deviation of a node of a connection from a rigid-body motion.
+    /// Largest distance of a node of a connection from its position under the best-fit rigid-body
+    /// motion of the connection, model units.
     double max_rigid_error = 0;
-    std::string worst_connection;  ///< name of the connection with the largest deviation
-    int moved_with_shells = 0;     ///< number of nodes of other elements that moved with the shells
-    std::vector<long> inverted_solids;  ///< labels of inverted solid elements in the deck
+    std::string worst_connection;  ///< name of the connection with `max_rigid_error`
+    int moved_with_shells = 0;     ///< number of moved nodes that belong to no shell or connection
+    std::vector<long> inverted_solids;  ///< ids of inverted solid elements in the deck
   };
   Attached attached;
 
   QualitySummary before, after;
-  std::vector<long> inverted;  ///< labels of inverted faces in the mesh file
-  /// Largest displacement of a node, and the label of this node in the mesh file (-1: no node
-  /// moved).
+  std::vector<long> inverted;  ///< numbers of inverted faces in the mesh file
+  /// Largest displacement of a node, and number of this node in the mesh file (-1: none moved).
   double largest_displacement = 0;
   long largest_displacement_node = -1;
-  /// Largest rounding error of a written coordinate (see MeshRounding::largest).
+  /// Largest rounding error of a written coordinate, model units.
   double rounding = 0;
 };
 
-/// Lists the checks that the measured numbers violate. The checks are:
+/// Lists the checks that the measured numbers of a deformed mesh violate. The checks are:
 /// - residuals and rigid errors of features are at most 1e-12, or 16 rounding errors of the largest
 ///   coordinate if that is more;
 /// - no faces and no solid elements are inverted;
@@ -95,7 +97,8 @@ struct DeformReport : RunReport {
 /// - all numbers are finite.
 std::vector<FailedCheck> failed_checks(const DeformReport& report);
 
-/// The report as JSON text. Numbers that are not finite become the strings "nan" and "inf".
+/// The report of a deformed mesh as JSON text. Numbers that are not finite become the strings "nan"
+/// and "inf".
 std::string to_json(const DeformReport& report);
 
 }  // namespace batten

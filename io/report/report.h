@@ -22,12 +22,12 @@ namespace batten {
 /// stresses follow from the unit of Young's modulus.
 struct StressReport {
   std::string material;  ///< name of the material; empty: the scene gives elastic constants
-  int unknowns = 0;      ///< number of unknowns of the factored system
+  int unknowns = 0;      ///< number of unknowns of the factored linear system
   double yield = 0;      ///< yield stress; 0: not given
-  /// Largest ratio of the thickness to the smallest radius of curvature.
+  /// Largest ratio of the thickness of the shell to its smallest radius of curvature.
   double thickness_over_radius = 0;
-  /// Largest ratio of the edge length to √(radius · thickness). If it exceeds 1.5, the mesh is too
-  /// coarse to resolve boundary layers.
+  /// Largest ratio of the length of an element edge to √(radius of curvature · thickness). If this
+  /// ratio exceeds 1.5, the mesh is too coarse to resolve boundary layers.
   double edge_over_boundary_layer = 0;
 
   /// Descriptions of rigid-body modes that the supports hardly constrain.
@@ -39,7 +39,7 @@ struct StressReport {
   /// Resultant of the reactions at one support.
   struct Reaction {
     std::string support;
-    Vec3 force, moment;  ///< force and moment on the shell; the moment is about the origin
+    Vec3 force, moment;  ///< force and moment on the shell (moment about the origin)
   };
   /// Results of a CalculiX analysis of the same shell: its maxima, and its values at the points
   /// where Batten found its own maxima (`displacement_there`, `stress_there`).
@@ -47,13 +47,13 @@ struct StressReport {
     std::string elements;
     double displacement = 0, stress = 0, displacement_there = 0, stress_there = 0;
   };
-  /// Results of one load case or combination.
+  /// Results of one load case, or of one combination of load cases.
   struct Case {
     std::string name;
     bool combination = false;
     Vec3 force = Vec3::Zero();      ///< resultant force of all loads
     double displacement = 0;        ///< largest displacement
-    double displacement_error = 0;  ///< estimated error of the largest displacement
+    double displacement_error = 0;  ///< estimated error of `displacement`
     Vec3 displacement_vector = Vec3::Zero(), max_displacement_at = Vec3::Zero();
     std::string max_displacement_region;
     double stress = 0;  ///< largest von Mises stress
@@ -62,7 +62,7 @@ struct StressReport {
     /// Point on the top or bottom side of the shell with the largest stress.
     Vec3 max_stress_face_point = Vec3::Zero();
     std::string max_stress_region;
-    /// Largest deviation of the unaveraged element stresses around that point from `stress`.
+    /// Largest deviation of unaveraged element stresses around max_stress_at from `stress`.
     double spread = 0;
     /// True if the largest stress is next to a point load or support, where stresses are singular.
     bool near_singularity = false;
@@ -88,7 +88,7 @@ struct StressReport {
   struct Sensitivity {
     std::string parameter, load_case;
     double displacement = 0;  ///< derivative of the largest displacement
-    double compliance = 0;    ///< derivative of the work of the loads
+    double compliance = 0;    ///< derivative of the compliance (work of the loads)
   };
   std::vector<Sensitivity> sensitivities;
   /// Natural frequencies, 1/time. Rigid-body modes come first, with frequency 0.
@@ -104,7 +104,7 @@ struct Report : RunReport {
     CharacterLine::Role role = CharacterLine::Role::Outline;
     bool embedded = false;
     double length = 0;
-    double deviation = 0;  ///< largest distance of the input from the fitted curve
+    double deviation = 0;  ///< largest distance of the input curve from the fitted curve
     int nodes = 0;
     int points = 0;  ///< embedded curves: number of points at which the surface is constrained
     double gap = 0;  ///< embedded curves: largest distance between the curve and the surface
@@ -112,13 +112,13 @@ struct Report : RunReport {
     bool constrains_surface = true;
   };
   std::vector<Line> lines;
-  std::vector<FairedLine> curves;          ///< curves that [[fair]] has faired
+  std::vector<FairedLine> curves;          ///< curves that were faired by [[fair]] stages
   std::vector<std::string> reading_notes;  ///< notes on how curve files were interpreted
 
-  /// The surface of the scene; for a network, totals and extremes over all faces.
+  /// Results for the surface of the scene. For a curve network: totals and extremes over all faces.
   struct Surface {
     int regions = 1, triangles = 0, dofs = 0;
-    std::string element, boundary, fair;  ///< values of these keys of [skin]
+    std::string element, boundary, fair;  ///< values of the keys of the same names in [skin]
     SkinQuality quality;
     double size = 0, bending_energy = 0;
     double max_constraint_residual = 0, max_normal_constraint_deg = 0, max_smooth_join_deg = 0;
@@ -133,18 +133,18 @@ struct Report : RunReport {
     Vec3 mean_normal = Vec3::Zero();  ///< area-weighted mean of the unit normals
     /// Result of fairing to a minimum-variation surface.
     struct Fairing {
-      /// Curvature variation after and before fairing, 1/length².
+      /// Integral of the squared curvature variation after and before fairing, 1/length².
       double functional = 0, start_functional = 0;
       double max_move = 0;  ///< largest displacement of a vertex along the normal, model units
       int iterations = 0, factorizations = 0;
       bool converged = false;
-      /// Interpolation parameter between the minimum-bending shape (0) and the minimum-variation
-      /// shape (1).
+      /// Interpolation parameter of the result between the minimum-bending shape (0) and the
+      /// minimum-variation shape (1).
       double step_fraction = 1;
       /// Names of the faces that keep their minimum-bending shape.
       std::vector<std::string> unchanged_regions;
-      /// True: requested in the scene. False: chosen automatically (fair = "auto") for faces with
-      /// five or more sides.
+      /// True: the scene requests fairing. False: fairing was chosen automatically (fair = "auto")
+      /// for faces with five or more sides.
       bool requested = true;
       int regions = 0;  ///< number of faired faces
     };
@@ -157,12 +157,13 @@ struct Report : RunReport {
   struct Target {
     std::vector<std::string> files;
     double tolerance = 0, size = 0;
-    double before_rms = 0, before_max = 0;  ///< from the minimum-bending shape to the target
-    double rms = 0, max = 0;                ///< from the fitted shape to the target
-    double back_rms = 0, back_max = 0;      ///< from the target to the fitted shape
-    int points = 0, back_points = 0;        ///< number of sample points per direction
-    /// Number of sample points not counted in each direction, because they lie beyond a free edge
-    /// of the other surface.
+    /// Distances of the minimum-bending shape from the target.
+    double before_rms = 0, before_max = 0;
+    double rms = 0, max = 0;            ///< distances of the fitted shape from the target
+    double back_rms = 0, back_max = 0;  ///< distances of the target from the fitted shape
+    int points = 0, back_points = 0;    ///< number of sample points on the shape, and on the target
+    /// Number of sample points on the shape, and on the target, that are not counted because they
+    /// lie beyond a free edge of the other surface.
     int excluded = 0, back_excluded = 0;
     Vec3 where = Vec3::Zero();  ///< point of the fitted shape that is farthest from the target
     int iterations = 0, refinements = 0;
@@ -173,11 +174,12 @@ struct Report : RunReport {
     };
     /// Curves whose distance from the target exceeds the tolerance.
     std::vector<Line> line_distances;
-    std::vector<std::pair<std::string, double>> regions;  ///< largest distance per face
+    /// Largest distance from the target per face.
+    std::vector<std::pair<std::string, double>> regions;
   };
   std::optional<Target> target;
 
-  /// Measurements of the STEP file.
+  /// Measurements of the STEP file that was written.
   struct Step {
     std::string file, form;
     int faces = 0;
@@ -185,7 +187,7 @@ struct Report : RunReport {
     /// is "face".
     std::map<std::string, int> faces_by_kind;
     int lines = 0;         ///< number of curves written in addition to the faces
-    double tolerance = 0;  ///< requested tolerance, model units; 0: faces are exact
+    double tolerance = 0;  ///< requested tolerance of fitted faces, model units; 0: exact faces
     int poles_u = 0, poles_v = 0;
     std::uintmax_t bytes = 0;
     double max_deviation = 0, max_gap = 0, max_normal_jump_deg = 0;
@@ -193,7 +195,7 @@ struct Report : RunReport {
     /// Number of edges between two faces, per continuity: creases (G0), tangent edges (G1),
     /// curvature-continuous edges (G2).
     int creases = 0, tangent = 0, curvature = 0;
-    /// Largest angle between the faces at an edge that is not a crease.
+    /// Largest angle between the two faces at an edge that is not a crease, degrees.
     double max_smooth_deg = 0;
     /// A smooth edge shared by fitted faces, with the largest angle between the faces in the file
     /// (`angle_deg`) and between the original surfaces (`surface_deg`).
@@ -212,14 +214,14 @@ struct Report : RunReport {
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;
   };
-  std::optional<Step> step;  ///< set if a STEP file was written; measured after it is read back
+  std::optional<Step> step;  ///< measured after reading the file back; empty: no STEP file
 
   /// Distances of uniformly distributed surface points from the faces of a CAD file.
   struct Comparison {
     std::string file;
     int points = 0;
     double max = 0, rms = 0;  ///< largest and RMS distance, model units
-    /// The same distances, relative to the longest side of the bounding box of the curves.
+    /// Largest and RMS distance, relative to the longest side of the bounding box of the curves.
     double max_relative = 0, rms_relative = 0;
   };
   std::optional<Comparison> comparison;
@@ -230,11 +232,11 @@ struct Report : RunReport {
   struct Shape {
     double stretching = 0, bending = 0;  ///< stretching and bending energy (see SurfaceEnergy)
     double area = 0, volume = 0;  ///< area and volume ⅓ ∬ x·n dA, in powers of the model unit
-    double residual = 0;          ///< largest residual of the constraints
+    double residual = 0;          ///< largest constraint residual
   };
   /// Results of `batten sculpt`.
   struct Sculpting {
-    Shape shape;  ///< final shape
+    Shape shape;  ///< integrals over the final shape
     struct Step {
       std::string what;  ///< operation of the session: "solve", "replay", …
       int iterations = 0;
@@ -242,8 +244,8 @@ struct Report : RunReport {
       bool factored = false;
     };
     std::vector<Step> solves;
-    /// One mesh refinement, with the energy before it, after the transfer to the new mesh, and in
-    /// equilibrium on the new mesh.
+    /// One mesh refinement, with the elastic energy before the refinement, after the transfer to
+    /// the new mesh, and in equilibrium on the new mesh.
     struct Refinement {
       int triangles_before = 0, triangles = 0;
       double max_displacement = 0, energy_before = 0, energy_transferred = 0,
@@ -259,7 +261,7 @@ struct Report : RunReport {
       double value = 0;  ///< parameter value of the sweep, or time of the frame
       Shape shape;
       int iterations = 0;            ///< sweeps only: number of solver iterations
-      double total_energy = 0;       ///< dynamic simulations only: kinetic and potential energy
+      double total_energy = 0;       ///< dynamic simulations only: kinetic + potential energy
       std::optional<Stress> stress;  ///< sweeps only: set if [stress] was requested
     };
     struct Sweep {
@@ -286,8 +288,8 @@ struct Report : RunReport {
 /// Lists the numbers of the report that are NaN or infinite, by their JSON path ("surface.area").
 std::vector<FailedCheck> non_finite_numbers(const Report& report);
 
-/// Lists the checks that the measured numbers violate, and all numbers that are not finite. The
-/// checks are, by sections of report.json:
+/// Lists the checks that the measured numbers of a report violate, and all numbers that are not
+/// finite. The checks are, by sections of report.json:
 ///
 ///   faired_curves  residual of the conditions of [[fair]] ≤ 1e-12 of the size of the curve;
 ///                  requested deviation not exceeded
@@ -315,9 +317,9 @@ std::vector<FailedCheck> non_finite_numbers(const Report& report);
 /// `tolerance`: fit tolerance of the curves, model units.
 std::vector<FailedCheck> failed_checks(const Report& report, double tolerance);
 
-/// The report as JSON text. Numbers that are not finite, which JSON cannot represent, become the
-/// strings "nan" and "inf". Before the call, append the result of non_finite_numbers() to
-/// `report.failed_checks`.
+/// The report of a surface as JSON text. Numbers that are not finite, which JSON cannot represent,
+/// become the strings "nan" and "inf". Before the call, append the result of non_finite_numbers()
+/// to `report.failed_checks`.
 std::string to_json(const Report& report);
 
 // Contents of report.json for faired curves, measured on the curves that are written.
@@ -327,13 +329,14 @@ struct FairReport : RunReport {
   std::vector<FairedLine> curves;
 };
 
-/// Lists the violated checks of failed_fairing_checks(), and all numbers that are not finite.
+/// Lists the violated checks of failed_fairing_checks(), and the numbers that are not finite.
 std::vector<FailedCheck> failed_checks(const FairReport& report);
-/// Lists the stages that exceed their requested deviation, and the conditions whose residual
-/// exceeds 1e-12 of the size of the curve.
+/// Lists the violated checks of faired curves: fairing stages that exceed their requested
+/// deviation, and conditions whose residual exceeds 1e-12 of the size of the curve.
 std::vector<FailedCheck> failed_fairing_checks(const std::vector<FairedLine>& curves);
 
-/// The report as JSON text. Numbers that are not finite become the strings "nan" and "inf".
+/// The report of faired curves as JSON text. Numbers that are not finite become the strings "nan"
+/// and "inf".
 std::string to_json(const FairReport& report);
 
 }  // namespace batten

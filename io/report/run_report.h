@@ -13,15 +13,16 @@ namespace batten {
 
 /// A check of a result that failed: a measured number violates its tolerance.
 struct FailedCheck {
-  std::string what;    ///< JSON path of the number, for example "surface.min_jacobian_ratio"
-  std::string detail;  ///< description, for example "is 0.01, expected at least 0.05"
+  std::string what;  ///< JSON path of the number, for example "surface.min_jacobian_ratio"
+  /// Value found and value expected, for example "is 0.01, expected at least 0.05".
+  std::string detail;
 };
 
-/// Base class of all reports.
+/// Base class of the reports of all commands.
 struct RunReport {
   std::string name, unit;
   std::vector<Parameter> parameters;
-  /// Name and duration of each phase, in seconds.
+  /// Name and duration (seconds) of each phase of the run.
   std::vector<std::pair<std::string, double>> timings;
   std::vector<std::string> warnings, files;
   std::vector<FailedCheck> failed_checks;

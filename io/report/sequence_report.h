@@ -15,9 +15,9 @@ struct SequenceReport : RunReport {
   int frames_before = 0, frames = 0, nodes = 0, faces = 0;
   double size = 0;
   int first = 1, last = 0;  ///< first and last frame computed by this run
-  int found = 0;            ///< number of these frames that were reused from an earlier run
+  int found = 0;            ///< number of frames of this run that were reused from an earlier one
 
-  /// Statistics of one operation.
+  /// Statistics of one operation on the sequence.
   struct Step {
     std::string name, kind;
     int frames = 0;  ///< number of frames after the operation
@@ -25,13 +25,14 @@ struct SequenceReport : RunReport {
     int iterations = 0;  ///< largest number of iterations at a keyframe
     /// Number of keyframes that stopped before reaching the tolerance.
     int unconverged_keyframes = 0;
-    /// Largest change in the last iteration of an unconverged keyframe, relative.
+    /// Largest displacement of a node in the last iteration of an unconverged keyframe, relative to
+    /// the size of the first frame.
     double last_change = 0;
     double seconds = 0;
   };
   std::vector<Step> steps;
 
-  /// A handle or a form feature.
+  /// Shape preservation of a handle or of a form feature.
   struct Handle {
     std::string name;
     int vertices = 0;
@@ -47,7 +48,7 @@ struct SequenceReport : RunReport {
     std::string step, handle;
     int first = 0, last = 0;
     /// Foot skate before and after editing: largest distance of the centroid of the foot from its
-    /// mean position during the contact, relative.
+    /// mean position during the contact, relative to the size of the first frame.
     double foot_skate_before = 0, foot_skate = 0;
     double max_foot_skate = 1e-3;
   };
@@ -61,7 +62,7 @@ struct SequenceReport : RunReport {
   long inverted_triangles_before = 0, inverted_triangles = 0;
 };
 
-/// The report as JSON text.
+/// The report of an edited sequence as JSON text.
 std::string to_json(const SequenceReport& report);
 
 }  // namespace batten

@@ -30,7 +30,7 @@ struct GuideSpec {
   LocatedString of;
   PointConstraint::Kind kind = PointConstraint::Kind::OnPlane;
   Vec3 direction = Vec3::UnitZ();
-  /// A point on the plane or line. Empty: the initial position of the constrained point.
+  /// A point on the constraint's plane or line. Empty: the constrained point's initial position.
   std::optional<Vec3> through;
 };
 
@@ -40,8 +40,8 @@ struct RelationSpec {
   std::string name;
   SourceLocation location;
   Kind kind = Kind::Parallel;
-  std::vector<LocatedString> of;  ///< names of features; '*' is a wildcard
-  /// Symmetric: normal and point of the symmetry plane.
+  std::vector<LocatedString> of;  ///< names of the related features; '*' is a wildcard
+  /// For a symmetry relation: normal and one point of the symmetry plane; empty otherwise.
   std::optional<std::pair<Vec3, Vec3>> plane;
 };
 
@@ -51,7 +51,8 @@ struct LineSpec {
   SourceLocation location;
   /// Points near the feature curve. It passes through their nearest vertices, following creases.
   std::vector<Vec3> through;
-  std::vector<long> nodes;  ///< alternative to `through`: node numbers in the mesh file, in order
+  /// Alternative to `through`: node numbers in the mesh file, in order along the curve.
+  std::vector<long> nodes;
   bool closed = false;
   bool rigid = false;
   /// Soft chains: width of the stiffened strip along the feature curve, model units; 0: a tenth of
@@ -71,8 +72,7 @@ struct CurveSpec {
   std::vector<CurveLoad> loads;
 };
 
-/// [[position_constraint]]: moves one vertex to a position, by a soft (least-squares) or hard
-/// constraint.
+/// [[position_constraint]]: a soft (least-squares) or hard constraint on the position of a vertex.
 struct PositionConstraintSpec {
   std::string name;
   SourceLocation location;
@@ -156,17 +156,17 @@ struct DeformScene : SceneSelections {
   std::vector<PositionConstraintSpec> position_constraints;
   std::vector<EditSpec> edits;
   std::string mesh_out, vtp;       ///< names of output files; empty: not written
-  bool large_field_nodes = false;  ///< MeshWriteOptions::large_field_nodes
+  bool large_field_nodes = false;  ///< true: write Nastran GRID cards in large-field format
   std::optional<ModesSpec> modes;
   std::vector<MeshPictureSpec> pictures;
 
-  /// All parameters: EDIT.HANDLE.x, .y, .z, .degrees and .scale, EDIT.FEATURE.scale, and
-  /// CURVE.LOAD.
+  /// All parameters of the scene, with the names EDIT.HANDLE.x, .y, .z, .degrees and .scale,
+  /// EDIT.FEATURE.scale, and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
-  /// Sets a parameter, or one component EDIT.HANDLE.rotation.x, .y, .z of the rotation vector of a
-  /// handle (its length is the angle in degrees). Throws InputError for an unknown name (the
-  /// message suggests the nearest one), a number that is not finite, or a scale ≤ 0. Messages begin
-  /// with `where`.
+  /// Sets a parameter of the scene, or one component EDIT.HANDLE.rotation.x, .y, .z of the rotation
+  /// vector of a handle (direction of the axis; length: angle in degrees). Throws InputError for an
+  /// unknown name (the message suggests the nearest one), a number that is not finite, or a scale ≤
+  /// 0. `where`: first words of messages.
   void set(const std::string& parameter, double value, const std::string& where);
 };
 

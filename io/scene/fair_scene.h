@@ -12,7 +12,7 @@
 
 namespace batten {
 
-/// [[picture]] of a fairing scene: curvature combs.
+/// [[picture]] of a fairing scene: a picture of curvature combs along the curves.
 struct CombPictureSpec {
   /// Combs: two panels, with the input curves and the faired curves. Stages: the input curves, then
   /// one panel after each stage; consecutive local stages share one panel.
@@ -22,7 +22,8 @@ struct CombPictureSpec {
   bool points = true;  ///< true: draw the input points as dots
   /// Azimuth and elevation of the camera, degrees; empty: perpendicular to the best-fit plane.
   std::optional<std::pair<double, double>> view;
-  std::optional<PictureSize> size;  ///< empty: the height is adapted to the curves
+  /// Size of the picture; empty: the height is adapted to the curves.
+  std::optional<PictureSize> size;
 };
 
 /// Contents of a fairing scene.
@@ -38,12 +39,12 @@ struct FairScene {
   std::vector<std::string> outputs;
   std::vector<CombPictureSpec> pictures;
 
-  /// All parameters that the stages set: STAGE.noise, STAGE.deviation and STAGE.wavelength.
+  /// All parameters of the stages, named STAGE.noise, STAGE.deviation, STAGE.wavelength.
   std::vector<Parameter> parameters() const;
-  /// Sets a parameter. Throws InputError, with a message that begins with `where`, for an unknown
-  /// name (the message suggests the nearest one) or a number ≤ 0.
+  /// Sets a parameter of a fairing stage. Throws InputError, with a message that begins with
+  /// `where`, for an unknown name (the message suggests the nearest one) or a number ≤ 0.
   void set(const std::string& parameter, double value, const std::string& where);
-  /// The prefix of messages about a location in the scene: "FILE:LINE:COLUMN: ".
+  /// The prefix of messages about a location in the scene file: "FILE:LINE:COLUMN: ".
   std::string at(const SourceLocation& location) const {
     return format_location(file.string(), location);
   }

@@ -27,17 +27,18 @@ struct SceneFairStage : FairStage {
   SourceLocation location;
   /// Names of the curves to fair; '*' is a wildcard; empty: all curves.
   std::vector<LocatedString> lines;
-  /// FairOptions::fix_ends; empty: true in scenes that make a surface, else false.
+  /// True: the end points of open curves are fixed (FairOptions::fix_ends). Empty: true in scenes
+  /// that make a surface, false in others.
   std::optional<bool> fix_ends;
 };
 
-/// Reads all [[fair]] stages of a scene, in order. Unnamed stages are named fair-1, fair-2, … by
-/// position. Throws InputError if a key or value is invalid.
+/// Reads all [[fair]] stages of a scene, in file order. Unnamed stages are named fair-1, fair-2, …
+/// by position. Throws InputError if a key or value is invalid.
 std::vector<SceneFairStage> read_fair_stages(const TomlTable& root);
 
-/// Calls f(name, value) for each parameter of the stages, with a reference to its value. The
-/// parameters are named STAGE.noise, STAGE.deviation and STAGE.wavelength; valid values are
-/// positive.
+/// Calls f(name, value) for each parameter of the fairing stages, where `value` is a reference to
+/// the value of the parameter. The parameters are named STAGE.noise, STAGE.deviation and
+/// STAGE.wavelength; valid values are positive.
 template <class Stages, class Function>
 void for_each_fair_parameter(Stages& stages, const Function& f) {
   for (auto& stage : stages) {
@@ -52,27 +53,28 @@ void for_each_fair_parameter(Stages& stages, const Function& f) {
 
 /// One curve ([[curve]]), or all curves of a file ([[curves]]).
 struct SceneLine {
-  std::string name;  ///< name of a [[curve]]; empty for [[curves]], whose names are in the file
+  std::string name;  ///< name of a [[curve]]; empty for [[curves]]: the file gives the names
   SourceLocation location;
   std::filesystem::path file;  ///< path of the curve file; empty: the scene contains the curve
   /// Length unit of `file`; empty: the unit declared in the file, or else the unit of the scene.
   std::string unit;
-  std::vector<Vec3> points;                 ///< points of the curve, in the unit of the scene
-  std::shared_ptr<const InputCurve> curve;  ///< curve of a shape key (arc, bezier, …), or nullptr
-  std::string copy;                         ///< name of the curve to copy; empty: not a copy
-  AffineTransform transform;                ///< transform applied to the copied curve
+  std::vector<Vec3> points;  ///< points of the curve, in the unit of the scene
+  /// Curve given by a key such as arc or bezier; nullptr: none.
+  std::shared_ptr<const InputCurve> curve;
+  std::string copy;           ///< name of the curve to copy; empty: not a copy
+  AffineTransform transform;  ///< transform applied to the copied curve
   /// 0-based indices of the corner points; empty: corners are detected automatically.
   std::optional<std::vector<int>> corners;
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
-  /// Holes only. False: the curve trims the surface but does not constrain it.
+  /// Holes only. True: the surface passes through the curve. False: the curve only trims it.
   bool constrains_surface = true;
-  /// [[curves]]: names of the curves to read, to skip, and to treat as inner curves or as holes.
+  /// [[curves]] only: names of the curves to read, to skip, to treat as inner curves or as holes.
   std::vector<LocatedString> only, skip, inner, holes;
   bool creases = false;  ///< CAD files only; true: also read creases inside faces as curves
 };
 
-/// [skin]: meshing options, material and boundary conditions of the surface.
+/// [skin]: meshing options, material, boundary conditions and fairing of the surface.
 struct SceneSkin {
   SkinOptions options;
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
@@ -86,13 +88,13 @@ struct SceneSkin {
   enum class Fair { Auto, Bending, Variation, Loft } fair = Fair::Auto;
   /// True if bending is measured relative to a curved rest shape.
   bool has_rest() const { return fair != Fair::Bending; }
-  /// True if the final shape is not the shape of least bending energy.
+  /// True if the surface is faired: the final shape is not the shape of least bending energy.
   bool is_faired() const { return fair == Fair::Variation || fair == Fair::Loft; }
-  /// Variation: interpolates from the minimum-bending shape (0) to the minimum-variation shape (1).
+  /// Fair::Variation: interpolates from the minimum-bending to the minimum-variation shape, 0 to 1.
   double strength = 1;
-  /// Variation: maximum displacement by fairing, in the unit of the scene; 0: unlimited.
+  /// Fair::Variation: maximum displacement by fairing, in the unit of the scene; 0: unlimited.
   double max_displacement = 0;
-  /// Loft: names of the section curves, which are sides of four-sided faces.
+  /// Fair::Loft: names of the section curves, which are sides of four-sided faces.
   std::vector<LocatedString> sections;
   /// The value of `fair` as it is written in the scene, such as "auto".
   std::string fair_name() const;
@@ -119,17 +121,17 @@ struct SceneConstraint {
   Type type = Type::Point;
   Vec3 at = Vec3::Zero();
   Vec3 goal = Vec3::Zero();    ///< Point: prescribed position; other types: prescribed direction
-  Vec2 along = Vec2::UnitX();  ///< Tangent: parameter direction (u, v) of the tangent vector
-  /// Point: largest permitted |goal − middle| per coordinate, in model units; default: no limit.
+  Vec2 along = Vec2::UnitX();  ///< Tangent: parameter direction (u, v) of the prescribed tangent
+  /// Type::Point: maximum of |goal − middle| per coordinate, model units; infinite: no limit.
   double range = std::numeric_limits<double>::infinity();
   Vec3 middle = Vec3::Zero();  ///< Point: value of `goal` in the scene file
   LocatedString line;          ///< LineNormal: name of the curve
-  /// LineNormal: true if the scene gives no direction; the tangent planes along the curve then stay
-  /// unchanged.
+  /// Constraints of type LineNormal: true if the scene gives no direction, so that the tangent
+  /// planes along the curve stay unchanged.
   bool keep_tangent_planes = false;
 };
 
-/// [[load]]: a load whose magnitude is a parameter, either a number or a function of time.
+/// [[load]]: a load whose magnitude, a number or a function of time, is a parameter of the scene.
 struct SceneLoad : ScalarParameter {
   SourceLocation name_location;  ///< location of the name in the scene file
   enum class Type {
@@ -143,17 +145,18 @@ struct SceneLoad : ScalarParameter {
     AttractorSprings  ///< springs from surface points to points, a curve or a plane
   };
   Type type = Type::Pressure;
-  /// Direction of the load, a unit vector; unused by Pressure and by both types of springs.
+  /// Direction of the load, a unit vector; not used by loads of the types Pressure,
+  /// PointCloudSprings and AttractorSprings.
   Vec3 direction = Vec3::UnitZ();
   Vec3 at = Vec3::Zero();  ///< Point: point of application
   SceneArea area;          ///< Pressure, Uniform: area of application
   LocatedString line;      ///< Line: name of the loaded curve
-  /// PointCloudSprings: file of the measured points; AttractorSprings: `curve` interpreted as a
-  /// file.
+  /// For PointCloudSprings: file of the measured points. For AttractorSprings: the name `curve`
+  /// interpreted as the path of a curve file.
   std::filesystem::path file;
-  SourceLocation location;       ///< location of the file name in the scene
-  std::string unit;              ///< length unit of the file; empty: the unit of the scene
-  Load::AttractorSprings pulls;  ///< AttractorSprings: all settings except the curve
+  SourceLocation location;       ///< location of the file name `file` in the scene
+  std::string unit;              ///< length unit of `file`; empty: the unit of the scene
+  Load::AttractorSprings pulls;  ///< AttractorSprings: settings of the springs except the curve
   LocatedString curve;           ///< AttractorSprings: name of a curve or of a curve file
 };
 
@@ -162,12 +165,12 @@ struct SceneStiffnessField : ScalarParameter {
   SourceLocation name_location;  ///< location of the name in the scene file
   StiffnessField::Kind kind = StiffnessField::Kind::Bending;
   SceneArea area;
-  /// Direction of the additional stiffness: a vector (u, v), or the name of the curve that it
-  /// follows. Empty: isotropic.
+  /// Direction of the additional stiffness: a vector (u, v), or the name of the curve that the
+  /// direction follows. Empty: the stiffness is isotropic.
   std::optional<std::variant<Vec2, LocatedString>> along;
 };
 
-/// [[offset]]: displaces a curve by a distance, which is a parameter.
+/// [[offset]]: displaces a curve by a distance; the distance is a parameter of the scene.
 struct SceneLineOffset : ScalarParameter {
   SourceLocation name_location;  ///< location of the name in the scene file
   LocatedString line;
@@ -177,8 +180,9 @@ struct SceneLineOffset : ScalarParameter {
   std::optional<double> fade;
 };
 
-/// One entry of the list `drives` of a [[parameter]]. The driven parameter is offset + Σ factor ·
-/// of, summed over all rules that drive it.
+/// One entry of the list `drives` of a [[parameter]]: a rule by which the parameter `of` drives the
+/// parameter `driven`. The value of `driven` is `offset` plus the sum of `factor` times the value
+/// of `of` over all rules that drive `driven`.
 struct SceneRule {
   std::string of, driven;  ///< names of the driving and of the driven parameter
   SourceLocation location;
@@ -186,15 +190,16 @@ struct SceneRule {
   std::optional<double> offset;  ///< empty: the value of the driven parameter in the scene
 };
 
-/// [motion]: density, damping and time integration parameter θ of the dynamic simulation.
+/// [motion]: density, damping coefficient, and parameter θ (½ to 1) of the implicit time
+/// integration of the dynamic simulation.
 struct SceneMotion {
   double density = 1, damping = 1, theta = 1;
 };
 
-/// A [[picture]], or the picture of a [[sweep]].
+/// A picture of the surface, defined by [[picture]] or by [[sweep]].
 struct ScenePicture {
   std::string file;
-  PictureScene look;  ///< view and content; look.regions is set when the picture is drawn
+  PictureScene look;  ///< view and content; `look.regions` is set at drawing
   PictureSize size;
 };
 
@@ -202,21 +207,24 @@ struct ScenePicture {
 struct SceneSweep {
   std::string parameter;
   std::vector<double> values;
-  int columns = 0;       ///< panels per row; 0: the sheet is as square as possible
-  ScenePicture picture;  ///< the sheet; the title of a panel is look.title and the value
+  int columns = 0;       ///< panels per row; 0: automatic, for an almost square sheet
+  ScenePicture picture;  ///< view and file of the sheet; a panel is titled look.title and value
 };
 
 /// Settings from [skin], [[face]] and [[join]] for finding and joining the faces between the curves
 /// of a scene.
 struct SceneNetwork {
   SourceLocation location;  ///< location of [skin]
-  double tolerance = 0;     ///< gap tolerance, model units; 0: default of NetworkOptions
-  /// NetworkOptions::tangent_angle, degrees.
+  double tolerance = 0;  ///< gap tolerance of curve ends, model units; 0: default of NetworkOptions
+  /// Largest angle, degrees, at which one edge smoothly continues another at a node
+  /// (NetworkOptions::tangent_angle).
   double tangent_angle = NetworkOptions{}.tangent_angle;
   /// Maximum number of faces that share an edge.
   int max_faces_per_edge = RegionSearchOptions{}.max_faces_per_edge;
-  double crease_angle = ModelOptions{}.crease_angle_deg;      ///< ModelOptions::crease_angle_deg
-  double join_tolerance = ModelOptions{}.join_tolerance_deg;  ///< ModelOptions::join_tolerance_deg
+  /// Crease angle, degrees: edges at which faces meet at a larger angle are creases.
+  double crease_angle = ModelOptions{}.crease_angle_deg;
+  /// Largest permitted angle between two faces at a smooth edge, degrees.
+  double join_tolerance = ModelOptions{}.join_tolerance_deg;
   /// Set if the curves describe one half of a symmetric model: the axis (0, 1, 2 for x, y, z)
   /// perpendicular to the symmetry plane, which passes through the origin.
   std::optional<int> symmetry;
@@ -231,7 +239,7 @@ struct Parameter {
   double value, min, max;
 };
 
-/// Contents of a scene. Names of curves and faces are resolved when the model is made.
+/// Contents of a scene file. Names of curves and faces are resolved when the model is made.
 struct Scene {
   std::filesystem::path file;  ///< path of the scene file; empty: the scene was created in memory
   std::string name = "surface", unit = "mm";
@@ -245,13 +253,13 @@ struct Scene {
   std::vector<SceneStiffnessField> weights;
   std::vector<SceneLineOffset> moves;
   std::vector<ScalarParameter> sliders;  ///< parameters defined by [[parameter]]
-  std::vector<SceneRule> rules;          ///< rules by which some parameters drive others
+  std::vector<SceneRule> rules;          ///< rules by which parameters drive other parameters
   SceneMotion motion;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: names of output files; empty: not written
   enum class StepForm {
-    /// As Face. If the deviation exceeds step_tolerance, a scene with a single untrimmed face of up
-    /// to 10,000 triangles is written as Exact instead.
+    /// Automatic: like Face, except for a scene with a single untrimmed face of up to 10,000
+    /// triangles whose B-spline face exceeds step_tolerance. Such a scene is written like Exact.
     Auto,
     Face,  ///< one B-spline face per face of the model, within step_tolerance
     Exact  ///< three exact bicubic faces per triangle
@@ -265,37 +273,37 @@ struct Scene {
   std::vector<ScenePicture> pictures;
   std::vector<SceneSweep> sweeps;
 
-  /// All parameters with their values and ranges. Loads, stiffness fields, offsets and
-  /// [[parameter]] have the names given in the scene; coordinates of constraints are NAME.x,
+  /// All parameters of the scene, with their values and ranges. Loads, stiffness fields, offsets
+  /// and [[parameter]] have the names given in the scene; coordinates of constraints are NAME.x,
   /// NAME.y, NAME.z. The material has alpha and beta (or alpha_uu, alpha_uv, alpha_vv, beta_uu,
   /// beta_uv, beta_vv if the scene gives three numbers). Stages of [[fair]] have STAGE.noise,
   /// STAGE.deviation, STAGE.wavelength. The value of a time-dependent parameter is its value at
   /// time 0; driven parameters have the values given by their rules.
   std::vector<Parameter> parameters() const;
-  /// All parameters as in parameters(), with their time functions and rules.
+  /// All parameters of the scene (those of parameters()), with their time functions and rules.
   std::vector<ScalarParameter> named_values() const;
-  /// Sets a parameter; a time-dependent parameter becomes constant. Throws InputError for an
-  /// unknown name (the message suggests the nearest one), a driven parameter, a value out of range,
-  /// a material that violates material_requirement(), and a direction of length 0. Messages begin
-  /// with `where`.
+  /// Sets a parameter of the scene; a time-dependent parameter becomes constant. Throws InputError
+  /// for an unknown name (the message suggests the nearest one), a driven parameter, a value out of
+  /// range, a material that violates material_requirement(), and a direction of length 0. `where`:
+  /// first words of messages.
   void set(const std::string& parameter, double value, const std::string& where);
 
   /// True if the scene has loads, constraints, stiffness fields, offsets or [[parameter]], or if
   /// the boundary is fixed at its corners only.
   bool is_sculpted() const;
 
-  /// The prefix of messages about a location in the scene: "FILE:LINE:COLUMN: ".
+  /// The prefix of messages about a location in the scene file: "FILE:LINE:COLUMN: ".
   std::string at(const SourceLocation& location) const {
     return format_location(file.string(), location);
   }
 };
 
-/// The requirement that a material violates, as text. Empty if the material is valid: its energy is
-/// positive, so that a minimum exists.
+/// The requirement that the stiffnesses of a material violate, as text. Empty if the material is
+/// valid: its elastic energy is positive, so that a minimum exists.
 std::string material_requirement(const SurfaceStiffness& material);
 
-/// True if the curve `run` of a layout is the curve `line` of the scene or a part of it. The parts
-/// of a curve that is cut at its corners are named "line.1", "line.2", …
+/// True if `run`, the name of a curve of a surface, stands for the curve `line` of the scene or for
+/// a part of `line`. A curve that is cut at its corners has parts named "line.1", "line.2", …
 bool is_part_of(const std::string& run, const std::string& line);
 
 // Reads scenes from TOML files (all keys: docs/scenes.md). These functions do not read the curve,

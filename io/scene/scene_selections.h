@@ -16,7 +16,7 @@ namespace batten {
 
 /// [[select]]: the vertices of the undeformed mesh that satisfy all given conditions.
 struct SelectionSpec {
-  /// Selects the vertices within a geodesic distance of a vertex or a selection.
+  /// Selects the vertices within a geodesic distance of a vertex or of another selection.
   struct Geodesic {
     std::optional<long> node;   ///< node number in the mesh file from which distances are measured
     std::optional<Vec3> point;  ///< alternative to `node`: the vertex nearest to this point
@@ -43,30 +43,32 @@ struct SelectionSpec {
     double threshold = 0;       ///< minimum mesh saliency of the selected vertices, 0 to 1
   };
   std::optional<Salient> salient;
-  std::vector<long> nodes;            ///< node numbers in the mesh file
-  std::filesystem::path file;         ///< file that lists node numbers
-  LocatedString set, property;        ///< name of a set, and of a property, of an FE deck
+  std::vector<long> nodes;      ///< node numbers in the mesh file
+  std::filesystem::path file;   ///< file that lists node numbers of the mesh file; empty: none
+  LocatedString set, property;  ///< names of a set and of a property of an FE deck; empty: not used
   std::vector<LocatedString> any;     ///< selections, at least one of which must contain the vertex
   std::vector<LocatedString> except;  ///< selections that must not contain the vertex
   int grow = 0;  ///< number of rings of neighbours by which the selection is extended
 };
 
-/// [[cut]]: a feature separated by a minimum cut (graph cut). Its vertices form a selection with
-/// the name of the cut.
+/// [[cut]]: a feature that is separated from the rest of the mesh by a minimum cut (graph cut). The
+/// vertices of the feature form a selection with the name of the cut.
 struct CutSpec {
   std::string name;
   SourceLocation location;
-  std::vector<LocatedString> band;  ///< selections that contain the border of the feature
-  /// Alternative to `band`: strokes on the feature, and strokes outside the feature.
+  /// Selections of a band in which the border of the feature lies.
+  std::vector<LocatedString> band;
+  /// Alternative to `band`: selections on the feature, and selections outside the feature.
   std::vector<LocatedString> on, beside;
-  /// A point near a vertex of the feature. Empty: the smaller side of the cut is the feature.
+  /// A point near the feature, which tells on which side of the cut the feature is. Empty: the
+  /// smaller side of the cut is the feature.
   std::optional<Vec3> inside;
   CutOptions options;
 };
 
 /// [[feature]]: one form feature. [[features]]: one form feature for each name in `vertices`.
 struct FeatureSpec {
-  std::string name;  ///< empty for [[features]]
+  std::string name;  ///< name of the feature; empty for [[features]]
   SourceLocation location;
   std::vector<LocatedString> vertices;  ///< names of selections and proposals; '*' is a wildcard
   FormFeature::Kind kind = FormFeature::Kind::Free;
@@ -81,7 +83,7 @@ struct SceneSelections {
   std::vector<SelectionSpec> selections;
   std::vector<CutSpec> cuts;
 
-  /// The prefix of messages about a location in the scene: "FILE:LINE:COLUMN: ".
+  /// The prefix of messages about a location in the scene file: "FILE:LINE:COLUMN: ".
   std::string at(const SourceLocation& location) const {
     return format_location(file.string(), location);
   }

@@ -17,16 +17,16 @@ namespace batten {
 /// Area of a surface in which a load or stiffness field acts: everywhere, near a curve, or painted;
 /// optionally restricted to some faces.
 struct SceneArea {
-  Area area;                           ///< the area, without the restriction to faces
-  LocatedString line;                  ///< name of the curve given by the key `near`
+  Area area;                           ///< the area, not yet restricted to `regions`
+  LocatedString line;                  ///< name of the curve near which the area lies (key `near`)
   std::vector<LocatedString> regions;  ///< names of the faces; empty: all faces
 };
 
-/// Reads the keys `near`, `radius`, `paint` and `faces` of a table. Throws InputError, with the
-/// location in the scene, if a value is invalid.
+/// Reads an area of a surface from the keys `near`, `radius`, `paint` and `faces` of a table.
+/// Throws InputError, with the location in the scene, if a value is invalid.
 SceneArea read_area(const TomlTable& table);
 
-/// A material of the built-in table, in SI units. Values for other unit systems are converted.
+/// A built-in material, in SI units. The values are converted to the units of the scene.
 struct NamedMaterial {
   const char* name;
   double young, poisson, density;  ///< Young's modulus in Pa, Poisson's ratio, density in kg/m³
@@ -40,7 +40,7 @@ struct SceneStress {
   /// A thickness on part of the shell that differs from the default thickness.
   struct Thickness {
     LocatedString region;  ///< name of the face with this thickness; empty: `area` is used
-    /// Alternative to `region`: the area in which the thickness blends into this value.
+    /// Alternative to `region`: area in which the shell's thickness blends into `thickness`.
     SceneArea area;
     double thickness = 0;
   };
@@ -49,42 +49,42 @@ struct SceneStress {
     enum class Kind {
       Clamped,     ///< no displacement, no rotation about the curve
       Pinned,      ///< no displacement (simply supported)
-      Symmetric,   ///< symmetry plane with the normal directions[0]
-      Prescribed,  ///< prescribed displacement in `directions`, and rotation if `rotation` is set
+      Symmetric,   ///< symmetry plane, with the normal Support::directions[0]
+      Prescribed,  ///< displacement along Support::directions (and Support::rotation) is prescribed
       Elastic      ///< springs along x, y and z, or a Winkler foundation along the normal
     };
     Kind kind = Kind::Clamped;
     LocatedString line;
-    std::optional<Vec3> point;  ///< alternative to a curve: the surface point nearest to this point
+    std::optional<Vec3> point;  ///< alternative to `line`: the surface point nearest to this point
     /// Restricts the support to the part of the curve, face or model in this box.
     std::optional<Box3> box;
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
-    LocatedString region;         ///< name of the face of an area support; empty: all faces
-    Vec3 springs = Vec3::Zero();  ///< Elastic: spring stiffness along x, y, z
-    /// Elastic: stiffness along the normal per unit area (Winkler foundation).
+    LocatedString region;         ///< name of the supported face; empty: all faces
+    Vec3 springs = Vec3::Zero();  ///< Elastic only: spring stiffness along x, y, z
+    /// Elastic only: stiffness along the normal per unit area (Winkler foundation).
     double foundation = 0;
     SourceLocation location;
-    std::string description() const;  ///< description for messages: "clamped rim"
+    std::string description() const;  ///< text for messages, such as "clamped rim"
   };
-  /// A load in one load case.
+  /// A load on the shell in one load case.
   struct Load {
     enum class Type {
-      Pressure,     ///< force `value` per unit area along the surface normal
-      AreaForce,    ///< force `vector` per unit area (surface traction)
-      Gravity,      ///< acceleration `vector`
-      Hydrostatic,  ///< pressure `value` · (`level` − z) at points below z = `level`
-      Point,        ///< concentrated force `vector`
-      LineForce,    ///< force `vector` per unit length of the curve
-      LineMoment    ///< moment `value` per unit length of the curve
+      Pressure,     ///< pressure Load::value, force per unit area along the normal
+      AreaForce,    ///< surface traction Load::vector, force per unit area
+      Gravity,      ///< acceleration Load::vector
+      Hydrostatic,  ///< pressure Load::value · (level − z) at points below z = Load::level
+      Point,        ///< concentrated force Load::vector
+      LineForce,    ///< force Load::vector per unit length of the curve
+      LineMoment    ///< moment Load::value per unit length of the curve
     };
     Type type = Type::Pressure;
     std::string load_case;      ///< name of the load case to which the load belongs
     LocatedString region;       ///< name of the loaded face; empty: all faces
     std::optional<Box3> box;    ///< restricts the load to the part of the surface in this box
     LocatedString line;         ///< LineForce and LineMoment: name of the loaded curve
-    Vec3 point = Vec3::Zero();  ///< Point: point of application
+    Vec3 point = Vec3::Zero();  ///< loads of type Point: point of application
     double value = 0, level = 0;
     Vec3 vector = Vec3::Zero();
     SourceLocation location;
@@ -97,8 +97,8 @@ struct SceneStress {
 
   std::string material;  ///< name of a built-in material; empty: the elastic constants are given
   double young = 0, poisson = 0, density = 0;
-  /// Orthotropic material: Young's modulus perpendicular to the direction `along`, and shear
-  /// modulus; 0: isotropic material.
+  /// Orthotropic material: Young's modulus perpendicular to `along`, the direction of the modulus
+  /// `young`, and shear modulus. 0: isotropic material.
   double young_across = 0, shear = 0;
   Vec3 along = Vec3::Zero();
   double thickness = 0, yield = 0;  ///< default thickness, and yield stress (0: not given)
@@ -108,7 +108,7 @@ struct SceneStress {
   std::vector<Combination> combinations;
   std::vector<LocatedString> hinges;
   bool sensitivities = false;
-  /// Number of natural modes to compute, and number of buckling load factors per load case.
+  /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.
   int modes = 0, buckling = 0;
 
   std::vector<std::string> cases() const;  ///< names of the load cases, in order of first use

@@ -31,42 +31,42 @@ class SceneText {
   /// `file` is used in messages only. Throws InputError if the text is not TOML.
   explicit SceneText(std::string text, std::filesystem::path file = {});
 
-  /// The current text.
+  /// The text of the scene after all edits so far.
   const std::string& text() const { return text_; }
-  /// The tables in file order, including nested tables such as [[edit.handle]].
+  /// The tables of the scene in file order, including nested tables such as [[edit.handle]].
   const std::vector<SceneTable>& tables() const { return names_; }
-  /// True if the text contains the table.
+  /// True if the scene contains the given table.
   bool has(const SceneTable& table) const;
-  /// A key and its value, both as written in the text.
+  /// A key and its value, both as written in the scene file.
   using Value = std::pair<std::string, std::string>;
   /// The keys and values of a table, in file order.
   std::vector<Value> values(const SceneTable& table) const;
-  /// The keys and values of all tables, starting with the top level.
+  /// The keys and values of all tables of the scene, in file order, starting with the top level.
   std::vector<std::pair<SceneTable, std::vector<Value>>> all_values() const;
-  /// The value of a key, as written in the text; empty if the key does not exist.
+  /// The value of a key of a table, as written in the scene file; empty if the key does not exist.
   std::string value(const SceneTable& table, const std::string& key) const;
 
   /// The strings in the value of a key: a list of strings, or a single string. Empty for values of
   /// other types.
   std::vector<std::string> strings(const SceneTable& table, const std::string& key) const;
 
-  /// Replaces the value of a key. A missing key is added at the end of its table; a missing table
-  /// [KIND] is created.
+  /// Replaces the value of a key of a table. A missing key is added at the end of its table; a
+  /// missing table [KIND] is created.
   void set(const SceneTable& table, const std::string& key, const std::string& value);
   /// Replaces one element of the list that is the value of a key; `item` is the 0-based index.
   void set_item(const SceneTable& table, const std::string& key, int item,
                 const std::string& value);
-  /// Removes a key and its value.
+  /// Removes a key and its value from a table.
   void erase(const SceneTable& table, const std::string& key);
-  /// Adds a table [[KIND]] after the last table of its kind, or at the end of the file. `table` is
+  /// Adds a table [[KIND]] after the last table of this kind, or at the end of the file. `table` is
   /// the new table as an inline table: `{ name = "push", type = "point", … }`. An [[edit.handle]]
   /// is added to the last [[edit]]. The kind "[stress]", with brackets, creates the single table
   /// [stress]. The result identifies the new table.
   SceneTable add(const std::string& kind, const std::string& table);
   /// Removes a table and the comments directly above it.
   void remove(const SceneTable& table);
-  /// Writes the value of a parameter (see Scene::parameters()) to the key that defines it. A
-  /// time-dependent parameter becomes constant.
+  /// Sets the value of a parameter of the scene (see Scene::parameters()) in the key that defines
+  /// the parameter. A time-dependent parameter becomes constant.
   void set_parameter(const std::string& parameter, double value);
 
   /// TOML text of a number (the shortest text that is read back as the same number) or of a quoted
@@ -92,11 +92,11 @@ class SceneText {
 // Comparison of two versions of a scene: does an edit require a new model, a new session, or only
 // new parameter values?
 
-/// The parts of a scene on which results depend, as text without comments and layout.
+/// The parts of a scene on which its results depend, as text without comments and layout.
 struct SceneDependencies {
   /// Text of curves, faces, [skin] and [mesh]. Scenes with equal text have the same model.
   std::string model;
-  /// Text of curves and faces, that is, `model` without [skin] and [mesh].
+  /// Text of the tables of curves and faces only, without [skin] and [mesh].
   std::string lines;
   /// Text of each load, stiffness field, offset, constraint and [[parameter]] without its value, by
   /// "KIND NAME". Scenes with equal `model` and `session_parts` differ only in the values of
@@ -104,8 +104,8 @@ struct SceneDependencies {
   std::map<std::string, std::string> session_parts;
 };
 
-/// Extracts the parts on which results depend. The material stiffnesses alpha and beta count as
-/// parameter values if they are single numbers. Cost: O(bytes).
+/// Extracts the parts of a scene on which results depend. The material stiffnesses alpha and beta
+/// count as parameter values if they are single numbers. Cost: O(bytes).
 SceneDependencies scene_dependencies(const SceneText& scene);
 
 }  // namespace batten

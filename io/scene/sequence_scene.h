@@ -31,25 +31,27 @@ struct SequenceHandle {
   std::string name;
   SourceLocation location;
   std::vector<LocatedString> vertices;
-  LocatedString parent;  ///< handle relative to which filters act; empty: the whole mesh
+  /// Handle relative to which the motion is filtered; empty: relative to the whole mesh.
+  LocatedString parent;
 };
 
 /// A keyframe of an operation: the handles that are moved in one frame.
 struct KeyframeSpec {
   int frame = 1;  ///< frame number, 1-based as in the scene file
   SourceLocation location;
-  /// Motion of a handle: rotation by `degrees` about `axis`, then translation.
+  /// Motion of a handle in a keyframe: rotation by `degrees` about `axis`, then translation.
   struct Move {
     LocatedString handle;
     Vec3 translate = Vec3::Zero(), axis = Vec3::UnitZ();
     double degrees = 0;
-    std::optional<Vec3> about;  ///< centre of rotation; empty: centroid of the handle in this frame
+    /// Centre of rotation; empty: centroid of the handle in the keyframe.
+    std::optional<Vec3> about;
     bool free_rotation = false;
   };
   std::vector<Move> moves;
 };
 
-/// Options for detecting foot contacts.
+/// Options for detecting foot contacts in a sequence.
 struct FootContactSearch {
   /// Largest distance between positions of the foot during a contact, model units; 0: 1 % of the
   /// size of the mesh.
@@ -66,21 +68,21 @@ struct SequenceOperation {
   SequenceEditOptions options;
   std::optional<double> penalty_weight;
   bool preserve_volume = false;
-  /// Interval n for operations that prescribe all frames: every n-th frame is a keyframe, and the
-  /// frames between keyframes are interpolated.
+  /// Interval n between keyframes, for operations that prescribe all frames: every n-th frame is a
+  /// keyframe, and the frames between keyframes are interpolated.
   int keyframe_interval = 1;
 
-  /// Keyframes given in the scene.
+  /// Operation that moves handles in the keyframes given in the scene.
   struct Keyframes {
     std::vector<KeyframeSpec> keys;
   };
-  /// Root motion: repeats a cycle that is animated in place, and moves it along a direction.
+  /// Root motion: repeats a cycle animated in place, and moves the mesh along a direction.
   struct RootMotion {
     int cycles = 1;
     Vec3 along = Vec3::UnitX();
-    /// Speed, model units per frame. Empty: the speed at which the lowest foot moves backwards.
+    /// Speed, model units per frame; empty: the speed at which the lowest foot moves backwards.
     std::optional<double> speed;
-    std::vector<LocatedString> feet;  ///< handles from which the speed is determined
+    std::vector<LocatedString> feet;  ///< handles of the feet, from which the speed is determined
   };
   /// Foot contacts: planted feet are fixed, translated, or projected onto a terrain.
   struct FootContacts {
@@ -94,7 +96,7 @@ struct SequenceOperation {
     /// Height of the centroid of a foot above the terrain, model units. Empty: the height of the
     /// foot above `ground` in the input.
     std::optional<double> clearance;
-    double ground = 0;  ///< height of the ground in the input, along `up`
+    double ground = 0;  ///< height of the ground in the input, along the upward axis
     bool rotations = false;
   };
   /// Moves the sequence to another path on the ground.
@@ -113,7 +115,7 @@ struct SequenceOperation {
     std::vector<LocatedString> handles;
     double sigma = 2;  ///< standard deviation of the Gaussian, in frames
     double amount = 1;
-    std::vector<LocatedString> feet;  ///< feet whose contacts stay fixed
+    std::vector<LocatedString> feet;  ///< handles of feet whose ground contacts stay fixed
     FootContactSearch search;
   };
   /// Transfers the motion of handles from another sequence.
@@ -122,7 +124,8 @@ struct SequenceOperation {
     std::vector<SelectionSpec> selections;  ///< selections on the mesh of `source`
     struct Pair {
       LocatedString handle;  ///< name of a handle of the edited sequence
-      LocatedString from;    ///< selection on `source`; empty: the nodes with the same numbers
+      /// Selection on the mesh of `source`; empty: the node numbers of `handle`.
+      LocatedString from;
     };
     std::vector<Pair> pairs;
     bool rotations = true;  ///< true: transfer positions and rotations; false: positions only
@@ -132,9 +135,9 @@ struct SequenceOperation {
   /// Morphs the sequence into another one.
   struct Morph {
     SequenceSource target;
-    MorphOptions options;  ///< frame intervals are 0-based; last = -1: the last frame
-    /// Corresponding points in the first frames of the two intervals. Empty: both meshes must have
-    /// the same faces.
+    MorphOptions options;  ///< intervals of 0-based frames; last = -1: the last frame
+    /// Corresponding points in the first frames of the blended intervals of the two sequences.
+    /// Empty: both meshes must have the same faces.
     std::vector<MorphLandmark> landmarks;
     TargetFitOptions fit;
   };
@@ -160,12 +163,12 @@ struct SequenceScene : SceneSelections {
   std::vector<SequenceHandle> handles;
   std::vector<FeatureSpec> features;
   std::vector<SequenceOperation> steps;
-  std::string frames_out;  ///< output path for SequenceWriter, relative to the output folder
-  /// Frame rate of .glb output if the frames have numbers instead of times.
+  std::string frames_out;  ///< file name or pattern of the output, relative to the output folder
+  /// Frame rate of .glb output, 1/s; used if the frames have numbers instead of times.
   double frames_per_second = 24;
   std::vector<SequencePicture> pictures;
 
-  /// The unit vector along the axis `up`.
+  /// The unit vector along the upward axis.
   Vec3 upwards() const { return Vec3::Unit(up); }
 };
 

@@ -19,10 +19,10 @@ struct SequenceOptions {
   /// same stem, else the first of the numbered files whose names begin with this stem, else the
   /// only mesh in the folder.
   std::filesystem::path mesh;
-  /// First and last frame to read, 1-based; `last` = 0: up to the last frame. Only these frames are
-  /// held in memory; formats with random access read only these frames.
+  /// First and last frame to read, 1-based; `last` = 0: up to the end of the sequence. Only these
+  /// frames are held in memory; formats with random access read only these frames.
   int first = 1, last = 0;
-  /// True: numbers may be missing in a series of files.
+  /// True: file numbers may be missing in a series of numbered files. False: gaps are an error.
   bool allow_gaps = false;
   /// glTF: name or 1-based number of the animation; empty: the first animation.
   std::string animation;
@@ -70,22 +70,22 @@ MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOpti
 
 // Readers of sequences, one per file format.
 
-/// A range of frames; `first` is 0-based.
+/// A range of `count` frames of a sequence, from the 0-based frame `first` on.
 struct FrameRange {
   int first = 0, count = 0;
-  /// True if the range contains the given frame (0-based).
+  /// True if the range of frames contains `frame` (0-based).
   bool has(int frame) const { return frame >= first && frame < first + count; }
 };
 
-/// The range of frames that the options request. `all`: total number of frames. `name`: name of the
-/// sequence for messages. Throws InputError if a requested frame does not exist.
+/// The range of frames that the options request from a sequence of `all` frames. `name`: name of
+/// the sequence for messages. Throws InputError if a requested frame does not exist.
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
 
 /// Tolerance within which points of a frame are merged into one vertex, relative to the size of the
 /// mesh.
 inline constexpr double kWeldTolerance = 1e-6;
 
-/// Function type of the readers below. The parameters are those of read_sequence().
+/// Function type of the sequence readers, one per file format; parameters as in read_sequence().
 using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
                                     const Progress&);
 SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,
@@ -97,35 +97,35 @@ SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, rea
 struct NumberedName {
   std::filesystem::path folder;
   std::string prefix, suffix;  ///< parts of the file name before and after the number
-  int digits = 1;              ///< minimum number of digits; shorter numbers are padded with zeros
+  int digits = 1;              ///< minimum number of digits; zeros are added to shorter numbers
 
-  /// The file name with its folder and the placeholder *, such as "out/walk_*.obj".
+  /// The path with the placeholder * in place of the number, such as "out/walk_*.obj".
   std::string pattern() const;
-  /// The path of the file with the given number.
+  /// The path of the numbered file with the given number.
   std::filesystem::path file(long number) const;
-  /// The number in a file name; empty if the name does not match the pattern.
+  /// The number in a file name; empty if the name is not prefix, number and suffix.
   std::optional<long> number_of(const std::string& file_name) const;
 };
 
-/// Parses a path that contains a placeholder *, %d, %4d or %04d; empty if it contains none. When
-/// files are written, * stands for at least four digits. Throws InputError if there are several
-/// placeholders, a placeholder in the folder, or an invalid %.
+/// Parses a path that contains a placeholder for a number: *, %d, %4d or %04d. Empty if the path
+/// contains no placeholder. When files are written, * stands for at least four digits. Throws
+/// InputError if there are several placeholders, a placeholder in the folder, or an invalid %.
 std::optional<NumberedName> pattern_of(const std::filesystem::path& path);
 
-/// One file of a series, with its number.
+/// One file of a series of numbered files.
 struct NumberedFile {
   std::filesystem::path path;
   long number = 0;
 };
 
-/// The files of a series, in ascending order of their numbers. `path`: a pattern, a folder that
-/// contains a single series of mesh files, or any file of the series. A file without a number in
-/// its name is a series of one file. `name` is set to the name of the series for messages. Throws
-/// InputError if there are no such files, several series, or a number that occurs twice.
+/// The files of a series of numbered files, in ascending order of the numbers. `path`: a pattern, a
+/// folder that contains a single series of mesh files, or any file of the series. A file without a
+/// number in its name is a series of one file. Sets `name` to the name of the series, for messages.
+/// Throws InputError if there are no such files, several series, or a number that occurs twice.
 std::vector<NumberedFile> numbered_files(const std::filesystem::path& path, std::string& name);
 
-/// Throws InputError if numbers are missing in a series with constant stride; the message lists the
-/// missing numbers.
+/// Throws InputError if a series of numbered files with constant stride has gaps; the message lists
+/// the missing numbers. `name`: name of the series for the message.
 void require_no_gaps(const std::vector<NumberedFile>& files, const std::string& name);
 
 }  // namespace batten

@@ -29,39 +29,39 @@ namespace batten {
 /// the path is created if it is missing, but its parent folders are not.
 class SequenceWriter {
  public:
-  /// Throws InputError if frames cannot be written to this path, because the extension is not
+  /// Throws InputError if a sequence cannot be written to `path`, because the extension is not
   /// supported or the name of a mesh file has no placeholder for a number.
   static void check_name(const std::filesystem::path& path);
-  /// Opens the output. At most the header of a temporary file is written. `times`: one time per
-  /// frame, ascending. Throws InputError if times are missing or not ascending, check_name()
-  /// rejects the path, the times of a PC2 file are uneven, or a GLB file would exceed 4 GB. Throws
-  /// FileError if a file cannot be created.
+  /// Opens an output for frames of the mesh `shells`. At most the header of a temporary file is
+  /// written. `times`: one time per frame, ascending. Throws InputError if times are missing or not
+  /// ascending, check_name() rejects the path, the times of a PC2 file are uneven, or a GLB file
+  /// would exceed 4 GB. Throws FileError if a file cannot be created.
   SequenceWriter(const std::filesystem::path& path, const ShellMesh& shells,
                  std::vector<double> times);
   ~SequenceWriter();
   SequenceWriter(const SequenceWriter&) = delete;
   SequenceWriter& operator=(const SequenceWriter&) = delete;
 
-  /// Number of frames, equal to the number of times.
+  /// Number of frames of the sequence, equal to the number of times passed to the constructor.
   int frame_count() const;
-  /// The file that contains a frame (0-based): a numbered file, or the single file.
+  /// The file of a frame (0-based): its numbered file, or the single file of the sequence.
   std::filesystem::path file(int frame) const;
   /// True if the numbered file of a frame exists, so that an interrupted run can skip this frame.
   /// Always false for formats with a single file. The caller must make sure that the existing file
   /// belongs to the same run.
   bool has(int frame) const;
-  /// Writes a frame (n×3). Frames must be written in ascending order. Numbered files may be
-  /// omitted, for example if several processes share the work; all must exist when finish() is
-  /// called.
+  /// Writes a frame (0-based), given by its n×3 node positions. Frames must be written in ascending
+  /// order. Numbered files may be omitted, for example if several processes share the work; all
+  /// must exist when finish() is called.
   ///
   /// Throws InputError for a wrong number of points, and for coordinates that are not finite or too
   /// large for the format. Throws FileError if a file cannot be written, and std::logic_error for
   /// frames that are out of order.
   void write(int frame, const Points& points);
-  /// Completes the single file, or writes the list of files (.pvd). Throws std::logic_error if
-  /// frames are missing.
+  /// Completes the output: finishes the single file of the sequence, or writes the list of files
+  /// (.pvd). Throws std::logic_error if frames are missing.
   void finish();
-  /// All files that exist after finish(), for example for reports.
+  /// All output files that exist after finish(), for example for reports.
   std::vector<std::filesystem::path> files() const;
 
  private:

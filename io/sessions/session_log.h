@@ -9,8 +9,8 @@
 
 namespace batten {
 
-/// Writes the operations that a session has recorded. SculptingSession::apply() replays them; see
-/// also SculptingSession::record() and recorded(). Example of a log:
+/// Writes the recorded operations of a sculpting session to a log. SculptingSession::apply()
+/// replays them; see also SculptingSession::record() and recorded(). Example of a log:
 ///
 ///   {"batten":"session","version":2}
 ///   {"do":"set","parameter":3,"value":0.25}
@@ -25,13 +25,13 @@ namespace batten {
 /// The file is written atomically. Throws InputError if a number is not finite, an added curve is
 /// not piecewise cubic and C1, or the file cannot be written.
 void write_session_log(const std::filesystem::path& file, const std::vector<Operation>& operations);
-/// The log as a string. Throws InputError as write_session_log() does.
+/// The log of a sculpting session as a string. Throws InputError as write_session_log() does.
 std::string session_log_text(const std::vector<Operation>& operations);
 
-/// Reads a log. Throws InputError ("FILE:LINE: found …, expected …") if the log is invalid or has
-/// another format version.
+/// Reads the log of a sculpting session. Throws InputError ("FILE:LINE: found …, expected …") if
+/// the log is invalid or has another format version.
 std::vector<Operation> read_session_log(const std::filesystem::path& file);
-/// Parses a log from a string. `file` is used in messages only.
+/// Parses the log of a sculpting session from a string. `file` is used in messages only.
 std::vector<Operation> parse_session_log(const std::string& text,
                                          const std::filesystem::path& file);
 

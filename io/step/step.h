@@ -36,12 +36,12 @@
 
 namespace batten {
 
-/// Options of write_step().
+/// Options for writing exact faces to a STEP file.
 struct StepOptions {
   StepFileOptions file = {};
-  /// True: write Z12 surfaces with HCT functions of the same dofs. Values and gradients agree on
-  /// element edges; inside the elements the surfaces differ by O(h⁴), where h is the element size.
-  /// StepReport::max_deviation contains the measured difference.
+  /// True: write each Z12 surface as the HCT surface with the same dofs. Values and gradients of
+  /// the two surfaces agree on element edges; inside the elements the surfaces differ by O(h⁴),
+  /// where h is the element size. StepReport::max_deviation contains the measured difference.
   bool z12_as_hct = false;
   /// Tolerance for model faces that are trimmed and therefore written as fitted faces: largest
   /// distance from the surface, model units; 0: 1e-4 of the size of the model.
@@ -53,12 +53,12 @@ struct StepOptions {
 /// size in megabytes.
 std::string step_size_warning(const std::vector<const SkinnedRegion*>& regions);
 
-/// Writes all model faces as exact faces, reads the file back, and returns the report of
-/// check_step(). Model faces trimmed by embedded curves are written as fitted faces. Model faces
-/// are connected along curves with the same name, which occur in two model faces, in either
-/// direction, or twice in one. If the mesh vertices on the two sides of a curve differ, the curve
-/// is split into edges at the vertices of both sides. Coincident curve ends become one vertex. The
-/// file uses model coordinates and declares the model unit. It is written atomically.
+/// Writes all model faces to a STEP file as exact faces, reads the file back, and returns the
+/// report of check_step(). Model faces trimmed by embedded curves are written as fitted faces.
+/// Model faces are connected along curves with the same name, which occur in two model faces, in
+/// either direction, or twice in one. If the mesh vertices on the two sides of a curve differ, the
+/// curve is split into edges at the vertices of both sides. Coincident curve ends become one
+/// vertex. The file, written atomically, uses model coordinates and declares the model unit.
 ///
 /// Writing takes about 0.4 ms and 4.75 kB per face; reading back and measuring takes 1 ms per face.
 /// If a fitted face misses the tolerance, all of this is repeated, up to six times in total. A face
@@ -79,9 +79,9 @@ StepReport write_step(const std::filesystem::path& file,
                       const std::vector<const SkinnedRegion*>& regions, double model_unit_in_metres,
                       const StepOptions& options = {});
 
-/// Reads any STEP file, converts it to model units and measures it. `regions`: the model faces that
-/// the file should contain, shell by shell. Throws InputError if the file cannot be read or
-/// contains no shape, or if write_step() would reject the unit.
+/// Reads any STEP file, converts it to model units and measures gaps, angles and deviations.
+/// `regions`: the model faces that the file should contain, shell by shell. Throws InputError if
+/// the file cannot be read or contains no shape, or if write_step() would reject the unit.
 StepReport check_step(const std::filesystem::path& file, double model_unit_in_metres,
                       const std::vector<const SkinnedRegion*>& regions = {});
 
@@ -114,8 +114,9 @@ StepReport check_step(const std::filesystem::path& file, double model_unit_in_me
 // The report does not rely on the fit: OpenCASCADE reads the file back from disk, and the faces are
 // sampled. Knots are refined until the file meets the tolerance.
 
-/// Writes one fitted face per model face, and measures the file. Coordinates and unit are those of
-/// write_step(). `max_deviation` and `max_gap` of the report are the maxima over all faces.
+/// Writes a STEP file with one fitted B-spline face per model face, and measures it. The file uses
+/// model coordinates and declares the model unit. `max_deviation` and `max_gap` of the report are
+/// the maxima over all faces.
 ///
 /// The tolerance may be unreachable because of the limits on the number of poles, or because knot
 /// refinement no longer helps (too many curvature jumps between elements). In this case the file

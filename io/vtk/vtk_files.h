@@ -19,8 +19,8 @@ namespace batten {
 /// A curve of a model, as it is written to VTK files.
 struct VtkLine {
   std::string name;
-  /// ModelJoin::Kind as a number: 0 free edge, 1 crease, 2 smooth edge, 3 non-manifold edge; -1:
-  /// curve inside a face.
+  /// Type of edge that the curve forms (ModelJoin::Kind): 0 free edge, 1 crease, 2 smooth edge, 3
+  /// non-manifold edge; -1: curve inside a face.
   int join = -1;
   double angle_deg = 0;  ///< largest angle between the normals of the adjacent faces, degrees
 };
@@ -29,7 +29,7 @@ struct VtkLine {
 /// then curves inside faces.
 std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model);
 
-/// An additional array of point data: its name, the number of its components, and a function that
+/// An additional point-data array of VTK files: name, number of components, and a function that
 /// evaluates it at a location in the mesh of a face. The function is called from several threads.
 struct VtkField {
   std::string name;
@@ -37,25 +37,25 @@ struct VtkField {
   std::function<VecX(int region, const Location& where)> at;
 };
 
-/// Options of to_poly_data(), write_vtp() and write_vtu().
+/// Options for converting faces to VTK data and for writing .vtp and .vtu files.
 struct VtkOptions {
-  /// Reference surfaces for the array Displacement, one per face, on the mesh of that face. Empty:
-  /// no displacements.
+  /// Reference surfaces, one per face and on the mesh of the face, from which the array
+  /// Displacement is computed. Empty: no array Displacement.
   std::vector<const Surface*> references;
   /// VTP only: number of facets along each element edge (in a face with embedded curves, along each
   /// edge of its quadratic_elements()). 0: four, or fewer if there would be more than 400,000
   /// facets.
   int facets_per_edge = 0;
-  bool curvatures = true;  ///< true: write the arrays of curvatures
+  bool curvatures = true;  ///< true: write the mean, Gaussian and principal curvatures
   std::vector<VtkField> fields = {};
-  /// The curves to write. Each curve is written once, from the first face that has a curve with
+  /// The curves to write. Each curve is written once, from the first face that contains a curve of
   /// this name. Empty: all curves of each face are written.
   std::vector<VtkLine> lines = {};
 };
 
-/// Converts faces to flat facets, and their curves to polylines through facet vertices. Facets end
-/// exactly at embedded boundary curves (skinning/facets/facets.h). Faces that share such a curve
-/// have coincident points on it.
+/// Converts faces of a model to flat facets, and the curves of the faces to polylines through facet
+/// vertices. Facets end exactly at embedded boundary curves (skinning/facets/facets.h). Faces that
+/// share such a curve have coincident points on it.
 ///
 ///   point data  Normals (exact unit normals x_u × x_v; zero where the surface is singular),
 ///               Mean_curvature, Gauss_curvature, K1 ≥ K2 (recovered_curvatures()), uv (u, v, 0),
@@ -74,18 +74,18 @@ struct VtkOptions {
 vtkSmartPointer<vtkPolyData> to_poly_data(const std::vector<const SkinnedRegion*>& regions,
                                           const VtkOptions& options = {});
 
-/// Writes the result of to_poly_data() to a .vtp file (XML with compressed, appended binary data).
-/// The file is written atomically, and the same input always gives the same bytes. Throws
-/// InputError as to_poly_data() does, and if the file cannot be written.
+/// Writes faces of a model, as converted by to_poly_data(), to a .vtp file (XML with compressed,
+/// appended binary data). The file is written atomically, and the same input always gives the same
+/// bytes. Throws InputError as to_poly_data() does, and if the file cannot be written.
 void write_vtp(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
-/// Writes the finite elements of the faces to a .vtu file. Each element becomes a
-/// VTK_QUADRATIC_TRIANGLE, in the order of the mesh. Its nodes are the vertices 1, 2, 3, then the
-/// surface points at the parametric midpoints of the edges 12, 23, 31. Each element edge on a curve
-/// becomes a VTK_QUADRATIC_EDGE. The data arrays are those of to_poly_data(). A face with embedded
-/// curves is written as its quadratic_elements(); the array Triangle then contains the mesh element
-/// at the centre of each of them. Throws InputError as write_vtp() does.
+/// Writes the finite elements of faces of a model to a .vtu file. Each element becomes a
+/// VTK_QUADRATIC_TRIANGLE, in the order of the mesh, with its vertices 1, 2, 3 as nodes, followed
+/// by the surface points at the parametric midpoints of the edges 12, 23, 31. Each element edge on
+/// a curve becomes a VTK_QUADRATIC_EDGE. The data arrays are those of to_poly_data(). A face with
+/// embedded curves is written as its quadratic_elements(); the array Triangle then gives the mesh
+/// element at the centre of each quadratic element. Throws InputError as write_vtp() does.
 void write_vtu(const std::filesystem::path& path, const std::vector<const SkinnedRegion*>& regions,
                const VtkOptions& options = {});
 
@@ -98,23 +98,23 @@ class vtkXMLWriter;
 
 namespace batten {
 
-/// Writes `data` with the given writer, atomically, as XML with compressed, appended binary data.
-/// Throws InputError if the file cannot be written.
+/// Writes a VTK data object to a file with the given writer, atomically, as XML with compressed,
+/// appended binary data. Throws InputError if the file cannot be written.
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);
 
 // Time series of VTK files.
 
-/// One file of a series, and its value (a time or a parameter value), which ParaView shows as the
-/// time.
+/// One file of a series of VTK files, and the value of the file (a time or a parameter value),
+/// which ParaView shows as the time.
 struct SeriesFile {
   double value = 0;
   std::string file;  ///< path relative to the folder of the .pvd file
 };
 
-/// Writes a .pvd file, which lists the files and values of a series; ParaView opens it as an
-/// animation. Values are written with full precision. The file is written atomically. Throws
-/// InputError if there are no files, if values are not finite or not strictly monotonic (ParaView
-/// would merge or reorder them), or if the file cannot be written.
+/// Writes a .pvd file, which lists the files of a series of VTK files and their values; ParaView
+/// opens it as an animation. Values are written with full precision. The file is written
+/// atomically. Throws InputError if there are no files, if values are not finite or not strictly
+/// monotonic (ParaView would merge or reorder them), or if the file cannot be written.
 void write_pvd(const std::filesystem::path& path, const std::vector<SeriesFile>& files);
 
 }  // namespace batten
@@ -127,10 +127,10 @@ class vtkPolyData;
 
 namespace batten {
 
-/// Data of a deformation for each of the n nodes of a mesh.
+/// Displacement and feature of each of the n nodes of a deformed mesh.
 struct DeformedData {
   Points displacement;       ///< displacement vector of each node, n×3
-  std::vector<int> feature;  ///< index into feature_names of each node; -1: no feature
+  std::vector<int> feature;  ///< index in feature_names of the feature of each node; -1: none
   std::vector<std::string> feature_names;
 };
 
@@ -138,8 +138,8 @@ struct DeformedData {
 /// second-order element becomes a polygon through all its nodes, in cyclic order.
 vtkSmartPointer<vtkPolyData> shell_poly_data(const ShellMesh& shells, const Points& points);
 
-/// Writes a mesh with the node positions `shells.points` to a .vtp file, with the point data
-/// Displacement and Feature and the field data Feature_names. The file is written atomically.
+/// Writes a deformed mesh with the node positions `shells.points` to a .vtp file, with the point
+/// data Displacement and Feature and the field data Feature_names. The file is written atomically.
 /// Throws InputError if the file cannot be written.
 void write_deformed_vtp(const std::filesystem::path& path, const ShellMesh& shells,
                         const DeformedData& data);

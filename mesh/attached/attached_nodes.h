@@ -12,11 +12,11 @@ namespace batten {
 
 /// Measures of the motion of attached elements between two shapes. Lengths are in model units.
 struct AttachedMotion {
-  int connections = 0;  ///< number of connections, see AttachedNodes::connections()
+  int connections = 0;  ///< number of connections; see AttachedNodes::connections()
   /// Largest distance of a node of a connection from its position under the best-fitting rigid-body
   /// motion of the connection.
   double max_rigid_error = 0;
-  std::string worst_connection;  ///< connection with that error; empty: all errors are 0
+  std::string worst_connection;  ///< connection with `max_rigid_error`; empty: all errors are 0
   int moved_nodes = 0;           ///< number of moved nodes that belong to no shell or connection
   std::vector<int> inverted_solids;  ///< indices of solid elements that the motion inverted
 };
@@ -25,16 +25,18 @@ struct AttachedMotion {
 /// the shells deform, and moves the nodes that belong to no shell.
 class AttachedNodes {
  public:
-  /// Keeps references to `elements` and `mesh`. The node numbers of the elements must be the vertex
-  /// numbers of the mesh, as in the result of prepare(). O(elements).
+  /// Finds the connections of a mesh. Keeps references to `elements` and `mesh`. The node numbers
+  /// of the elements must be the vertex numbers of the mesh, as in the result of prepare().
+  /// O(elements).
   AttachedNodes(std::span<const NonShellElement> elements, const TriangleMesh& mesh,
                 const AttachmentOptions& options = {});
 
   /// The connections (rigid elements, bushes and bolts) as form features of the deformation; see
   /// the free function connections().
   const std::vector<FormFeature>& connections() const { return connections_; }
-  /// Appends the connections to the features of a problem. If the problem has a region of interest,
-  /// extends it by the nodes of connections that have a node in the region or in a handle.
+  /// Appends the connections (rigid elements, bushes and bolts) to the features of a problem. If
+  /// the problem has a region of interest, the nodes of connections that have a node in the region
+  /// or in a handle are added to it.
   void add_to(DeformProblem& problem) const;
   /// Moves the nodes that belong neither to shells nor to connections, by propagate_to_attached().
   /// `before`: positions of all vertices before the deformation (n×3). `after`: deformed positions,

@@ -22,12 +22,12 @@ enum class AttachmentRule {
 
 /// Options of connections() and propagate_to_attached().
 struct AttachmentOptions {
-  /// Rule of each NonShellElement::Kind. Rigid and interpolation elements have motions of their
-  /// own; for these kinds, the rules Rigid and Smooth are equivalent.
+  /// Attachment rule of each NonShellElement::Kind, in the order of the enumerators. For rigid and
+  /// interpolation elements, the rules Rigid and Smooth are equivalent.
   std::array<AttachmentRule, 7> rule_of_kind = {
       AttachmentRule::Smooth, AttachmentRule::Smooth, AttachmentRule::Smooth, AttachmentRule::Rigid,
       AttachmentRule::Rigid,  AttachmentRule::Rigid,  AttachmentRule::Smooth};
-  /// The attachment rule of an element kind.
+  /// Attachment rule of an element kind.
   AttachmentRule of(NonShellElement::Kind kind) const {
     return rule_of_kind[static_cast<size_t>(kind)];
   }
@@ -35,13 +35,14 @@ struct AttachmentOptions {
 
 /// Connections that keep their shape while the shells deform, as form features. The connections are
 /// all rigid elements, all bushes between two nodes of shells or rigid elements, and all beams
-/// between nodes that belong only to rigid elements (a bolt between two spiders). Elements with the
-/// same nodes give one feature. `has_face`: one flag per node, nonzero for nodes of shells.
+/// between nodes that belong only to rigid elements (a bolt between two spiders). Several elements
+/// with equal sets of nodes give one feature. `has_face`: one flag per node, nonzero for nodes of
+/// shells.
 std::vector<FormFeature> connections(std::span<const NonShellElement> elements,
                                      const std::vector<char>& has_face,
                                      const AttachmentOptions& options);
 
-/// Computes the positions of nodes that are not determined by the deformation of the shells.
+/// Computes the positions of nodes of non-shell elements after a deformation of the shells.
 /// `before`: original positions of all nodes (n×3). `placed`: one flag per node, nonzero if the new
 /// position is known. `rotations`: one rotation per node, used for known nodes. `after`: new
 /// positions (n×3), given for known nodes and computed for the others.
@@ -58,9 +59,9 @@ std::vector<FormFeature> connections(std::span<const NonShellElement> elements,
 ///
 ///       min Σ_e w_e |(y_i - y_j) - R((q_i + q_j)/2) (p_i⁰ - p_j⁰)|²,   p = R y + t,   w_e = 1/l_e²
 ///
-///    over all pairs of nodes of an element. Both problems share one factorization. Rigid motions
-///    are reproduced exactly.
-/// 3. These steps are repeated for elements connected to the nodes computed so far.
+///    over all pairs of nodes of an element (p⁰: original positions). The problems for q, y share
+///    one factorization. Rigid motions are reproduced exactly.
+/// 3. Steps 1 and 2 are repeated for elements connected to the nodes computed so far.
 ///
 /// A node keeps its position if it is not connected to a known node, or only to known nodes that
 /// did not move. Returns the indices of the moved nodes, ascending. Throws NoSolutionError if the

@@ -10,7 +10,7 @@
 
 namespace batten {
 
-/// A linear combination Σ a_m p_m of vertex positions p_m with constant coefficients a_m.
+/// A linear combination of vertex positions (a point or a vector) with constant coefficients.
 struct VertexCombination {
   struct Entry {
     int vertex;
@@ -18,11 +18,12 @@ struct VertexCombination {
   };
   std::vector<Entry> entries;
 
-  /// The mean of the given vertices, for example the centre of a hole from its boundary loop.
+  /// The combination whose value is the mean of the given vertices, for example the centre of a
+  /// hole as the mean of its boundary loop.
   static VertexCombination mean_of(const std::vector<int>& vertices);
-  /// Value of the combination for given vertex positions (n×3).
+  /// Value of the linear combination at the vertex positions `points` (n×3).
   Vec3 at(const Points& points) const;
-  double sum() const;  ///< sum of the coefficients
+  double sum() const;  ///< sum of the coefficients of the linear combination
 };
 
 /// A group of vertices that the user moves by one similarity transformation.
@@ -31,25 +32,24 @@ struct Handle {
   std::vector<int> vertices;
 };
 
-/// A group of vertices that keeps its shape exactly, up to one similarity p_i = s R p_i⁰ + t of the
-/// undeformed positions p_i⁰. Equation numbers refer to [Masuda2006].
+/// A group of vertices that keeps its shape exactly, up to one similarity (translation, rotation,
+/// and a prescribed scale) from its undeformed shape.
 struct FormFeature {
   enum class Kind {
-    Free,            ///< rotates as a whole with the rotation field of the deformation (eq. 11)
-    TranslationOnly  ///< translates but does not rotate (eq. 12)
+    Free,            ///< translates, and rotates as a whole ([Masuda2006], eq. 11)
+    TranslationOnly  ///< translates but does not rotate ([Masuda2006], eq. 12)
   };
   std::string name;
   std::vector<int> vertices;
   Kind kind = Kind::Free;
 };
 
-/// Constraint that keeps a point of the mesh (the centre of a hole, for example) on a plane or line
-/// ([Masuda2006], eq. 13 and 14). It can also keep a vector, the difference of two points, in a
-/// plane or on a line.
+/// Constraint that keeps a point of the mesh (the centre of a hole, for example), or the difference
+/// vector of two points, on a plane or line ([Masuda2006], eq. 13 and 14).
 struct PointConstraint {
   enum class Kind { OnPlane, OnLine };
   std::string name;
-  VertexCombination point;  ///< sum of the coefficients: 1 for a point, 0 for a vector
+  VertexCombination point;  ///< constrained point (coefficients sum to 1) or vector (sum 0)
   Kind kind = Kind::OnPlane;
   /// Normal of the plane, or direction of the line; its length must be above 0.
   Vec3 direction = Vec3::UnitZ();
@@ -61,32 +61,33 @@ struct PointConstraint {
 ///
 /// at its vertices p_k, with the edge lengths l_k, rotate with the rotation field of the
 /// deformation and are weighted by √(a_k width). The chain resists bending like a strip of the
-/// surface of this width. Use a FormFeature for a chain that must stay rigid.
+/// surface with this `width`. Use a FormFeature for a chain that must stay rigid.
 struct CharacterChain {
   std::string name;
-  std::vector<int> vertices;  ///< three or more, in order along the chain
+  std::vector<int> vertices;  ///< three or more vertices, in order along the chain
   bool closed = false;
-  double width = 0;  ///< width of the strip, model units, above 0
+  double width = 0;  ///< width of a surface strip of equal stiffness, model units, above 0
 };
 
-/// Linear constraint Σ a_m p_m = target on vertex positions, or Σ a_m p_m = R target, where R is
-/// the rotation at a vertex v (see `rotates_with`).
+/// Linear constraint on vertex positions: `combination` has the value `target`, or `target` rotated
+/// like the surface at the vertex `rotates_with`.
 struct LinearConstraint {
   std::string name;
   VertexCombination combination;
   Vec3 target = Vec3::Zero();
-  int rotates_with = -1;  ///< vertex v whose rotation is applied to the target; -1: no rotation
-  /// Weight of a soft constraint, which adds ½ weight |Σ a_m p_m - target|² to the energy; empty:
+  int rotates_with = -1;  ///< vertex whose rotation is applied to `target`; -1: no rotation
+  /// Weight of a soft constraint, which adds ½ weight |combination - target|² to the energy; empty:
   /// the constraint is hard.
   std::optional<double> weight;
 };
 
-/// The part of a deformation that does not change during an edit, so that the system is factored
-/// only once. All indices are vertex indices, unless stated otherwise.
+/// Definition of a mesh deformation: constraints, handles and form features. It does not change
+/// during an edit, so that the linear system is factored only once. All indices are vertex indices,
+/// unless stated otherwise.
 struct DeformProblem {
   enum class Weighting {
-    Area,    ///< equation of vertex i times √A_i (mixed area): independent of the mesh size
-    Uniform  ///< no weights, as in [Masuda2006]
+    Area,  ///< equations weighted by √(mixed area of the vertex): independent of the element size
+    Uniform  ///< equations without weights, as in [Masuda2006]
   };
 
   std::vector<int> fixed;
@@ -97,9 +98,9 @@ struct DeformProblem {
   std::vector<PointConstraint> point_constraints;
   std::vector<CharacterChain> chains;
   std::vector<LinearConstraint> rows;
-  /// Region of interest: only these vertices and those of handles move; empty: all vertices may
-  /// move. The deformed region joins the rest of the mesh smoothly, since the energy includes the
-  /// curvature at the two fixed rings of vertices around the region.
+  /// Region of interest: only these vertices and the vertices of handles move; empty: all vertices
+  /// may move. The deformed region joins the rest of the mesh smoothly, since the energy includes
+  /// the curvature at two rings of fixed vertices around the region.
   std::optional<std::vector<int>> region;
   Weighting weighting = Weighting::Area;
 };
@@ -108,7 +109,7 @@ struct DeformProblem {
 /// undeformed position of a vertex and R the rotation by `rotation_vector`.
 struct HandleTransform {
   Vec3 about = Vec3::Zero();
-  /// Unit axis times angle in radians (core/geometry.h). The angle may exceed a full turn.
+  /// Rotation of the handle: unit axis times angle in radians. The angle may exceed a full turn.
   Vec3 rotation_vector = Vec3::Zero();
   Vec3 translation = Vec3::Zero();
   double scale = 1;  ///< scale factor, above 0
@@ -116,14 +117,17 @@ struct HandleTransform {
   Vec3 operator()(const Vec3& p) const;
 };
 
-/// The input of an edit, which may change at every mouse event without a new factorization.
+/// The input of an edit: handle transformations, scales and targets. It may change at every mouse
+/// event without a new factorization.
 struct DeformEdit {
-  std::vector<HandleTransform> handles;  ///< one per handle of the problem
-  std::vector<double> feature_scales;    ///< scale of each feature, above 0; empty: all 1
+  std::vector<HandleTransform> handles;  ///< transformation of each handle of the problem
+  std::vector<double> feature_scales;    ///< scale factor of each feature, above 0; empty: all 1
   /// One point on the plane or line of each point constraint, or one vector in the plane or on the
-  /// line if the constraint applies to a vector. Empty: the undeformed points and vectors.
+  /// line if the constraint applies to a vector. Empty: the constrained points and vectors of the
+  /// undeformed mesh.
   std::vector<Vec3> constraint_origins;
-  /// Target of each linear constraint; empty: the targets of the problem.
+  /// Target of each constraint in DeformProblem::rows; empty: the targets in
+  /// LinearConstraint::target.
   std::vector<Vec3> targets;
 };
 
@@ -139,13 +143,14 @@ std::vector<LinearConstraint> position_constraints(const std::string& name,
 /// of a node are always fixed or moved together.
 DeformProblem expand_to_nodes(DeformProblem problem, const MeshTopology& topology);
 
-/// Checks a problem. Throws InputError if a vertex or feature index is out of range, a handle or
-/// feature is empty, a name is missing or repeated among objects of the same type, the coefficients
-/// of a point constraint sum neither to 1 nor to 0, a direction has length zero, or the problem has
-/// no fixed vertex, handle or region of interest. The message names the object.
+/// Checks a deformation problem of a mesh with `vertex_count` vertices. Throws InputError if a
+/// vertex or feature index is out of range, a handle or feature is empty, a name is missing or
+/// repeated among objects of the same type, the coefficients of a point constraint sum neither to 1
+/// nor to 0, the direction of a point constraint has length zero, or the problem has no fixed
+/// vertex, handle or region of interest. The message names the object.
 void check(const DeformProblem& problem, int vertex_count);
-/// Checks an edit of a problem. Throws InputError if entries are missing, a value is not finite or
-/// above 1e100, or a scale is not above 0. The message names the object.
+/// Checks an edit of a deformation problem. Throws InputError if entries are missing, a value is
+/// not finite or above 1e100, or a scale is not above 0. The message names the object.
 void check(const DeformProblem& problem, const DeformEdit& edit);
 
 }  // namespace batten

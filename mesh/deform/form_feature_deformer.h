@@ -21,14 +21,14 @@ struct ShapeEstimate {
   Points positions;         ///< estimated vertex positions, n×3
   std::vector<char> known;  ///< per vertex: nonzero if the position is valid; empty: all are valid
   enum class Use {
-    /// Only the feature rotations are used. The rotation field interpolates the rotations of
-    /// features, handles and fixed vertices harmonically, and rotates the curvature of the
-    /// undeformed mesh.
+    /// Only the feature rotations of the estimate are used. The rotation field interpolates the
+    /// rotations of features, handles and fixed vertices harmonically, and rotates the curvature of
+    /// the undeformed mesh.
     Rotations,
     Shape  ///< the curvature of the estimate is kept; without features the result is the estimate
   } use = Use::Rotations;
-  /// Rotation of each feature; an empty entry means the rotation of the harmonic field. Features
-  /// that share vertices must have the same rotation. The rotation is ignored for features of kind
+  /// Rotation of each feature; empty entry: the rotation is interpolated harmonically. Features
+  /// that share vertices must have the same rotation. The entry is ignored for features of kind
   /// TranslationOnly, and for features that contain handle vertices or fixed vertices.
   std::vector<std::optional<Mat3>> feature_rotations;
 };
@@ -67,8 +67,9 @@ struct FormFeatureData;
 /// feature or a point constraint for the mean of hundreds of vertices.
 class FormFeatureDeformer {
  public:
-  /// Throws InputError if check() rejects the problem (deform_problem.h) or consecutive vertices of
-  /// a character chain coincide, and NoSolutionError if the factorization fails.
+  /// Sets up and factors the linear system. Throws InputError if check() rejects the problem
+  /// (deform_problem.h) or consecutive vertices of a character chain coincide, and NoSolutionError
+  /// if the factorization fails.
   FormFeatureDeformer(const TriangleMesh& mesh, DeformProblem problem);
   ~FormFeatureDeformer();
   FormFeatureDeformer(FormFeatureDeformer&&) noexcept;
@@ -76,15 +77,16 @@ class FormFeatureDeformer {
 
   /// Applies an edit to the undeformed mesh (not to the result of the previous edit), and returns
   /// the positions of all vertices. Throws InputError if numbers are missing or not finite or a
-  /// scale is not above 0, and ConflictError if constraints contradict each other. positions() is
-  /// then unchanged.
+  /// scale is not above 0, and ConflictError if constraints contradict each other. After an
+  /// exception, positions() is unchanged.
   const Points& deform(const DeformEdit& edit);
-  /// Applies an edit, guided by an estimate of the deformed shape with positions V'. The feature
-  /// rotations of the estimate replace those of the harmonic field, which costs a factorization of
-  /// the Laplacian for each new set of rotated features. With Use::Shape, the equations are A p = s
-  /// A V' at all vertices whose estimate is known ([Hu2012], eq. 5, with the right-hand side of the
-  /// estimate). Throws the exceptions of the other overload, InputError if sizes of the estimate do
-  /// not match or numbers are not finite, and NoSolutionError if the factorization fails.
+  /// Applies an edit to the undeformed mesh, guided by an estimate of the deformed shape. The
+  /// features get the rotations of the estimate instead of harmonically interpolated ones, which
+  /// costs a factorization of the Laplacian for each new set of rotated features. With Use::Shape,
+  /// the curvature of the estimate (times the scale) is kept at all vertices whose estimate is
+  /// known ([Hu2012], eq. 5, with the right-hand side of the estimate). Throws the exceptions of
+  /// deform(edit), InputError if sizes of the estimate do not match or numbers are not finite, and
+  /// NoSolutionError if the factorization fails.
   const Points& deform(const DeformEdit& edit, const ShapeEstimate& estimate);
   /// Performs one step of iterative refinement after deform(), for example when the user releases
   /// the mouse. The step corrects rounding errors of the normal equations, which square the
@@ -94,11 +96,12 @@ class FormFeatureDeformer {
   double correct();
 
   const Points& positions() const;
-  /// Rotation field of the last edit: one rotation vector per vertex, n×3.
+  /// Rotation field of the last edit: one rotation vector (unit axis times angle in radians) per
+  /// vertex, n×3.
   Points rotation_logs() const;
   /// Largest violation of a hard constraint by positions(), relative to the mesh size; see the free
   /// function hard_residual(). It is computed from the constraints of the problem, independently of
-  /// the equations of the solver.
+  /// the factored linear system.
   double hard_residual() const;
 
   const TriangleMesh& mesh() const;
@@ -110,20 +113,20 @@ class FormFeatureDeformer {
   /// Sizes of the linear system, for reports. Numbers of equations and unknowns are per coordinate.
   struct Counts {
     int moving = 0;               ///< number of vertices whose positions are unknown
-    int unknowns = 0;             ///< free unknowns after elimination of the hard constraints
-    int soft_equations = 0;       ///< number of least-squares equations A p = b
-    int hard_constraints = 0;     ///< number of hard constraints C p = d, including features
-    int feature_constraints = 0;  ///< number of hard constraints of features
-    int redundant_count = 0;      ///< number of redundant hard constraints
-    int point_equations = 0;      ///< number of equations of point constraints, in total
-    /// Number of nonzeros of the Cholesky factor.
+    int unknowns = 0;             ///< free unknowns after elimination of hard constraints
+    int soft_equations = 0;       ///< number of least-squares equations
+    int hard_constraints = 0;     ///< number of hard constraint equations, including features
+    int feature_constraints = 0;  ///< number of hard constraint equations of features
+    int redundant_count = 0;      ///< number of hard constraint equations dropped as redundant
+    int point_equations = 0;      ///< equations of point constraints, for x, y and z together
+    /// Number of nonzeros of the Cholesky factor of the system matrix.
     long factor_entries = 0;
   };
   Counts counts() const;
 
-  /// Explicit matrices of an edit, for verification. The problem is to minimise ½|A x - b|² subject
-  /// to `constraints`. The unknowns x (k×3) are the positions of the k `vertices` relative to
-  /// `origin`. Redundant constraints are omitted.
+  /// Explicit matrices of the least-squares problem of an edit, for verification: minimise ½|A x -
+  /// b|² subject to `constraints`. The unknowns x (k×3) are the positions of the k `vertices`
+  /// relative to `origin`. Redundant constraints are omitted.
   struct ProblemMatrices {
     std::vector<int> vertices;
     Vec3 origin;

@@ -17,21 +17,21 @@ namespace batten {
 struct FeatureRelation {
   enum class Kind {
     Parallel,  ///< the features rotate equally
-    Coaxial,   ///< equal rotations, and the centres keep their distances along the common axis
-    /// The vectors from the centre of the first feature to the other centres keep their lengths and
-    /// rotate with the first feature.
+    Coaxial,   ///< equal rotations; the centres keep their distances along the common axis
+    /// The vectors from the centre of the first feature to the centres of the other features keep
+    /// their lengths and rotate with the first feature.
     Distance,
-    Spacing,   ///< evenly spaced centres stay evenly spaced
-    Symmetric  ///< two centres stay mirror images with respect to a plane
+    Spacing,   ///< evenly spaced feature centres stay evenly spaced
+    Symmetric  ///< two feature centres stay mirror images with respect to a plane
   };
   std::string name;
   Kind kind = Kind::Parallel;
   /// Indices of the related features: two for Kind::Symmetric, three or more in the order along the
   /// row for Kind::Spacing, otherwise two or more.
   std::vector<int> features;
-  /// For Kind::Coaxial: measure of the first feature, if it is a hole. The other centres must lie
-  /// on the axis of this hole; the tolerance is 1e-3 of their distance from the hole, or of its
-  /// radius if that is larger. Empty: the axis is not checked.
+  /// For Kind::Coaxial: measure of the first feature, if it is a hole. The centres of the other
+  /// features must lie on the axis of this hole; the tolerance is 1e-3 of their distance from the
+  /// hole, or of the hole radius if that is larger. Empty: the axis is not checked.
   std::optional<HoleMeasure> hole;
   /// For Kind::Symmetric: normal of the symmetry plane (of any length above 0), and a point on it.
   std::optional<std::pair<Vec3, Vec3>> plane;
@@ -43,11 +43,11 @@ struct RelationConstraints {
   std::vector<std::vector<int>> shared_rotations;  ///< groups of features that rotate equally
   std::vector<LinearConstraint> rows;              ///< hard constraints on the centres of features
   std::vector<PointConstraint> point_constraints;
-  std::vector<Vec3> constraint_origins;  ///< one for each entry of `point_constraints`
+  std::vector<Vec3> constraint_origins;  ///< origin of each point constraint, see DeformEdit
 };
 
-/// Constraints that preserve a relation between features with the centres c_i (undeformed: c_i⁰).
-/// R_0 is the rotation of the first feature.
+/// Constraints that preserve a relation between features with the centres c_0, c_1, … (undeformed:
+/// c_0⁰, c_1⁰, …). R_0 is the rotation of the first feature.
 ///
 ///     Parallel   one rotation for all features
 ///     Coaxial    one rotation for all features, and c_i - c_0 = R_0 (c_i⁰ - c_0⁰)

@@ -14,13 +14,13 @@ namespace batten {
 
 /// How the rotations of features and of the surface are determined if no handle prescribes them.
 enum class RotationMode {
-  /// Features rotate like the surface at their locations, in a preliminary shape without features.
+  /// Features rotate like the surface around them in a shape computed without features.
   Estimated,
-  Dual,  ///< rotations of a preliminary shape by DualLaplacianDeformer
+  Dual,  ///< rotations of a preliminary shape that DualLaplacianDeformer computes
   /// Rotations of a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large
   /// rotations.
   Nonlinear,
-  Harmonic  ///< harmonic interpolation of the handle rotations
+  Harmonic  ///< harmonic interpolation of the handle rotations, without a preliminary shape
 };
 
 /// Rotation prescribed for a feature, which replaces the estimated rotation.
@@ -41,10 +41,10 @@ struct PrescribedRotation {
 /// [Hu2012], eq. 11.
 class FeatureRotationEstimator {
  public:
-  /// Keeps references to `prepared`, `mesh` and `problem`. `prepared`: provides the polygons of the
-  /// mesh for RotationMode::Dual. `mesh`: the mesh before the edit. `problem` must be valid, see
-  /// check() in deform_problem.h. The linear constraints of the problem are ignored, so they may
-  /// change later.
+  /// Creates an estimator for the edits of one problem. Keeps references to `prepared`, `mesh` and
+  /// `problem`. `prepared`: provides the polygons of the mesh for RotationMode::Dual. `mesh`: the
+  /// mesh before the edit. `problem` must be valid, see check() in deform_problem.h. The linear
+  /// constraints of the problem are ignored, so they may change later.
   FeatureRotationEstimator(const PreparedMesh& prepared, const TriangleMesh& mesh,
                            const DeformProblem& problem, RotationMode mode);
   ~FeatureRotationEstimator();
@@ -55,16 +55,16 @@ class FeatureRotationEstimator {
   /// rotation is prescribed and nothing must be estimated: for RotationMode::Harmonic, or if no
   /// handle moves. If several rotations are prescribed for features with a common rotation, the
   /// last one applies. Throws InputError if a feature index is out of range, and the exceptions of
-  /// the deformers.
+  /// the deformer that computes the preliminary shape.
   std::optional<ShapeEstimate> estimate(const DeformEdit& edit,
                                         std::span<const PrescribedRotation> prescribed = {});
 
-  /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the two
-  /// adjacent rings of faces. `positions`: shape computed with the current estimate. The rotation
-  /// of a feature is not changed if it is prescribed, if the feature has no adjacent faces, or if
-  /// it lies in a part of the mesh that is constrained by connections only, whose rotation would
-  /// oscillate. Returns the largest change of a rotation in degrees. A few updates, each followed
-  /// by a new deformation, converge.
+  /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the
+  /// faces in two rings around the feature. `positions`: vertex positions computed with the current
+  /// estimate. The rotation of a feature is not changed if it is prescribed, if the feature has no
+  /// adjacent faces, or if it lies in a part of the mesh that is constrained by connections only,
+  /// whose rotation would oscillate. Returns the largest change of a rotation in degrees. A few
+  /// updates, each followed by a new deformation, converge.
   double update_from_adjacent_faces(const DeformEdit& edit,
                                     std::span<const PrescribedRotation> prescribed, int count,
                                     const Points& positions, ShapeEstimate& estimate);

@@ -15,8 +15,8 @@ namespace batten {
 /// Options of MeshEditor.
 struct MeshEditorOptions {
   RotationMode rotation_mode = RotationMode::Estimated;
-  /// True: the centre of every feature keeps the position that it would have without scaled
-  /// features, so that scaling one feature does not move the others.
+  /// True: each feature centre keeps the position that it would have if no feature were scaled, so
+  /// that scaling one feature does not move the others.
   bool keep_centres = true;
   /// Centre of each feature, used by `keep_centres`, without entries for the connections of
   /// attached nodes. Empty: each centre is the mean of the vertices of the feature.
@@ -55,12 +55,12 @@ struct MeshEditStatistics {
 ///     const Points& after = editor.solve_to_equilibrium();
 class MeshEditor {
  public:
-  /// Keeps references to `prepared` and `attached`. `before`: positions of all vertices before the
-  /// edit (n×3), for example the result of the previous edit. `attached`: nodes of other elements;
-  /// nullptr: none. Call attached->add_to(problem) after all other features have been added, so
-  /// that the connections are the last features. Throws InputError if check() rejects the problem
-  /// (deform_problem.h) or the number of centres is wrong, and NoSolutionError if a factorization
-  /// fails.
+  /// Creates an editor for one edit, and factors its linear system. Keeps references to `prepared`
+  /// and `attached`. `before`: positions of all vertices before the edit (n×3), for example the
+  /// result of the previous edit. `attached`: nodes of non-shell elements; nullptr: none. Call
+  /// attached->add_to(problem) after all other features have been added, so that the connections
+  /// are the last features. Throws InputError if check() rejects the problem (deform_problem.h) or
+  /// the number of centres is wrong, and NoSolutionError if a factorization fails.
   MeshEditor(const PreparedMesh& prepared, const Points& before, DeformProblem problem,
              MeshEditorOptions options = {}, const AttachedNodes* attached = nullptr);
   ~MeshEditor();
@@ -72,28 +72,29 @@ class MeshEditor {
   /// next solution, which throws InputError.
   void set(DeformEdit edit, std::vector<PrescribedRotation> prescribed = {});
 
-  /// Computes the shape during a drag. Attached nodes outside connections are not moved. Throws the
-  /// exceptions of solve_to_equilibrium(); the shape is then unchanged.
+  /// Computes the positions of all vertices quickly, for display during a drag. Attached nodes
+  /// outside connections are not moved. Throws the exceptions of solve_to_equilibrium(). After an
+  /// exception, the shape is unchanged.
   const Points& solve_preview();
   /// True if the feature rotations changed by less than 0.05 degrees in the last solve_preview().
   bool is_at_rest() const { return at_rest_; }
   /// Computes the converged positions of all vertices, including attached nodes. Coordinates that
-  /// differ from those before the edit only by rounding errors are reset to them. Throws InputError
+  /// changed only by rounding errors are reset to their values before the edit. Throws InputError
   /// if check() rejects the edit (deform_problem.h) or the feature of a prescribed rotation is out
   /// of range, ConflictError if constraints contradict each other, and NoSolutionError if a
-  /// factorization fails; the shape is then unchanged.
+  /// factorization fails. After an exception, the shape is unchanged.
   const Points& solve_to_equilibrium();
   /// Statistics of the last solve_to_equilibrium().
   const MeshEditStatistics& statistics() const { return statistics_; }
 
   /// The mesh before the edit.
   const TriangleMesh& mesh() const { return mesh_; }
-  /// The shape of the last solution; initially the shape before the edit.
+  /// Vertex positions of the last solution (n×3); initially the positions before the edit.
   const Points& shape() const { return shape_; }
-  /// The deformation problem. After a solution with scaled features, its last linear constraints
-  /// keep the centres of the features.
+  /// The deformation problem. After a solution with scaled features, the last entries of
+  /// DeformProblem::rows keep the centres of the features.
   const DeformProblem& problem() const { return problem_; }
-  /// The current edit.
+  /// The edit that was passed to the last set().
   const DeformEdit& edit() const { return edit_; }
   /// Messages for the user about parts of the mesh that do not move, because they have no
   /// constraints.

@@ -17,16 +17,16 @@ struct HoleMeasure {
   Vec3 centre = Vec3::Zero();  ///< centre of the fitted circle
   Vec3 axis = Vec3::UnitZ();   ///< unit normal of the fitted plane, on the side of the mesh normals
   double radius = 0;           ///< radius of the fitted circle
-  double roundness = 0;        ///< largest distance of a vertex from the circle, in the plane
+  double roundness = 0;        ///< largest in-plane distance of a vertex from the fitted circle
   double flatness = 0;         ///< largest distance of a vertex from the fitted plane
-  double perimeter = 0;        ///< length of the boundary loop
+  double perimeter = 0;        ///< length of the boundary loop of the hole
   /// Radius of the circle with the same area as the boundary loop projected to the plane. It
   /// measures the size of holes that are not circular (slotted or hexagonal, for example).
   double equivalent_radius = 0;
   /// True if the boundary loop has at least five vertices and encloses at least half of the area of
-  /// the circle, and `roundness` is at most `circular_tolerance` × radius (see measure_hole()).
-  /// Four vertices are never sufficient, since every rectangle has a circumscribed circle. The area
-  /// test excludes slender loops, which lie on a short arc of a large circle.
+  /// the fitted circle, and `roundness` is at most `circular_tolerance` × radius (see
+  /// measure_hole()). Four vertices are never sufficient, since every rectangle has a circumscribed
+  /// circle. The area test excludes slender loops, which lie on a short arc of a large circle.
   bool circular = false;
 };
 
@@ -38,15 +38,15 @@ struct HoleMeasure {
 /// sense, gives initial values. Gauss-Newton iterations then give the geometric fit, which
 /// minimises Σ (|x_i - m| - R)². For points x_i on a circle both fits are exact to rounding.
 ///
-/// The loop is clockwise when seen from the tip of the axis. For loops of MeshTopology, which have
-/// the surface on their left, the axis is therefore on the side of the mesh normals. A deformation
-/// does not change the direction of a loop, so its axes before and after are comparable.
+/// The loop is clockwise when seen from the tip of HoleMeasure::axis. For boundary loops of
+/// MeshTopology, which have the surface on their left, the axis is therefore on the side of the
+/// mesh normals. A deformation does not change the direction of a loop, so axes before and after a
+/// deformation are comparable.
 ///
 /// `points`: vertex positions (n×3). `loop`: vertices in order, the first one not repeated. Loops
-/// that are not circular (door openings) are measured as well. `circular_tolerance`: largest
-/// roundness of a circular hole, relative to the radius, default 0.02. Throws InputError if the
-/// loop has fewer than three vertices, an index is out of range, or a coordinate is not finite.
-/// O(loop).
+/// need not be circular (door openings, for example). `circular_tolerance`: largest roundness of a
+/// circular hole, relative to the radius, default 0.02. Throws InputError if the loop has fewer
+/// than three vertices, an index is out of range, or a coordinate is not finite. O(loop).
 HoleMeasure measure_hole(const Points& points, const std::vector<int>& loop,
                          double circular_tolerance = 0.02);
 
@@ -55,7 +55,8 @@ struct FeatureDetectionOptions {
   /// An edge is a crease if the normals of its two triangles differ by more than this angle, in
   /// degrees; between 0 and 180.
   double crease_degrees = 20;
-  /// Number of vertex rings around a hole within which a crease around it is searched.
+  /// Largest extent of the flange around a hole, in rings of vertices: the crease that ends the
+  /// flange is searched within this number of rings.
   int flange_rings = 8;
   /// Width of the flange around a hole if no crease encloses it: geodesic distance from the hole,
   /// in model units. 0: one ring of triangles.
@@ -63,8 +64,8 @@ struct FeatureDetectionOptions {
   /// True: every boundary loop is a hole. False: the longest boundary loop of each manifold patch
   /// is its outline.
   bool outer_loops = false;
-  /// Smallest number of triangles of a crease feature. Smaller regions are noise; around a single
-  /// vertex that sticks out there are about six triangles.
+  /// Smallest number of triangles of a crease feature. Smaller features are regarded as noise; a
+  /// single vertex that sticks out affects about six triangles.
   int min_triangles = 10;
   /// True: creases inside other creases are detected too, such as the floor of a pocket inside its
   /// upper edge.
@@ -76,7 +77,7 @@ struct DetectedFeature {
   enum class Kind { Hole, Crease };
   Kind kind;
   std::string name;           ///< "hole-1", "crease-1" and so on
-  std::vector<int> vertices;  ///< all vertices of the feature, ascending
+  std::vector<int> vertices;  ///< indices of all vertices of the feature, ascending
   /// Closed chain of vertices: the boundary of the hole, with the surface on its left, or the
   /// crease, with the panel on its left.
   std::vector<int> loop;
@@ -99,8 +100,8 @@ struct DetectedFeature {
 /// Holes: every boundary loop except the longest of each manifold patch, together with the flange
 /// around it. The flange is the first of the following sets that exists within `flange_rings`
 /// rings:
-/// - Everything up to the outermost closed crease, if this crease encloses no other hole. It is
-///   then not reported again as a crease feature.
+/// - Everything up to the outermost closed crease, if this crease encloses no other hole. This
+///   crease is not reported as a crease feature.
 /// - Everything up to the first closed crease: all triangles that are reachable from the loop
 ///   without crossing a crease, if they reach no other boundary.
 /// - One ring of triangles, or all vertices within `flange_width`.

@@ -15,15 +15,15 @@ struct FeatureLineOptions {
   /// A feature line ends at a vertex (a corner) if its direction changes there by more than this
   /// angle, in degrees; between 0 and 180.
   double corner_degrees = 45;
-  /// Minimum length of crease lines with a dangling end, relative to the size of the mesh. Shorter
-  /// ones are noise and are omitted.
+  /// Minimum length of crease lines with a dangling end, relative to the mesh size. Shorter lines
+  /// are regarded as noise and omitted.
   double min_length = 0.02;
 };
 
-/// A chain of crease edges or of boundary edges.
+/// A feature line of a mesh: a chain of crease edges or of boundary edges.
 struct FeatureLine {
-  std::vector<int> vertices;  ///< in order along the line; if closed, the first is not repeated
-  std::vector<int> edges;     ///< indices of mesh edges, in order along the line
+  std::vector<int> vertices;  ///< in order; the first vertex of a closed line is not repeated
+  std::vector<int> edges;     ///< indices into MeshTopology::edges(), in order along the line
   bool closed = false;
   bool boundary = false;  ///< true: boundary line; false: crease
 };
@@ -34,7 +34,7 @@ struct FeaturePatch {
   /// Boundary loops of the patch, the longest one first. Each loop is a sequence of indices into
   /// FeatureLines::lines.
   std::vector<std::vector<int>> loops;
-  std::vector<int> inner;  ///< indices of lines that have this patch on both sides
+  std::vector<int> inner;  ///< indices of the feature lines with this patch on both sides
   bool flat = false;       ///< true if all triangles lie in one plane
 };
 
@@ -45,9 +45,9 @@ struct FeatureLines {
 };
 
 /// Finds the feature lines of a mesh and the patches that they enclose. Lines are split at corners
-/// (see FeatureLineOptions::corner_degrees), and at vertices with one crease or boundary edge or
-/// more than two. They are sorted by their lowest-numbered vertices. Creases rounded off by many
-/// small triangles are not detected. Throws InputError if an angle is not between 0 and 180.
+/// (see FeatureLineOptions::corner_degrees), and at vertices whose number of crease and boundary
+/// edges is not two. The lines are sorted by their lowest-numbered vertices. Creases rounded off by
+/// many small triangles are not detected. Throws InputError if an angle is not between 0 and 180.
 /// O(edges).
 FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options = {});
 

@@ -15,8 +15,8 @@ struct ArapOptions {
   /// mesh size, is below this value.
   double tolerance = 1e-6;
   /// Penalty α ≥ 0 on differences between the rotations of neighbouring vertices. It acts like the
-  /// bending stiffness of a shell of thickness √(α · area of the mesh). With α = 0 the only bending
-  /// stiffness is that of the discrete ARAP energy.
+  /// bending stiffness of a shell of thickness √(α · area of the mesh). With α = 0, only the
+  /// bending stiffness of the discrete ARAP energy remains.
   double smoothing = 0.001;
 };
 
@@ -27,10 +27,11 @@ struct ArapOptions {
 ///     E = ½ Σ_t A_t ⅓ Σ_{i of t} |∇p - R_i ∇p⁰|²_t  +  ½ α A Σ_{edges ij} w_ij |R_i - R_j|²
 ///
 /// A_t and ∇ are the area and gradient on the undeformed triangle t, p⁰ and p the undeformed and
-/// deformed positions, and A is the total area. The first sum is the spokes-and-rims energy with
-/// cotangent weights, Σ ½cot |e - R_i e⁰|² over the three edges of each triangle at i. In terms of
-/// gradients it is a sum of squares, so negative cotangents of obtuse triangles do no harm. w_ij
-/// are the edge_cotangents() of mesh/differential_operators.h, with negative values replaced by 0.
+/// deformed positions, A is the area of the mesh, and α is ArapOptions::smoothing. The first sum is
+/// the spokes-and-rims energy with cotangent weights, Σ ½cot |e - R_i e⁰|² over the three edges of
+/// each triangle at i. In terms of gradients it is a sum of squares, so negative cotangents of
+/// obtuse triangles do no harm. w_ij are the edge_cotangents() of mesh/differential_operators.h,
+/// with negative values replaced by 0.
 ///
 /// Local/global iteration: the local step minimises the energy exactly over the rotations R_i (one
 /// colour class of vertices after the other, nearest rotations of 3×3 matrices), the global step
@@ -46,13 +47,13 @@ struct ArapOptions {
 /// [LeviGotsman2015] (smoothing).
 class ArapDeformer final : public IterativeDeformer {
  public:
-  /// `fixed`, `handles`: vertices as in DeformProblem. Throws InputError if check() rejects them
-  /// (deform_problem.h), a triangle has zero area, or an option is negative or not finite, and
-  /// NoSolutionError if the factorization fails.
+  /// Sets up and factors the linear system. `fixed`, `handles`: vertices as in DeformProblem.
+  /// Throws InputError if check() rejects them (deform_problem.h), a triangle has zero area, or an
+  /// option is negative or not finite, and NoSolutionError if the factorization fails.
   ArapDeformer(const TriangleMesh& mesh, std::vector<int> fixed, std::vector<Handle> handles,
                const ArapOptions& options = {});
-  /// Rotation R_i of every node after the last edit. The coincident vertices of a node have the
-  /// same rotation, which preserves the angles between patches.
+  /// Rotation of every node after the last edit. The coincident vertices of a node have a common
+  /// rotation, which preserves the angles between the manifold patches that meet there.
   const std::vector<Mat3>& vertex_rotations() const { return rotations(); }
 };
 

@@ -14,18 +14,18 @@ struct DualLaplacianOptions {
   /// The iteration stops when the largest displacement of a vertex in an iteration, relative to the
   /// mesh size, is below this value.
   double tolerance = 1e-6;
-  /// Treatment of boundary faces. Omitted: these faces have no Laplacian term. EdgeMidpoints: the
-  /// midpoint of a boundary edge replaces the missing neighbour. In measurements, EdgeMidpoints
-  /// increased the change of angles along free boundaries by 2 to 7 %.
+  /// Treatment of faces at the mesh boundary. Omitted: boundary faces have no Laplacian term.
+  /// EdgeMidpoints: the midpoint of a boundary edge replaces the missing neighbour. In
+  /// measurements, EdgeMidpoints increased the change of angles along free boundaries by 2 to 7 %.
   enum class Border { Omitted, EdgeMidpoints } border = Border::Omitted;
-  /// Length of the rotated Laplacian vectors. Original: the length in the undeformed mesh. Fitted:
-  /// the length is an unknown like the direction, as in [Au2006]; faces then grow and shrink
-  /// freely.
+  /// Length of the rotated Laplacian vectors of the faces. Original: the length in the undeformed
+  /// mesh. Fitted: the length is an unknown, like the direction, as in [Au2006], so that faces grow
+  /// and shrink freely.
   enum class Lengths { Original, Fitted } lengths = Lengths::Original;
   /// Membrane stiffness μ > 0: the resistance of faces to stretch and shear.
   double membrane = 1;
-  /// Penalty η ≥ 0 on the checkerboard mode, which leaves the dual Laplacian unchanged; 0: no
-  /// penalty.
+  /// Penalty η ≥ 0 on the checkerboard mode (neighbouring vertices move in opposite directions),
+  /// which leaves the dual Laplacian unchanged; 0: no penalty.
   double checkerboard_penalty = 0.1;
 };
 
@@ -53,9 +53,9 @@ struct DualLaplacianOptions {
 /// Each local/global iteration minimises E exactly over all R_f, then over all p, so E never
 /// increases. One Cholesky factorization serves all iterations and edits.
 ///
-/// Differences from the paper: the paper takes the direction of the rotated vector from the plane
-/// of the neighbours, which does not minimise any energy. Here R_f is fitted to the edges of the
-/// face and the Laplacian vector together. Furthermore, dual positions do not determine the primal
+/// Differences from [Au2006]: the paper takes the direction of the rotated vector from the plane of
+/// the neighbours, which does not minimise any energy. Here R_f is fitted to the edges of the face
+/// and the Laplacian vector together. Furthermore, dual positions do not determine the primal
 /// positions: the checkerboard mode, in which vertices move by +1 and -1 alternately, leaves all
 /// d_f unchanged, and a compressed surface buckles into this mode. The membrane term makes such
 /// modes unique, and the primal term keeps their amplitude small: 0.001 of an edge for squares with
@@ -75,16 +75,16 @@ struct DualLaplacianOptions {
 /// unknowns at construction; one solve and O(faces) per iteration, without allocation.
 class DualLaplacianDeformer final : public IterativeDeformer {
  public:
-  /// `faces`: polygons with three or more corners, consistently oriented; empty: the triangles of
-  /// the mesh. `fixed`, `handles`: vertices as in DeformProblem. Throws InputError if check()
-  /// rejects them (deform_problem.h), a face has fewer than three corners, a corner is repeated or
-  /// out of range, an edge has more than two faces, or an option is negative or not finite. Throws
-  /// NoSolutionError if the factorization fails.
+  /// Sets up and factors the linear system. `faces`: polygons with three or more corners,
+  /// consistently oriented; empty: the triangles of the mesh. `fixed`, `handles`: vertices as in
+  /// DeformProblem. Throws InputError if check() rejects them (deform_problem.h), a face has fewer
+  /// than three corners, a corner is repeated or out of range, an edge has more than two faces, or
+  /// an option is negative or not finite. Throws NoSolutionError if the factorization fails.
   DualLaplacianDeformer(const TriangleMesh& mesh, std::vector<std::vector<int>> faces,
                         std::vector<int> fixed, std::vector<Handle> handles,
                         const DualLaplacianOptions& options = {});
-  /// Rotation R_f of every face after the last edit; with Lengths::Fitted, each rotation is
-  /// multiplied by the fitted scale of the face.
+  /// Rotation of every face after the last edit; with Lengths::Fitted, each rotation is multiplied
+  /// by the fitted scale of the face.
   const std::vector<Mat3>& face_rotations() const { return rotations(); }
 };
 

@@ -14,36 +14,36 @@ namespace batten {
 
 // Feature regions: parts of a mesh that keep their shape in an edit.
 
-/// A feature region, given by triangles or by vertices.
+/// A feature region (part of a mesh that keeps its shape), given by triangles or by vertices.
 struct FeatureRegion {
   std::string name;
   /// Triangle indices; if empty, the triangles with at least one corner in `vertices`.
   std::vector<int> faces;
   std::vector<int> vertices;          ///< vertex indices; ignored unless `faces` is empty
-  std::optional<Mat3> rotation = {};  ///< prescribed rotation; empty: fitted to the estimate
+  std::optional<Mat3> rotation = {};  ///< prescribed rotation; empty: fitted to the estimated shape
   double scale = 1;                   ///< scale factor of the region, above 0
 };
 
-/// Options of FeatureRegionDeformer. Equation numbers are those in the comment of that class.
+/// Options of FeatureRegionDeformer.
 struct FeatureRegionOptions {
   enum class Kind {
-    Soft,  ///< penalty term (6): regions keep their shape approximately
-    Hard   ///< regions keep their shape exactly, p = s R' p⁰ + t, with three unknowns per region
+    Soft,  ///< regions keep their shape approximately, by a penalty term
+    Hard   ///< regions keep their shape exactly, with three unknowns (the translation) per region
   } kind = Kind::Hard;
   enum class Rhs {
-    Estimate,  ///< Laplacian vectors of the estimate
-    Original   ///< those of the undeformed mesh, as in [Hu2012]; they resist large bending
+    Estimate,  ///< Laplacian vectors of the estimated shape, which the surface keeps
+    Original   ///< Laplacian vectors of the undeformed mesh [Hu2012], which resist large bending
   } rhs = Rhs::Estimate;
   enum class Mean {
-    Squared,  ///< mean_rotation(), which minimises Σ A_f ‖R' - R_f‖²
-    Robust    ///< median_rotation(), which minimises Σ A_f ‖R' - R_f‖ ([Hu2012], eq. 10)
+    Squared,  ///< the region rotation is the mean_rotation() of its faces' rotations
+    Robust    ///< the region rotation is the median_rotation() of its faces' rotations [Hu2012]
   } mean = Mean::Squared;
-  double weight = 2e7;  ///< weight of the penalty term (6) of soft regions, dimensionless
+  double weight = 2e7;  ///< weight of the penalty term of soft regions, dimensionless
 };
 
-/// Components of the vertices whose `mask` is nonzero, connected along edges. The vertices of each
-/// component are ascending; the components are sorted by their lowest-numbered vertices. Throws
-/// InputError if the size of the mask differs from the number of vertices. O(edges).
+/// Connected components (along mesh edges) of the vertices whose `mask` is nonzero. The vertices of
+/// each component are ascending; the components are sorted by their lowest-numbered vertices.
+/// Throws InputError if the size of the mask differs from the number of vertices. O(edges).
 std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
                                                  const std::vector<char>& mask);
 
@@ -52,8 +52,8 @@ std::vector<std::vector<int>> components_of_mask(const TriangleMesh& mesh,
 std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region);
 
 /// Deformation that keeps feature regions rigid [Hu2012]. An estimate V' of the deformed vertex
-/// positions, from any deformer, determines the rotation of each region. The positions p are then
-/// computed again, with rigid regions:
+/// positions (p'_i at vertex i), from any deformer, determines the rotation of each region. The
+/// positions p are computed again with rigid regions:
 ///
 ///     min ½ Σ_i A_i |L(p_i) - l_i|²                                                  (5)
 ///       + ½ weight/size² Σ_regions Σ_f A_f Σ_e |e - s R e⁰|² / Σ_e |e⁰|²             (6), soft
@@ -77,10 +77,10 @@ std::vector<int> faces_of(const TriangleMesh& mesh, const FeatureRegion& region)
 /// solve for x, y and z, and the computation of the rotations.
 class FeatureRegionDeformer {
  public:
-  /// `fixed`, `handles`: vertices as in DeformProblem. Throws InputError if faces_of() or check()
-  /// (deform_problem.h) does, a name is missing or repeated, a prescribed rotation is not a
-  /// rotation matrix to 1e-9, or a scale or weight is not above 0. Throws NoSolutionError if the
-  /// factorization fails.
+  /// Sets up and factors the linear system. `fixed`, `handles`: vertices as in DeformProblem.
+  /// Throws InputError if faces_of() or check() (deform_problem.h) does, a name is missing or
+  /// repeated, a prescribed rotation is not a rotation matrix to 1e-9, or a scale or weight is not
+  /// above 0. Throws NoSolutionError if the factorization fails.
   FeatureRegionDeformer(const TriangleMesh& mesh, std::vector<FeatureRegion> regions,
                         std::vector<int> fixed, std::vector<Handle> handles,
                         const FeatureRegionOptions& options = {});
@@ -94,30 +94,32 @@ class FeatureRegionDeformer {
   /// and ConflictError if hard regions or constraints require different positions of a common
   /// vertex.
   const Points& deform(const Points& estimate, std::span<const HandleTransform> moves);
-  /// Computes a preliminary result, in which (6) contains the rotation R_f of each face instead of
-  /// R', so that regions bend as in the estimate. For Kind::Hard, the first call factors an
-  /// additional system with soft regions. Parameters and exceptions are those of deform().
+  /// Computes preliminary positions of all vertices, in which each face of a region has its own
+  /// rotation instead of that of the region, so that regions bend as in the estimate. For
+  /// Kind::Hard, the first call factors an additional system with soft regions. Parameters and
+  /// exceptions are those of deform().
   const Points& deform_per_face(const Points& estimate, std::span<const HandleTransform> moves);
 
-  /// Prescribes the rotation of a region; empty: the rotation is fitted to the estimate. No new
-  /// factorization is needed.
+  /// Prescribes the rotation of a region; empty: the rotation is fitted to the estimated shape. No
+  /// new factorization is needed.
   void set_rotation(int region, const std::optional<Mat3>& rotation);
   /// Sets the scale factor of a region, above 0. No new factorization is needed.
   void set_scale(int region, double scale);
 
   const Points& positions() const;
-  /// Rotation R' of each region in the last call of deform().
+  /// Rotation of each feature region in the last call of deform().
   const std::vector<Mat3>& region_rotations() const;
-  /// Scale factor s of each region in the last call of deform().
+  /// Scale factor of each feature region in the last call of deform().
   const std::vector<double>& region_scales() const;
-  /// Rotation R_f of each face of a region, in the order of faces().
+  /// Rotation of each face of a region from the undeformed mesh to the last estimate, in the order
+  /// of faces().
   const std::vector<Mat3>& face_rotations(int region) const;
-  /// Triangles of a region, ascending.
+  /// Triangle indices of a feature region, ascending.
   const std::vector<int>& faces(int region) const;
-  /// All vertices of the triangles of a region.
+  /// Indices of all vertices of the triangles of a feature region.
   const std::vector<int>& vertices(int region) const;
   const std::vector<FeatureRegion>& regions() const;
-  /// Number of free unknowns per coordinate.
+  /// Number of free unknowns of the linear system per coordinate.
   int unknowns() const;
 
  private:

@@ -31,16 +31,18 @@ class IterativeDeformer {
   /// finite.
   const Points& deform(std::span<const HandleTransform> moves);
   /// Computes the positions of all vertices, starting from an initial guess (n×3) of the positions
-  /// of the free vertices, for example the previous result during a drag. Also throws InputError if
-  /// the guess has a wrong number of points or a coordinate that is not finite.
+  /// of the free vertices, for example the previous result during a drag. Throws the exceptions of
+  /// deform(moves), and InputError if the guess has a wrong number of points or a coordinate that
+  /// is not finite.
   const Points& deform(std::span<const HandleTransform> moves, const Points& guess);
 
   const Points& positions() const;
   const IterationReport& report() const;
 
  protected:
-  /// `name`: first words of error messages. Throws InputError if check() rejects the constraints
-  /// (deform_problem.h), and NoSolutionError if the factorization fails.
+  /// Sets up and factors the linear system. `name`: first words of error messages. Throws
+  /// InputError if check() rejects the constraints (deform_problem.h), and NoSolutionError if the
+  /// factorization fails.
   IterativeDeformer(const TriangleMesh& mesh, std::vector<int> fixed, std::vector<Handle> handles,
                     ArapEnergy energy, const std::string& name, int max_iterations,
                     double tolerance);

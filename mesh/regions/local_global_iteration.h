@@ -38,29 +38,28 @@ class LocalGlobalIteration {
   const IterationReport& report() const { return report_; }
 
  protected:
-  /// `size`: mesh size, the reference length of IterationReport::last_change. `name`: first words
-  /// of error messages.
+  /// `size`: mesh size (diagonal of the bounding box), the reference length of
+  /// IterationReport::last_change. `name`: first words of error messages.
   LocalGlobalIteration(double size, std::string name) : size_(size), name_(std::move(name)) {}
 
-  /// Computes the unknowns that minimise the energy for the current rotations, and writes them to
-  /// next_.
+  /// Global step: stores the unknowns that minimise the energy at fixed rotations in next_.
   virtual void global_step() = 0;
-  /// Local step: computes the positions from y_ and fits the rotations to them. Returns the energy.
+  /// Local step: computes positions from y_ and fits rotations to them. Returns the energy.
   virtual double update_rotations() = 0;
   /// Saves a copy of the current rotations; restore_rotations() restores them.
   virtual void store_rotations() = 0;
   virtual void restore_rotations() = 0;
-  /// Performs one iteration, which updates y_ and the rotations. Returns the new energy, which is
-  /// at most `energy_before`.
+  /// Performs one iteration, which updates the unknowns y_ and the rotations. Returns the energy
+  /// after the iteration, which is at most `energy_before`.
   virtual double iterate(double energy_before);
 
-  /// Allocates y_ and next_ (`unknowns` × 3), and the Anderson accelerator for iterates with
-  /// `accelerated_rows` rows.
+  /// Allocates the unknowns y_ and next_ (`unknowns` × 3), and the Anderson accelerator for
+  /// iterates with `accelerated_rows` rows.
   void resize(long unknowns, long accelerated_rows);
   /// Starts a new edit: clears the report and the stored iterates.
   void begin();
-  /// Calls global_step(), checks the result and compares it with y_. Throws NoSolutionError if an
-  /// unknown is not finite.
+  /// Calls global_step(), checks the result and compares it with the previous unknowns y_. Throws
+  /// NoSolutionError if an unknown is not finite.
   void solve_unknowns();
   /// Iterates until IterationReport::last_change is below `tolerance`, or until `max_iterations`
   /// iterations have been performed since begin().
@@ -75,10 +74,10 @@ class LocalGlobalIteration {
   IterationReport report_;
 };
 
-/// Computes rotations by interpolation of the rotation vectors of handles h: rotation i has the
-/// rotation vector Σ_h weights(i, h) rotation_vectors[h]. The rotation vectors may be longer than
-/// 2π. `weights`: rotations × handles. `rotations`: output, one per row of `weights`. Parallel,
-/// without allocation.
+/// Computes rotations by interpolation of the rotation vectors of handles: rotation i has the
+/// rotation vector Σ_h weights(i, h) rotation_vectors[h], summed over the handles h. The rotation
+/// vectors may be longer than 2π. `weights`: rotations × handles. `rotations`: output, one per row
+/// of `weights`. Parallel, without allocation.
 void interpolate_rotations(const MatX& weights, std::span<const Vec3> rotation_vectors,
                            std::vector<Mat3>& rotations);
 

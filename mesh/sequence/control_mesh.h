@@ -10,7 +10,7 @@ namespace batten {
 
 /// Options of control_mesh().
 struct ControlMeshOptions {
-  int vertices = 150;  ///< approximate number of vertices, 20 to 2000
+  int vertices = 150;  ///< approximate number of vertices of the control mesh, 20 to 2000
   /// Minimum distance of the control mesh from the mesh, relative to the mesh size, 0.001 to 0.5.
   double distance = 0.02;
 };
@@ -45,12 +45,12 @@ MatX mean_value_coordinates(const TriangleMesh& control, const Points& points);
 /// Reference: [Xu2007], section on control meshes.
 class ControlMeshTransfer {
  public:
-  /// `control`: positions of the control vertices. `W`: mean_value_coordinates() of the nodes of
-  /// `mesh` (nodes × control vertices). `near`: number of nodes to which each control vertex is
-  /// attached, default 4.
+  /// Attaches control vertices to nodes of `mesh`. `control`: positions of the control vertices.
+  /// `W`: mean_value_coordinates() of the nodes of `mesh` (nodes × control vertices). `near`:
+  /// number of nodes to which each control vertex is attached, default 4.
   ControlMeshTransfer(const TriangleMesh& mesh, const Points& control, const MatX& W, int near = 4);
-  /// Positions of the control vertices in a frame. `frame`: node positions (nodes × 3). Throws
-  /// InputError if the number of nodes differs from that of the mesh.
+  /// Positions of the control vertices in another frame. `frame`: node positions (nodes × 3).
+  /// Throws InputError if the number of nodes differs from that of the mesh.
   Points at(const Points& frame) const;
 
  private:

@@ -21,7 +21,7 @@ struct FootTracks {
 };
 
 /// Computes the trajectories of feet and detects their contacts (detect_foot_contacts()). `feet`:
-/// indices of handles. Throws InputError if an option is not above 0. O(frames · vertices).
+/// indices into `handles`. Throws InputError if an option is not above 0. O(frames · vertices).
 FootTracks track_feet(const std::vector<Points>& frames, const std::vector<Handle>& handles,
                       const std::vector<int>& feet, const FootContactOptions& options);
 
@@ -29,9 +29,10 @@ FootTracks track_feet(const std::vector<Points>& frames, const std::vector<Handl
 /// during a contact, model units.
 double foot_skate(const Trajectory& foot, const FootContact& contact);
 
-/// How the contacts of feet are moved before the feet are planted.
+/// Options of placed_contacts(): how the ground contacts of feet are moved before the feet are
+/// planted.
 struct ContactPlacement {
-  Vec3 translation = Vec3::Zero();  ///< translation of every contact, applied first
+  Vec3 translation = Vec3::Zero();  ///< translation of every contact, applied before the projection
   /// Terrain onto which the translated contacts are projected; nullptr: no projection.
   const Terrain* terrain = nullptr;
   /// Distance of the foot centroids from the terrain, model units; empty: each centroid keeps its
@@ -41,8 +42,9 @@ struct ContactPlacement {
   bool rotations = false;  ///< true: feet are aligned with the terrain, see ContactPose::rotations
 };
 
-/// Moves the contacts of all feet as specified by `placement`. Throws InputError if there is no
-/// terrain above or below a contact; the message names the foot.
+/// Moves the ground contacts of all feet as specified by `placement`, and returns the new contacts
+/// of each foot. Throws InputError if there is no terrain above or below a contact; the message
+/// names the foot.
 std::vector<std::vector<FootContact>> placed_contacts(const FootTracks& feet,
                                                       const ContactPlacement& placement);
 
@@ -50,15 +52,15 @@ std::vector<std::vector<FootContact>> placed_contacts(const FootTracks& feet,
 struct FootPlantOptions {
   /// Smoothness of the trajectory changes between contacts.
   TrajectoryOptions::Smoothness smoothness = TrajectoryOptions::Smoothness::Smooth;
-  /// Every n-th frame is a keyframe (see keyframe_mask()), in addition to both ends of each
-  /// contact.
+  /// Every n-th frame is a keyframe (see keyframe_mask()), in addition to the first and last frame
+  /// of each contact.
   int keyframe_interval = 1;
 };
 
 /// Plants feet: in each frame of contact j of foot f, the centroid of the foot is exactly at
 /// to[f][j].at. The foot is rotated by the change of rotation from the original contact to
-/// to[f][j]. Between contacts the change is blended by edited(). Feet without contacts are not
-/// prescribed.
+/// to[f][j]. Between contacts, edited() interpolates the change of the trajectory. Feet without
+/// contacts are not prescribed.
 ///
 /// `moved`: trajectories of the feet in the sequence to be edited; these are feet.trajectories if
 /// the original sequence is edited. `to`: new contacts, one for each contact in feet.contacts.

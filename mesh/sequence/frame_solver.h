@@ -39,38 +39,38 @@ struct FrameSolverData;
 /// itself. References: [Xu2007], eq. 1 to 3; [SorkineAlexa2007].
 class FrameSolver {
  public:
-  /// `mesh`: provides the connectivity, and the positions for cotangent weights. Throws InputError
-  /// if check() rejects the constraints (deform_problem.h), the penalty weight is not above 0, or
-  /// the volume of a surface that is not closed must be preserved. Throws NoSolutionError if the
-  /// factorization fails.
+  /// Sets up and factors the linear system. `mesh`: provides the connectivity, and the positions
+  /// for cotangent weights. Throws InputError if check() rejects the constraints
+  /// (deform_problem.h), the penalty weight is not above 0, or the volume of a surface that is not
+  /// closed must be preserved. Throws NoSolutionError if the factorization fails.
   FrameSolver(const TriangleMesh& mesh, FrameConstraints constraints,
               const FrameOptions& options = {});
   ~FrameSolver();
   FrameSolver(FrameSolver&&) noexcept;
   FrameSolver& operator=(FrameSolver&&) noexcept;
 
-  /// Solves for the edited shape of a frame by iteration to convergence; see result(). The initial
+  /// Computes the edited shape of a frame by iteration to convergence; see result(). The initial
   /// rotations interpolate the rotation vectors of the handles harmonically. Throws InputError if
   /// numbers are missing or not finite or the number of points is wrong, and ConflictError if two
   /// handles prescribe different positions of a node.
   void alternate(const Points& frame, const FrameTargets& targets);
-  /// Solves for the edited shape of a frame, starting from given positions `start` (nodes × 3), for
-  /// example the solution of a neighbouring frame or the previous shape of a drag.
+  /// Computes the edited shape of a frame by iteration, starting from given node positions `start`
+  /// (nodes × 3), for example the solution of a neighbouring frame or the previous shape of a drag.
   void alternate(const Points& frame, const FrameTargets& targets, const Points& start);
   /// Continues from the current shape with at most `iterations` iterations, for example to display
   /// intermediate shapes. Returns true if the iteration has converged. Throws InputError if neither
   /// alternate() nor reconstruct() has been called before.
   bool iterate(int iterations);
-  /// Reconstructs the shape of a frame from given rotations, one per node, by one global step, and
-  /// then performs `iterations` full iterations. Features and handles with free rotation start with
-  /// the mean rotation of their nodes.
+  /// Reconstructs the shape of a frame from given rotations, one per node, by one linear solve for
+  /// the positions, and then performs `iterations` iterations. Features and handles with free
+  /// rotation start with the mean rotation of their nodes.
   void reconstruct(const Points& frame, const FrameTargets& targets,
                    const std::vector<Mat3>& rotations, int iterations = 0);
 
   const FrameShape& result() const;
   const IterationReport& report() const;
-  int unknowns() const;  ///< number of unknowns per coordinate
-  /// Number of nonzeros of the Cholesky factor.
+  int unknowns() const;  ///< number of unknowns of the linear system per coordinate
+  /// Number of nonzeros of the Cholesky factor of the system matrix.
   long factor_entries() const;
   /// Messages for the user about parts of the mesh that do not move, because they have no
   /// constraints.

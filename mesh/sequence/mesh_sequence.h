@@ -14,7 +14,7 @@ namespace batten {
 /// A deforming mesh: all frames have the same faces, but different node positions. It has value
 /// semantics; the positions take 24 bytes per node and frame.
 struct MeshSequence {
-  ShellMesh shells;            ///< faces, and the points of the first frame
+  ShellMesh shells;            ///< faces of all frames, and node coordinates of the first frame
   std::vector<Points> frames;  ///< node positions of each frame, nodes × 3
   std::vector<double> times;   ///< time of each frame, ascending: seconds or frame numbers
 
@@ -44,11 +44,12 @@ class FrameMeasures {
     int first = 0, last = 0;
   };
 
-  /// Keeps a reference to `mesh`: any frame of the sequence, converted by prepare().
+  /// Starts without frames. Keeps a reference to `mesh`: any frame of the sequence, converted by
+  /// prepare(). `feet`: feet for foot_skate().
   explicit FrameMeasures(const TriangleMesh& mesh, std::vector<Foot> feet = {});
 
-  /// Adds the next frame. `frame`: 0-based frame number. `p`: node positions (nodes × 3).
-  /// O(triangles).
+  /// Adds the next frame to the measures. `frame`: 0-based frame number. `p`: node positions (nodes
+  /// × 3). O(triangles).
   void add(int frame, const Points& p);
 
   /// Largest second difference in time, |p_{k+1} - 2 p_k + p_{k-1}|, of any node in any frame k, in

@@ -22,9 +22,8 @@ namespace batten {
 /// rotations rotate together and keep their size. The centroid of each connected component moves on
 /// a straight line.
 ///
-/// One factorization serves all shapes and all α. A blend costs two local steps and one solve,
-/// about
-/// 3 ms for 10,000 nodes. References: [Xu2007], section on morphing; [Alexa2000].
+/// One factorization serves all shapes and all α. A blend costs two rotation fits and one solve,
+/// about 3 ms for 10,000 nodes. References: [Xu2007], section on morphing; [Alexa2000].
 class ShapeBlend {
  public:
   explicit ShapeBlend(const TriangleMesh& mesh);
@@ -46,19 +45,19 @@ struct MorphInterval {
   int first = 0, last = 0;  ///< 0-based first and last frame, both included; last > first
 };
 
-/// Checks an interval. Throws InputError if it contains fewer than two frames or is not within the
-/// sequence. `which`: name of the sequence in the message.
+/// Throws InputError if an interval contains fewer than two frames or is not within the sequence.
+/// `which`: name of the sequence in the message.
 void check(const MorphInterval& interval, const MeshSequence& sequence, const char* which);
 
 /// Options of morph().
 struct MorphOptions {
   /// The intervals of the source and of the target sequence that are blended.
   MorphInterval source, target;
-  /// Number of frames of the morph, including both ends; 0: mean number of frames of both
-  /// intervals.
+  /// Number of frames of the morph, including both ends; 0: mean number of frames of the source and
+  /// target intervals.
   int frames = 0;
   /// Rigid motion that aligns the target with the source. Empty: the best fit between the first
-  /// frames of both intervals by a rotation about `up` and a horizontal translation; see
+  /// frames of the two intervals by a rotation about `up` and a horizontal translation; see
   /// ground_alignment().
   std::optional<RigidMotion> alignment;
   Vec3 up = Vec3::UnitZ();
@@ -66,10 +65,9 @@ struct MorphOptions {
 
 /// Morphs one sequence into another. The result consists of the source before its interval, the
 /// morph, and the aligned target after its interval. In the morph, a parameter t increases evenly
-/// from 0 to
-/// 1. Both sequences are sampled at the fraction t of their intervals (linearly in time between
-/// frames) and blended with α = 3t² - 2t³, so the change starts and ends smoothly. The first frame
-/// of the morph is that of the source interval, the last one the last frame of the aligned target
+/// from 0 to 1. The source and target intervals are sampled at their fraction t (linearly in time)
+/// and blended with α = 3t² - 2t³, so the change starts and ends smoothly. The first frame of the
+/// morph is that of the source interval, the last one the last frame of the aligned target
 /// interval.
 ///
 /// `mesh`: any frame of the source, converted by prepare(). Throws InputError if the sequences have
@@ -91,14 +89,14 @@ struct LandmarkPair {
 
 /// Options of fit_to_target().
 struct TargetFitOptions {
-  /// Number of stages. Each stage takes the previous shape as reference shape and increases the
-  /// weight of the target.
+  /// Number of stages. Each stage takes the result of the previous stage as reference shape, and
+  /// increases the weight of the target.
   int stages = 8;
   int iterations = 6;  ///< iterations per stage
-  /// Weight of the target (μ in fit_to_target()) in the first and the last stage, relative to the
-  /// mean number of edges at a node.
+  /// Weight of the distances from the target (μ in fit_to_target()) in the first stage, relative to
+  /// the mean number of edges at a node.
   double initial_weight = 0.01;
-  double final_weight = 10;  ///< weight of the target in the last stage; see `initial_weight`
+  double final_weight = 10;  ///< weight in the last stage, relative to the mean edges per node
 };
 
 /// Result of fit_to_target().
@@ -106,8 +104,8 @@ struct TargetFit {
   Points positions;  ///< fitted node positions, nodes × 3
   /// Mean and largest distance of the nodes from the target, model units.
   double mean_distance = 0, largest_distance = 0;
-  double landmark_distance = 0;  ///< largest distance between two paired landmarks, model units
-  /// Number of triangles whose normals are opposite to those of the target near them.
+  double landmark_distance = 0;  ///< largest distance of a landmark from its target, model units
+  /// Number of fitted triangles whose normal points opposite to the target's normal near them.
   int inverted = 0;
 };
 
@@ -147,7 +145,7 @@ struct MorphLandmark {
 /// Result of registered_target().
 struct RegisteredTarget {
   MeshSequence sequence;   ///< target sequence with the faces of the source
-  TargetFit fit;           ///< quality of the registration
+  TargetFit fit;           ///< node positions and quality of the registration
   double target_size = 0;  ///< size of the target in the registered frame, model units
 };
 

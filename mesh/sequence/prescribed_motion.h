@@ -21,9 +21,10 @@ struct PrescribedMotion {
   std::vector<char> is_keyframe;
 };
 
-/// Creates the flags of PrescribedMotion::is_keyframe. Keyframes are every n-th frame, the first
-/// and the last frame, and both ends of each range of frames in which `needed` is nonzero.
-/// `keyframe_interval`: n, at least 1. `needed`: one flag per frame, or empty.
+/// Creates the keyframe flags of `frames` frames; see PrescribedMotion::is_keyframe. Keyframes are
+/// every n-th frame, the first and the last frame, and the first and last frame of each range of
+/// frames in which `needed` is nonzero. `keyframe_interval`: n, at least 1. `needed`: one flag per
+/// frame, or empty.
 std::vector<char> keyframe_mask(int frames, int keyframe_interval,
                                 const std::vector<char>& needed = {});
 
@@ -34,9 +35,9 @@ Points mean_shift(const std::vector<Points>& frames, const std::vector<Handle>& 
 
 /// Adds handles to a prescribed motion that keep their original rotations and are only translated.
 /// In each of the F frames, their trajectory in `frames` is translated by a row of `shifts` (F×3),
-/// for example of mean_shift(). Use it if only the feet of a body are prescribed; the body would
-/// otherwise lean towards the higher foot. `handles`: all handles. `unrotated`: indices of the
-/// handles to add. Throws InputError if one of them is already prescribed.
+/// for example of mean_shift(). Use this function if only the feet of a body are prescribed; the
+/// body would otherwise lean towards the higher foot. `handles`: all handles. `unrotated`: indices
+/// of the handles to add. Throws InputError if one of these handles is already prescribed.
 void add_unrotated_handles(const std::vector<Points>& frames, const std::vector<Handle>& handles,
                            const std::vector<int>& unrotated, const Points& shifts,
                            PrescribedMotion& motion);

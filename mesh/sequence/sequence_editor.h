@@ -26,8 +26,8 @@ struct SequenceEditOptions {
   FrameOptions frames;
   enum class Start {
     Handles,  ///< iterations start from interpolated handle rotations
-    /// Iterations start from a subspace solution. The control mesh is created for the first frame
-    /// and transferred to the keyframes.
+    /// Iterations start from the solution of a SubspaceSolver. The control mesh is created for the
+    /// first frame and transferred to the keyframes.
     Subspace,
     Neighbour  ///< iterations start from the previous keyframe; for closely spaced keyframes
   } start = Start::Handles;
@@ -35,7 +35,7 @@ struct SequenceEditOptions {
   TrajectoryOptions::Smoothness trajectories = TrajectoryOptions::Smoothness::Smooth;
   KeyframeExtrapolation ends = KeyframeExtrapolation::None;
   InfluenceInterval influence;  ///< frames outside this interval remain bit-identical
-  int iterations_between = 0;   ///< number of ARAP iterations in every frame after the linear step
+  int iterations_between = 0;   ///< number of ARAP iterations in every frame after its linear solve
 };
 
 /// Editor for mesh sequences by keyframes [Xu2007], section 5. It minimises the sum over all frames
@@ -63,41 +63,44 @@ struct SequenceEditOptions {
 /// ms. Additional memory: 24 bytes per node and keyframe.
 class SequenceEditor {
  public:
-  /// Keeps a reference to `sequence`. `mesh`: first frame of the sequence, converted by prepare().
-  /// Throws InputError and NoSolutionError like the constructor of FrameSolver.
+  /// Creates an editor without keyframes. Keeps a reference to `sequence`. `mesh`: first frame of
+  /// the sequence, converted by prepare(). Throws InputError and NoSolutionError like the
+  /// constructor of FrameSolver.
   SequenceEditor(const MeshSequence& sequence, const TriangleMesh& mesh,
                  FrameConstraints constraints, const SequenceEditOptions& options = {});
   ~SequenceEditor();
   SequenceEditor(SequenceEditor&&) noexcept;
   SequenceEditor& operator=(SequenceEditor&&) noexcept;
 
-  /// Sets the keyframes, in any order, and performs steps 1 to 4. Throws InputError if a frame is
-  /// out of range or repeated, a keyframe prescribes no handle or has a wrong number of entries, or
-  /// a keyframe is outside the influence interval. Also throws the exceptions of FrameSolver and
-  /// CancelledError. After an exception, the editor has no keyframes.
+  /// Sets the keyframes, in any order, and computes their shapes and the motions of handles in all
+  /// frames (steps 1 to 4 of the class comment). Throws InputError if a frame is out of range or
+  /// repeated, a keyframe prescribes no handle or has a wrong number of entries, or a keyframe is
+  /// outside the influence interval. Throws the exceptions of FrameSolver, and CancelledError.
+  /// After an exception, the editor has no keyframes.
   void set_keyframes(std::vector<SequenceKeyframe> keyframes, const Progress& progress = {});
-  /// Replaces the interpolated handle motions of step 4, so that handles with known poses in all
-  /// frames do not deviate from them between keyframes. `motions`: one motion per frame for each
-  /// handle. Call this function after set_keyframes(); the next call of set_keyframes() discards
-  /// the motions. Throws InputError if the number of handles or frames is wrong.
+  /// Replaces the handle motions that were interpolated between keyframes, so that handles with
+  /// known poses in all frames do not deviate from them between keyframes. `motions`: one motion
+  /// per frame for each handle. Call this function after set_keyframes(); the next call of
+  /// set_keyframes() discards the motions. Throws InputError if the number of handles or frames is
+  /// wrong.
   void set_motions(std::vector<std::vector<RigidMotion>> motions);
-  /// Performs step 5 for the frames `first` … `last` (0-based) and calls take(frame, positions) for
-  /// each of them, in ascending order. Throws InputError if a frame is out of range, the exceptions
-  /// of `take`, and CancelledError.
+  /// Computes the node positions of the edited frames `first` … `last` (0-based), and calls
+  /// take(frame, positions) for each of these frames in ascending order. Throws InputError if a
+  /// frame is out of range, the exceptions of `take`, and CancelledError.
   void frames(int first, int last, const std::function<void(int, const Points&)>& take,
               const Progress& progress = {}) const;
-  /// Performs step 5 for all frames and returns the node positions of each frame.
+  /// Computes the node positions of all edited frames.
   std::vector<Points> frames(const Progress& progress = {}) const;
 
   /// The keyframes, sorted by frame.
   const std::vector<SequenceKeyframe>& keyframes() const;
-  /// Node positions in each keyframe after step 2.
+  /// Computed node positions of each keyframe, sorted by frame.
   const std::vector<Points>& keyframe_positions() const;
-  /// Convergence data of each keyframe in step 2.
+  /// Convergence data of the iteration at each keyframe, sorted by frame.
   const std::vector<IterationReport>& keyframe_reports() const;
   /// Trajectory of each handle in the original sequence.
   const std::vector<Trajectory>& trajectories_before() const;
-  /// Trajectory of each handle after step 4.
+  /// Trajectory of each handle in the edited sequence.
   const std::vector<Trajectory>& trajectories() const;
   /// Messages for the user about parts of the mesh that do not move, because they have no
   /// constraints.

@@ -12,7 +12,8 @@ namespace batten {
 /// Options of SubspaceSolver.
 struct SubspaceOptions {
   int iterations = 8;  ///< number of ARAP iterations per solve, at least 1
-  /// Penalty weight λ of handles and fixed nodes, relative to the mean number of edges at a node.
+  /// Penalty weight of handles and fixed nodes, which are soft constraints, relative to the mean
+  /// number of edges at a node.
   double penalty_weight = 100;
 };
 
@@ -22,16 +23,17 @@ struct SubspaceOptions {
 ///
 ///     min_d ½ E(W d) + λ Σ_h |(W d)_h - u_h|²
 ///
-/// where E is the energy of FrameSolver with w_ij = 1, and u_h is the target of a handle node or
-/// fixed node h. Since the few unknowns move the whole mesh smoothly, a few iterations suffice,
-/// while FrameSolver may need hundreds. Handles are only soft constraints, and features are not
-/// rigid. The result is an initial shape for FrameSolver::alternate(), or a preview during that
-/// iteration.
+/// where E is the ARAP energy of FrameSolver with uniform edge weights, λ is the penalty weight,
+/// and u_h is the target of a handle node or fixed node h. Since the few unknowns move the whole
+/// mesh smoothly, a few iterations suffice, while FrameSolver may need hundreds. Handles are only
+/// soft constraints, and features are not rigid. The result is an initial shape for
+/// FrameSolver::alternate(), or a preview during that iteration.
 ///
 /// Cost: mean_value_coordinates() and a dense m×m factorization per frame; two products with W per
 /// iteration. Memory: W, nodes × m. References: [Huang2006]; [Xu2007], eq. 6.
 class SubspaceSolver {
  public:
+  /// Creates a solver for the frames of a sequence. `control`: closed mesh that encloses `mesh`.
   /// Throws InputError if the control mesh is not closed, an option is out of range, or there are
   /// no constraints.
   SubspaceSolver(const TriangleMesh& mesh, FrameConstraints constraints, TriangleMesh control,
@@ -40,13 +42,13 @@ class SubspaceSolver {
   SubspaceSolver(SubspaceSolver&&) noexcept;
   SubspaceSolver& operator=(SubspaceSolver&&) noexcept;
 
-  /// Sets the frame to be edited (nodes × 3) and the control vertices in this frame. Throws
-  /// NoSolutionError if the factorization fails.
+  /// Sets the node positions of the frame to be edited (nodes × 3), and the positions of the
+  /// control vertices in this frame. Throws NoSolutionError if the factorization fails.
   void set_frame(const Points& frame, const Points& control);
   /// Computes the positions of all nodes for given handle poses. Requires set_frame(). Throws
   /// InputError if the number of handle poses is wrong.
   const Points& solve(const FrameTargets& targets);
-  /// Positions of the control vertices in the last solution.
+  /// Positions of the control mesh's vertices in the last solution.
   const Points& control() const;
 
  private:
@@ -76,8 +78,8 @@ class FrameSession {
                const FrameOptions& frames = {}, const SubspaceOptions& subspace = {});
   ~FrameSession();
 
-  /// Sets the frame to be edited (nodes × 3), and transfers the control mesh to it by
-  /// ControlMeshTransfer. Throws InputError if the number of nodes is wrong.
+  /// Sets the node positions of the frame to be edited (nodes × 3), and transfers the control mesh
+  /// to it by ControlMeshTransfer. Throws InputError if the number of nodes is wrong.
   void set_frame(const Points& frame);
   /// Computes the node positions by the subspace solver. Requires set_frame(). Throws InputError
   /// and ConflictError like FrameSolver::alternate().

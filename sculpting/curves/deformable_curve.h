@@ -38,7 +38,7 @@ struct CurveLoad {
 
 /// Material of a deformable curve: stiffness, density and damping.
 struct CurveMaterial {
-  /// Stretching stiffness alpha and bending stiffness beta.
+  /// Stretching stiffness alpha and bending stiffness beta along the curve.
   CurveAssembler::Coefficient alpha = {0}, beta = {1};
   /// Relative: alpha, beta, loads, density and damping are dimensionless and refer to the curve
   /// scaled to length 1, so that the same curve in mm and in m takes the same shape. Absolute:
@@ -47,7 +47,7 @@ struct CurveMaterial {
   /// True: the initial shape has zero energy. False: a straight line has zero energy (a point, if
   /// alpha is above 0).
   bool starts_unstressed = true;
-  double density = 1, damping = 1;  ///< density ρ and damping μ of the motion, ≥ 0
+  double density = 1, damping = 1;  ///< mass density and damping coefficient, ≥ 0
 };
 
 /// The deformable curve of [Celniker1991]. Its shape X(u) minimises the energy
@@ -87,7 +87,7 @@ class DeformableCurve {
   ///
   /// If the current shape violates the constraints, the motion starts from the equilibrium shape
   /// instead. Values of loads may change between steps. `dt`: time step, above 0; `theta`:
-  /// parameter θ of the implicit scheme, ½ … 1 (ThetaIntegrator).
+  /// parameter of the theta method (ThetaIntegrator), ½ … 1.
   void start_motion(double dt, double theta = 1);
   /// Advances the motion by one implicit time step. Throws InputError if start_motion() was not
   /// called.

@@ -56,34 +56,36 @@ struct Area {
 /// model scaled to size 1. In absolute units, uniform loads and pressure are force/length², point
 /// loads are forces, in the model's length unit.
 struct Load {
-  /// Pressure (follower load): force value · w · n per current area, with the current surface
-  /// normal n and the weight w of `area`.
+  /// Pressure p (follower load): force p · w · n per current area, with the current surface normal
+  /// n and the weight w of `area`; p is the value of the load's parameter.
   struct Pressure {
     Area area;
   };
-  /// Force value · w · direction per area of the domain (u, v), with the weight w of `area`.
+  /// Force p · w · direction per area of the domain (u, v), with the value p of the load's
+  /// parameter and the weight w of `area`.
   struct Uniform {
     Vec3 direction = Vec3::Zero();
     Area area = {};
   };
-  /// Force value · direction per area of the surface, as for gravity on sheet metal. The area is
-  /// that of the surface at the time when the load is added.
+  /// Force p · direction per area of the surface, as for gravity on sheet metal, with the value p
+  /// of the load's parameter. The area is that of the surface at the time when the load is added.
   struct Gravity {
     Vec3 direction = Vec3::Zero();
   };
-  /// Point force value · direction at the surface point closest to `at`.
+  /// Point force p · direction at the surface point closest to `at`; p: value of the parameter.
   struct Point {
     Vec3 at = Vec3::Zero(), direction = Vec3::Zero();
   };
-  /// Force value · direction per length of a curve. It acts once, even if several regions share the
-  /// curve.
+  /// Force p · direction per length of a curve, with the value p of the load's parameter. It acts
+  /// once, even if several regions share the curve.
   struct Line {
     std::string line;
     Vec3 direction = Vec3::Zero();
   };
   /// Attractor springs between surface points and a target.
   ///
-  /// Let t be the target point closest to the surface point x, and r = |x - t|. The force on x is
+  /// Let t be the target point closest to the surface point x, r = |x - t|, and `value` the value
+  /// of the load's parameter. The force on x is
   ///
   ///     f = value φ(r) (r - rest_length) (t - x)/r,    φ = exp(-(r/falloff)²), or 1 for falloff 0
   ///
@@ -100,16 +102,16 @@ struct Load {
     };
     std::vector<Vec3> at;  ///< one spring per point, attached to the closest surface point
     std::variant<TargetPoints, Curve, Plane> target;
-    /// `rest_length`: spring length without force. `falloff`: decay length of φ; 0: no decay. Model
-    /// units.
+    /// `rest_length`: spring length without force. `falloff`: distance at which the stiffness has
+    /// decayed to 1/e; 0: no decay. Model units.
     double rest_length = 0, falloff = 0;
   };
   /// Point-cloud springs that pull the surface to n measured points p_i. They add Σ value/n |x(c_i)
   /// - p_i|² to the energy.
   ///
   /// x(c_i) is the surface point closest to p_i. solve_to_equilibrium() recomputes the c_i until
-  /// they no longer move (at most 20 times). `value` is the total stiffness of all n springs.
-  /// Points beyond the boundary of the surface are ignored.
+  /// they no longer move (at most 20 times). `value`, the value of the load's parameter, is the
+  /// total stiffness of all n springs. Points beyond the boundary of the surface are ignored.
   struct PointCloudSprings {
     std::vector<Vec3> points;
   };
@@ -117,8 +119,8 @@ struct Load {
   std::variant<Pressure, Uniform, Gravity, Point, Line, AttractorSprings, PointCloudSprings> kind;
 };
 
-/// A stiffness field: adds value · w (w: weight of `area`) to the stretching stiffness alpha or the
-/// bending stiffness beta, isotropically or in one direction.
+/// A stiffness field: adds the value of its parameter times the weight of `area` to the stretching
+/// stiffness alpha or the bending stiffness beta, isotropically or in one direction.
 struct StiffnessField {
   enum class Kind { Stretching, Bending };
   std::string name;
@@ -136,7 +138,7 @@ struct Constraint {
   struct Point {
     Vec3 at, goal;
   };
-  /// The surface normal at the point closest to `at` is parallel to `normal`.
+  /// The surface normal at the surface point closest to `at` is parallel to `normal`.
   struct Normal {
     Vec3 at = Vec3::Zero(), normal = Vec3::Zero();
   };

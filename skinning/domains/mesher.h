@@ -18,8 +18,8 @@ namespace batten {
 /// at the nearest point of the mesh.
 class SizeField {
  public:
-  /// Constructs a size field on a background mesh. `lengths`: longest allowed edge at each vertex
-  /// of `mesh`, > 0.
+  /// Constructs a field of edge lengths from values on a background mesh. `lengths`: longest
+  /// allowed element edge at each vertex of `mesh`, domain units, > 0.
   SizeField(std::shared_ptr<const ParametricMesh> mesh, std::vector<double> lengths);
 
   /// Longest allowed element edge at a point of the domain, in domain units.
@@ -39,24 +39,24 @@ class SizeField {
 struct PlanarMeshInput {
   std::vector<Vec2> points;
   std::vector<std::array<int, 2>> outline, inner;
-  double edge_length = 0;  ///< target length of edges, in domain units
+  double edge_length = 0;  ///< target length of mesh edges, in domain units
   std::vector<std::vector<std::array<int, 2>>> holes{};
-  /// True: segments are not split, so that each one becomes one edge of the mesh. Next to short
-  /// segments, triangles grow gradually to the target length. Triangles at segments may have angles
-  /// below the minimum.
+  /// True: the input segments are not split, so that each one becomes one edge of the mesh. From
+  /// short segments, triangles grow gradually to the size `edge_length`. Triangles at segments may
+  /// have angles below the minimum of 20.7 degrees that delaunay_mesh() otherwise aims at.
   bool keep_segments = false;
-  /// Size field with lengths below `edge_length`, used only with `keep_segments`; null:
-  /// `edge_length` everywhere.
+  /// Target length of mesh edges that varies over the domain, below `edge_length`; used only with
+  /// `keep_segments`. Null: `edge_length` everywhere.
   std::shared_ptr<const SizeField> size_field{};
   Progress progress{};  ///< checked for cancellation every thousand vertices
 };
 
-/// Computes a constrained Delaunay triangulation, refined to the target length, and smooths it.
-/// Angles are above 20.7 degrees if the input permits (CGAL Mesh_2).
+/// Computes a constrained Delaunay triangulation (CGAL Mesh_2), refined to `task.edge_length`, and
+/// smooths it. Angles are above 20.7 degrees if the input permits.
 ///
 /// The first vertices of the result are the input points in their order. The other vertices, and
 /// the triangles, are in the order of a space-filling curve. Segments may be split unless
-/// `keep_segments` is set. Throws InputError if the build has no CGAL or if segments cross;
+/// `task.keep_segments` is true. Throws InputError if the build has no CGAL or if segments cross;
 /// CancelledError.
 ParametricMesh delaunay_mesh(const PlanarMeshInput& task);
 /// True if delaunay_mesh() is available, that is, if this build has CGAL.
@@ -76,24 +76,25 @@ double bytes_for_triangles(double triangles);
 
 /// Throws InputError for a mesh that is too large: more than two million triangles, or more than
 /// fit into the available memory (available_memory()). The message contains the required memory,
-/// and an edge length for which half of the available memory would suffice. `edge_length`, `size`:
-/// model units. `what`: subject of the message, such as "a face" or "an annular face".
+/// and an edge length for which half of the available memory would suffice. `edge_length` (target
+/// length) and `size` (of the face): model units. `what`: subject of the message, such as "a face".
 void require_mesh_size(double triangles, double edge_length, double size, const std::string& what);
 
 /// Throws InputError if all faces of a model together have too many triangles for the available
-/// memory, with at least 2 kB per triangle. The memory of the factorization is checked later, in
-/// its symbolic analysis (SparseCholesky). `edge_length`, `size`: model units.
+/// memory, assuming at least 2 kB per triangle. The memory of the factorization is checked in its
+/// symbolic analysis (SparseCholesky). `edge_length` (target length) and `size` (of the model):
+/// model units.
 void require_model_size(double triangles, double edge_length, double size);
 
 /// Largest allowed number of triangles of a face.
 inline constexpr double kMaxTriangles = 2e6;
 
 /// Largest allowed number of triangles of a face after refinement under embedded curves: the larger
-/// one of 50,000 and 10 (size / edge_length)², but at most kMaxTriangles.
+/// one of 50,000 and 10 (size / edge_length)², but at most kMaxTriangles. `size`: size of the face.
 double max_refined_triangles(double edge_length, double size);
 
-/// Throws InputError if the tolerance of curves is below 1e-9 of the size, which is the accuracy of
-/// computed shapes.
+/// Throws InputError if `tolerance`, the largest allowed distance between curves and their fits, is
+/// below 1e-9 of `size`, the size of the face or model. This is the accuracy of computed shapes.
 void require_tolerance(double tolerance, double size);
 
 }  // namespace batten

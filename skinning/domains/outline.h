@@ -15,7 +15,7 @@
 
 namespace batten {
 
-/// Thrown if curves of an outline intersect.
+/// Thrown if curves of the outline of a face intersect.
 class OutlineIntersection : public InputError {
  public:
   /// `curves`: the names of the two curves that intersect, or of the one that intersects itself.
@@ -31,35 +31,36 @@ class OutlineIntersection : public InputError {
 /// consecutive segments are merged into one point.
 struct Outline {
   struct OrientedSegment {
-    SmoothSegment segment;  ///< the segment, oriented along the loop
+    SmoothSegment segment;  ///< smooth part of an input curve, in the loop direction
     bool flipped;           ///< true: the input curve runs against the loop
     double length;          ///< arc length, model units
-    Vec3 start;             ///< start point: mean of the two ends that are joined there
+    Vec3 start;             ///< start point: mean of the two joined curve ends
   };
   std::vector<OrientedSegment> segments;
-  /// Index of the first segment after each corner. Side c consists of the segments from corners[c]
-  /// to corners[c + 1] - 1, cyclically.
+  /// Index of the first segment after each corner. Side c of the loop consists of the segments from
+  /// corners[c] to corners[c + 1] - 1, cyclically.
   std::vector<int> corners;
-  double size = 0;  ///< diagonal of the bounding box of all curves
+  double size = 0;  ///< diagonal of the bounding box of all curves, model units
 
   /// True if the segment with index `piece` starts at a corner.
   bool is_corner(size_t piece) const;
-  std::vector<size_t> side(size_t c) const;  ///< indices of the segments of side c
-  /// Arc length of side c, model units.
+  /// Indices of the segments of side c, from corner c to the next corner.
+  std::vector<size_t> side(size_t c) const;
+  /// Arc length of side c, from corner c to the next corner, model units.
   double side_length(size_t c) const;
   /// End point of a segment, which is the start of the next segment.
   const Vec3& end_of(size_t piece) const { return segments[(piece + 1) % segments.size()].start; }
 };
 
-/// Joins outline segments into closed loops. Each loop has the direction of its first segment, and
-/// loops are ordered by their first segments. `reverse_orientation`: reverses the first loop.
-/// `gap_tolerance`: ends within this distance are joined, model units. `size`: diagonal of the
-/// bounding box of all curves.
+/// Joins smooth curve segments at their ends into closed loops. Each loop has the direction of its
+/// first segment, and loops are ordered by their first segments. `reverse_orientation`: reverses
+/// the first loop. `gap_tolerance`: ends within this distance are joined, model units. `size`:
+/// diagonal of the bounding box of all curves.
 ///
 /// Prescribed curves that are listed in the order of one loop are joined in that order, so that the
 /// loop may pass through a point twice. Two prescribed curves (CharacterLine::prescribed) make a
-/// corner unless their derivative vectors dX/du agree at the common end (relative 1e-12). Other
-/// segments make a corner if the direction changes by more than `corner_angle` (degrees).
+/// corner unless their derivative vectors agree at the common end (relative 1e-12). Other segments
+/// make a corner if the direction changes by more than `corner_angle` (degrees).
 ///
 /// Throws OutlineIntersection for curves that cross or touch, and InputError for an open loop (the
 /// message contains the gap), three curves that meet at one point, curves that all lie on one
@@ -68,33 +69,33 @@ std::vector<Outline> make_loops(const std::vector<SmoothSegment>& segments, doub
                                 double gap_tolerance, double corner_angle,
                                 bool reverse_orientation = false);
 
-/// A vertex between two consecutive segments of a loop, with unit tangents. `incoming`: tangent at
-/// the end of the previous segment. `outgoing`: tangent at the start of the next segment. The
-/// tangents are equal unless the vertex is a corner.
+/// The point between two consecutive segments of a loop of curves, with unit tangents. `incoming`:
+/// tangent at the end of the previous segment. `outgoing`: tangent at the start of the next
+/// segment. The tangents are equal unless the point is a corner.
 struct LoopVertex {
   Vec3 position, outgoing, incoming;
 };
-/// Computes the vertex at the start of segment p.
+/// Computes the position and the tangents of a loop at the start of its segment `p`.
 LoopVertex loop_vertex_at(const Outline& outline, size_t p);
 
-/// Adds a warning for each vertex that is not a corner but has a kink of more than 1 degree,
-/// because the kink will be rounded. `corner_angle`: degrees.
+/// Adds a warning for each kink between two segments above 1 degree and up to `corner_angle`
+/// (degrees), because the fitted outline rounds such a kink.
 void warn_about_rounded_kinks(const Outline& outline, double corner_angle,
                               std::vector<std::string>& warnings);
 
-/// The same loop in the opposite direction.
+/// The loop `outline` in the opposite direction.
 Outline reversed(const Outline& outline);
 
 // Tests whether input curves cross or touch.
 
-/// Number of chords of a sampled curve.
+/// Number of chords of the polyline that approximates a curve in intersection tests.
 constexpr int kCurveChords = 48;
 
-/// Samples kCurveChords + 1 points of the curve, evenly spaced in its parameter.
+/// Samples kCurveChords + 1 points of a curve, evenly spaced in its parameter.
 std::vector<Vec3> polyline(const InputCurve& curve);
 
-/// Result of a proximity test of two curves: whether they come closer than a given distance, and
-/// the position at which they do.
+/// Result of a proximity test of two curves. `found`: true if they come closer than the given
+/// distance. `where`: the position at which they do.
 struct CurveCrossing {
   bool found = false;
   Vec3 where = Vec3::Zero();
@@ -106,10 +107,10 @@ class BoxedCurve {
  public:
   explicit BoxedCurve(const InputCurve& curve);
 
-  /// Tests whether the two curves come closer than `distance`: first with boxes and polylines, then
-  /// with the curves themselves. Points within the distance `skip` of a point in `common_ends` are
-  /// ignored. All distances are in model units. Cost: O(chords²), far less if the boxes are
-  /// disjoint.
+  /// Tests whether this curve and `other` come closer than `distance`: first with bounding boxes
+  /// and polylines, then with the curves. Points within the distance `skip` of a point in
+  /// `common_ends` are ignored. All distances are in model units. Cost: O(chords²), far less if the
+  /// boxes are disjoint.
   CurveCrossing crossing(const BoxedCurve& other, double distance,
                          const std::vector<Vec3>& common_ends, double skip) const;
   /// Tests whether the curve comes closer than `distance` (model units) to itself. The common start
@@ -133,20 +134,21 @@ class BoxedCurve {
 
 // Enclosed area of a loop, and its interior angles.
 
-/// Computes the unit normal of a loop from the area vector. The loop is counter-clockwise seen from
-/// the tip of the normal. Throws InputError if the area vector is shorter than 1e-6 · size².
+/// Computes the unit normal of a closed loop of curves: the direction of its area vector ½ ∮ x ×
+/// dx. The loop is counter-clockwise seen from the tip of the normal. Throws InputError if the area
+/// vector is shorter than 1e-6 · Outline::size².
 Vec3 loop_normal(const Outline& outline);
-/// True if the length of the area vector of the loop is at least 1e-6 · size².
+/// True if the area vector ½ ∮ x × dx of the loop has at least the length 1e-6 · Outline::size².
 bool encloses_area(const Outline& outline);
-/// Length of the area vector of a loop, model units². This is the area that the projection of the
-/// loop along loop_normal() encloses.
+/// Length of the area vector ½ ∮ x × dx of a closed loop of curves, model units². This is the area
+/// that the projection of the loop along loop_normal() encloses.
 double enclosed_area(const Outline& outline);
 
-/// Computes the interior angle at each corner, in radians in (0, 2π), or in (0, π) if `convex`.
+/// Computes the interior angle at each corner of a loop: radians in (0, 2π), or (0, π) if `convex`.
 ///
 /// If `convex` is false, a corner is convex if the loop turns left there, in the projection along
 /// loop_normal(). In two cases, developable_triangulation() of the loop is used instead of the
-/// projection: if the loop deviates from a plane by more than a fifth of the size, or if the plane
+/// projection: if the loop deviates from a plane by more than a fifth of its size, or if the plane
 /// of the two curves at the corner is within 30 degrees of perpendicular to the plane of the loop.
 ///
 /// Throws as loop_normal() does. Cost: microseconds, or up to 10 ms if the triangulation is needed.

@@ -27,42 +27,42 @@ namespace batten {
 /// less belong to the same point.
 constexpr double kParameterTolerance = 1e-9;
 
-/// Prescribed subdivision of the curves of a face, which makes its mesh edges match those of
-/// adjacent faces.
+/// Prescribed subdivision of the curves of a face, to match the mesh edges of adjacent faces.
 struct SubdivisionRequest {
-  /// For each curve (mesh-aligned curves first, then embedded ones): prescribed parameters,
-  /// ascending, including those of start and end. Without parameters for a curve, the face selects
-  /// the subdivision. More points are added where the face needs them: at the mesh vertices of
-  /// mesh-aligned curves, where curves meet, and where triangles would fold.
+  /// For each curve (mesh-aligned curves first, then embedded ones): prescribed parameters of the
+  /// ends of mesh edges, ascending, including those of start and end of the curve. Empty list: the
+  /// mesher selects the subdivision. The mesher adds points where the face needs them: at the mesh
+  /// vertices of mesh-aligned curves, where curves meet, and where triangles would fold.
   std::vector<std::vector<double>> at;
-  /// True: edges at which a triangle would fold may be bisected. False: such edges become straight
-  /// in (u, v).
+  /// True: an edge on a curve may be bisected if the adjacent triangle would fold. False: such an
+  /// edge becomes straight in (u, v).
   bool may_split = true;
 };
 
-/// Six-node (quadratic) triangles. The nodes at corners come first, then those at edge midpoints.
-/// For a face without embedded curves they correspond to the vertices and edges of the element mesh
-/// in their order, unless the SubdivisionRequest contains points that are not vertices.
+/// Six-node (quadratic) triangles of a face. The nodes at corners come first, then those at edge
+/// midpoints. For a face without embedded curves the nodes are the vertices and edge midpoints of
+/// the element mesh, in its order, unless the SubdivisionRequest adds points.
 struct QuadraticElements {
-  /// True: the triangles are those of the element mesh, in the same order.
+  /// True: the triangles are those of the element mesh, in its order. False: separate mesh.
   bool is_element_mesh = true;
   std::vector<Location> nodes;  ///< locations of the nodes in the element mesh
   std::vector<Vec2> uv;         ///< domain coordinates of the nodes
   /// Nodes of each triangle: three corners, counter-clockwise, then the midpoints of the edges 12,
   /// 23, 31.
   std::vector<std::array<int, 6>> triangles;
-  std::vector<int> element;  ///< for each triangle, the element that contains the centroid
+  std::vector<int> element;  ///< for each triangle, the element that contains its centroid
   /// For each curve (mesh-aligned curves first, then embedded ones): the nodes of the triangle
   /// edges on the curve, in order along it, as (first end, second end, midpoint). Parts of an inner
   /// curve outside of the face have no edges.
   std::vector<std::vector<std::array<int, 3>>> lines;
-  /// For each edge in `lines`: the parameters of the curve at the two ends of the edge.
+  /// For each triangle edge in `lines`: the parameters of the curve at the two ends of the edge.
   std::vector<std::vector<std::array<double, 2>>> parameters;
 };
 
-/// Builds six-node triangles of a face. `edge_length`: target length of edges on embedded curves
-/// and, scaled to (u, v), inside the face, model units; 0: facet_length(region). The midpoint of an
-/// edge on a curve from c(t0) to c(t1) is c((t0 + t1) / 2). Cost: O(n log n) for n triangles.
+/// Builds six-node triangles of a face that follow its curves. `requested`: prescribed subdivision
+/// of the curves. `edge_length`: target length of edges on embedded curves and, scaled to (u, v),
+/// inside the face, model units; 0: facet_length(region). An edge from c(t0) to c(t1) on a curve
+/// c(t) in (u, v) has its midpoint at c((t0 + t1) / 2). Cost: O(n log n) for n triangles.
 ///
 /// Throws InputError if a face with embedded curves has no boundary; if no straight seam of an
 /// annulus avoids the holes; if curves cross or touch without a common point; or if a mesher is
@@ -80,9 +80,9 @@ struct DisplayFacets {
 };
 
 /// Builds facets for display by splitting each triangle into n² facets. Without embedded curves,
-/// the triangles are those of the element mesh (tessellate(mesh, n)). Otherwise, they are those of
-/// quadratic_elements(), and facet vertices on curves have equidistant parameters within each edge.
-/// Throws as quadratic_elements() does.
+/// these triangles are those of the element mesh (tessellate(mesh, n)). With embedded curves, they
+/// are those of quadratic_elements() for this `edge_length`, and facet vertices on curves have
+/// equidistant parameters within each edge. Throws as quadratic_elements() does.
 DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0);
 
 /// Message that explains why facets() would fail for a face, or "" if it would succeed. O(1)
@@ -90,15 +90,15 @@ DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0)
 std::string facet_error(const SkinnedRegion& region);
 
 /// Mean length of the element edges of a face: distance of the end points in space, model units.
-/// Edges outside of the trim are excluded.
+/// Edges outside of the trimmed domain are excluded.
 double facet_length(const SkinnedRegion& region);
 
-/// Mean of facet_length() over several faces, model units. Use it as the common `edge_length`, so
-/// that adjacent faces have the same points on shared curves.
+/// Mean of facet_length() over several faces, model units. Pass it as `edge_length` to facets() for
+/// every face, so that adjacent faces have the same points on shared curves.
 double mean_facet_length(const std::vector<const SkinnedRegion*>& regions);
 
-/// Number of facets per element edge (the argument n of facets()): at most 4, and small enough for
-/// at most 400,000 facets in total.
+/// Number of facets per element edge for display, the argument `n` of facets(): at most 4, and
+/// small enough for at most 400,000 facets in total.
 int display_facets_per_edge(const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

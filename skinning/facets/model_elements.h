@@ -26,19 +26,19 @@ namespace batten {
 
 /// Quadratic elements of all faces, with node numbers that are common to the model.
 struct ModelElements {
-  /// Elements of each face. Their nodes are numbered within the face.
+  /// Elements of each face, with node numbers that are local to the face.
   std::vector<QuadraticElements> regions;
   /// For each face and each node of this face: the number of the node in the model, starting at 0,
   /// in the order of first occurrence.
   std::vector<std::vector<int>> node;
-  /// Position of each node of the model. The position of a shared node is taken from the first face
-  /// in which the curve is mesh-aligned, so that the node is exactly on the curve. If all faces
-  /// have the curve embedded, the node is on the curve of the first face.
+  /// Position of each node of the model. If several faces share the node, its position is that in
+  /// the first face in which the shared curve is mesh-aligned, so that the node is exactly on the
+  /// curve. If all these faces have the curve embedded, the node is on the curve of the first face.
   std::vector<Vec3> positions;
   struct Line {
     std::string name;
-    /// Node numbers of the element edges on the curve: first end, second end, midpoint. An edge of
-    /// several faces is listed once.
+    /// Node numbers in the model for each element edge on this curve: first end, second end,
+    /// midpoint. An edge that several faces share is listed once.
     std::vector<std::array<int, 3>> edges;
   };
   std::vector<Line> lines;  ///< one entry per curve name, in the order of first occurrence
@@ -47,8 +47,8 @@ struct ModelElements {
 /// Computes conforming quadratic elements of a model. A model of one face has the elements and node
 /// numbers of this face.
 ///
-/// `regions`: one or more faces, not null, in the order of the result. `edge_length`: target length
-/// of edges on embedded curves, model units; 0: facet_length() of each face.
+/// `regions`: one or more faces, not null, in the order of ModelElements::regions. `edge_length`:
+/// target length of edges on embedded curves, model units; 0: facet_length() of each face.
 ///
 /// Cost: that of quadratic_elements() for each face if all shared curves are mesh-aligned;
 /// otherwise faces with embedded curves are meshed about twice.

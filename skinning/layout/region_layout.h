@@ -12,8 +12,8 @@ namespace batten {
 
 struct DomainInput;  // skinning/domains/domain_input.h
 
-/// A face without a shape: its domain, its mesh, and the representation of each curve on the mesh.
-/// The constructor builds it in these steps:
+/// The layout of a face, without its shape: its domain, its mesh, and the representation of each
+/// curve on the mesh. The constructor builds it in these steps:
 ///
 /// 1. Curves are split at their corners (into "name.1", "name.2", …). Outline curves, and hole
 ///    curves, are joined at their ends into loops.
@@ -45,11 +45,11 @@ struct DomainInput;  // skinning/domains/domain_input.h
 /// to the direction of u. Theory: docs/theory/domains.md.
 class RegionLayout {
  public:
-  /// Lays out a face. Throws InputError, with a message for the user, for invalid input: an open
-  /// loop; curves that cross or touch; a loop that crosses itself; all curves on one straight line;
-  /// holes outside of the outline or inside each other; inner curves that leave the face, or cross
-  /// in the domain but not in space; a domain type that does not suit the outline. Throws
-  /// NoSolutionError for a trimmed mesh whose area does not match the outline.
+  /// Builds the layout of a face. Throws InputError, with a message for the user, for invalid
+  /// input: an open loop; curves that cross or touch; a loop that crosses itself; all curves on one
+  /// straight line; holes outside of the outline or inside each other; inner curves that leave the
+  /// face, or cross in the domain but not in space; a domain type that does not suit the outline.
+  /// Throws NoSolutionError for a trimmed mesh whose area does not match the outline.
   RegionLayout(std::string name, const std::vector<CharacterLine>& lines,
                const SkinOptions& options, const Progress& progress = {});
 
@@ -70,25 +70,25 @@ class RegionLayout {
   /// Change of direction above which the outline has a corner, degrees.
   double corner_angle() const { return options_.corner_angle; }
   SkinOptions::Domain domain() const { return options_.domain; }
-  bool convex() const { return options_.convex; }         ///< value of SkinOptions::convex
-  bool uses_rest_shape() const { return options_.rest; }  ///< value of SkinOptions::rest
-  /// Start point of the first mesh-aligned curve or, if there is none, of the first embedded curve.
+  bool convex() const { return options_.convex; }  ///< true: all corners are treated as convex
+  bool uses_rest_shape() const { return options_.rest; }  ///< false: the rest state is flat
+  /// Start point in space of the first mesh-aligned (if none, of the first embedded) curve.
   Vec3 origin() const;
 
-  /// Builds the constraint equations of all curves. The surface contains mesh-aligned curves
-  /// exactly, and embedded curves at their collocation points. The equations do not couple x, y and
-  /// z. They have the names of the curves.
+  /// Builds the constraint equations by which the surface contains all curves of the face:
+  /// mesh-aligned curves exactly, embedded curves at their collocation points. The equations do not
+  /// couple x, y and z. Each equation has the name of its curve.
   ConstraintSet line_constraints() const;
-  /// Builds the constraint equations of the corner positions, without those of the curves. The
-  /// equations do not couple x, y and z. They are named "corner 1", "corner 2", … Throws InputError
-  /// for a domain without corners.
+  /// Builds the constraint equations that fix the corner positions of the face, but not its curves.
+  /// The equations do not couple x, y and z. They are named "corner 1", "corner 2", … Throws
+  /// InputError for a domain without corners.
   ConstraintSet corner_constraints() const;
-  /// Builds the face in a given shape. `dofs`: absolute coordinates, model units.
+  /// Builds the face with the shape that `dofs` define (absolute coordinates, model units).
   SkinnedRegion region(Points dofs) const;
 
-  /// Bisects triangles under embedded curves where the gap between curve and `shape` exceeds
-  /// `target` (model units). Returns false if no triangle is bisected. Otherwise the mesh changes,
-  /// and existing dofs and constraints become invalid.
+  /// Bisects triangles through which an embedded curve passes, if the gap between this curve and
+  /// the surface `shape` exceeds `target` (model units) there. Returns false if no triangle is
+  /// bisected. Otherwise the mesh changes, and existing dofs and constraints become invalid.
   bool refine(const Surface& shape, double target);
 
   // Edits. An edit that throws leaves the layout unchanged. Existing dofs and constraints become
@@ -96,7 +96,7 @@ class RegionLayout {
   // of other curves move.
 
   /// Bisects the marked triangles (one mark per triangle) and others as needed to keep the mesh
-  /// conforming (bisected()). Then it trims the mesh and selects the collocation points again.
+  /// conforming (bisected()). The mesh is trimmed again, and new collocation points are selected.
   /// Mesh-aligned curves stay mesh-aligned. Returns false if no triangle is marked. Throws
   /// InputError if the number of marks is wrong; throws as the constructor does if the curves
   /// cannot be represented on the new mesh.
@@ -109,15 +109,15 @@ class RegionLayout {
   /// is no such curve; the message suggests the closest name.
   const HermiteCurve& line(const std::string& name) const;
   /// Replaces the fitted and the input curve of this name by `curve`, which must have the same
-  /// CurveMesh. The coefficients of line_constraints() remain the same; the right-hand sides
-  /// change. set_line() does not check whether the curve still meets its neighbours: contradictory
+  /// CurveMesh. In line_constraints(), only the right-hand sides change, not the coefficients.
+  /// set_line() does not check whether the new curve meets the adjacent curves: contradictory
   /// constraints are detected when the constraints are reduced. Throws InputError for an unknown
   /// curve, a different CurveMesh, or non-finite values.
   void set_line(const std::string& name, HermiteCurve curve);
 
   /// Embeds an inner curve at the points of `shape` closest to the curve. `shape`: a surface on the
-  /// mesh of this layout. The curve is fitted within tolerance() and split at its corners into
-  /// "name.1", … The mesh is unchanged: call refine(shape, target) to bisect triangles with large
+  /// mesh of this layout. The curve is split at its corners into "name.1", …, and fitted within
+  /// tolerance(). The mesh is unchanged: call refine(shape, target) to bisect triangles with large
   /// gaps.
   ///
   /// Throws InputError for a name that exists already, a role other than Inner,

@@ -13,14 +13,14 @@ namespace batten {
 
 struct CurveSamples;  // fairing/curves/staged_fairing.h
 
-/// A C1 cubic curve that replaces an input curve exactly, without further fitting. The faces on
-/// both sides share the curve, and their meshes have vertices at the same points of the curve.
+/// A C1 cubic curve that replaces an input curve, which is then not fitted. The faces on both sides
+/// share the curve, and their meshes have vertices at the same points of the curve.
 struct PrescribedCurve {
   /// The C1 cubic curve, in the direction of the input curve, with an almost uniform
   /// parametrisation.
   HermiteCurve curve;
   /// Parameters of `curve` at the mesh vertices of faces in which the curve is mesh-aligned:
-  /// ascending, from start to end, including the nodes of the curve.
+  /// ascending, from start to end, including the ends of all its cubic pieces.
   std::vector<double> vertices;
 };
 
@@ -35,7 +35,7 @@ struct CharacterLine {
   enum class MeshAlignment {
     Auto,  ///< mesh-aligned if the domain permits a straight chain of edges, otherwise embedded
     EdgeAligned,  ///< conforming: a straight chain of element edges, exactly on the curve
-    Embedded      ///< immersed: imposed at collocation points; the gap between them is measured
+    Embedded      ///< immersed: the surface contains the curve at collocation points only
   };
   std::string name;
   std::shared_ptr<const InputCurve> curve;
@@ -45,8 +45,9 @@ struct CharacterLine {
   /// loop, either all curves have a prescribed curve, or none of them. Two prescribed curves meet
   /// at a corner unless their derivative vectors are equal there.
   std::shared_ptr<const PrescribedCurve> prescribed = {};
-  /// False: the curve bounds a hole, but only trims the surface and does not constrain it. The trim
-  /// then follows the points of the surface closest to the curve.
+  /// True: the surface must contain the curve. False: the curve bounds a hole, but only trims the
+  /// surface and does not constrain it. The trim then follows the points of the surface closest to
+  /// the curve.
   bool constrains_surface = true;
 };
 
@@ -62,25 +63,25 @@ struct SmoothSegment {
   /// has a prescribed curve, that curve.
   std::shared_ptr<const InputCurve> curve;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
-  /// Prescribed curve in the direction of the input curve, or null.
+  /// Prescribed curve (CharacterLine::prescribed), in the direction of the input curve, or null.
   std::shared_ptr<const PrescribedCurve> prescribed = {};
-  /// The input curve, if `prescribed` is set.
+  /// The input curve if `prescribed` is set, otherwise null.
   std::shared_ptr<const InputCurve> input = {};
-  bool constrains_surface = true;
+  bool constrains_surface = true;  ///< value of CharacterLine::constrains_surface
 
   /// Converts the segment to a CharacterLine in the direction of the input curve. `flipped`: true
-  /// if `curve` runs against the input curve.
+  /// if the segment runs against the input curve.
   CharacterLine line(bool flipped) const;
-  /// The prescribed curve in the direction of `curve`. `flipped`: true if `curve` runs against the
-  /// input curve.
+  /// The curve `prescribed` in the direction of the segment. `flipped`: true if the segment runs
+  /// against the input curve.
   HermiteCurve prescribed_along(bool flipped) const;
 };
 
 /// Splits an input curve at its corners, unless it has a prescribed curve. `corner_angle`: change
 /// of direction at a corner, degrees. Throws InputError if the curve has zero length or points that
 /// are not finite, or if a prescribed curve has interior corners. Also throws InputError if the
-/// vertices of a prescribed curve do not ascend from start to end, or do not include the nodes of
-/// the curve.
+/// vertices of a prescribed curve do not ascend from start to end, or do not include the ends of
+/// all its cubic pieces.
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle);
 
 /// The part of a curve between the parameters `from` < `to`.
@@ -95,14 +96,14 @@ HermiteCurve as_closed_curve(const HermiteCurve& curve);
 
 /// Converts a piecewise cubic segment to a HermiteCurve without approximation (exact_curve()), if
 /// the following conditions hold: the segment is open; the ratio of the largest to the smallest
-/// parametric speed is at most 3; no cubic piece is shorter than `shortest`, unless it is the only
-/// one; and the ends are within 1e-8 of the length from `start` and `end`, to which they are then
-/// moved. Returns nullopt otherwise.
+/// parametric speed is at most 3; no cubic piece is shorter than `shortest` (model units), unless
+/// it is the only one; and the ends are within 1e-8 of the arc length from `start` and `end`, to
+/// which they are then moved. Returns nullopt otherwise.
 std::optional<HermiteCurve> reuse_cubic_input(const SmoothSegment& segment, double shortest,
                                               const Vec3& start, const Vec3& end);
 
-/// Computes distances of points from a curve, by Newton's method from samples that are computed
-/// once. The curve must outlive this object.
+/// Computes distances of points from a curve in model units, by Newton's method from samples that
+/// the constructor computes. The curve must outlive this object.
 class CurveDistance {
  public:
   explicit CurveDistance(const InputCurve& curve);
@@ -118,9 +119,9 @@ class CurveDistance {
 
 /// Samples a curve for fair_in_stages(), evenly by arc length in each segment between corners.
 ///
-/// Each segment gets at least eight points, eight per span between breaks, and its share of about
-/// 200 points. CurveSamples::extra_points contains three more points between adjacent points. The
-/// last point of a closed curve equals the first one.
+/// A segment gets 200 points times its fraction of the arc length, but at least eight, and at least
+/// eight per span between breaks (InputCurve::breaks()). CurveSamples::extra_points contains three
+/// more points between adjacent points. The last point of a closed curve equals the first one.
 ///
 /// `corner_angle`: change of direction at a corner, degrees; see corner_angle_of().
 /// CharacterLine::prescribed is ignored. Throws InputError if the curve has zero length or points

@@ -11,35 +11,35 @@
 
 namespace batten {
 
-/// Facets (triangles, curved triangles, mesh elements) of one or several targets.
+/// Facets (triangles, curved triangles, mesh elements) of one or several target surfaces.
 struct TargetFaces {
-  ShellMesh shells;  ///< facets of the targets; points in model units
-  /// For each facet, the unit normals at the corners if it is a curved (PN) triangle; empty if it
-  /// is flat.
+  ShellMesh shells;  ///< facets of the target surfaces; points in model units
+  /// For each facet, the unit normals at the corners if the facet is a curved (PN) triangle; empty
+  /// if the facet is flat.
   std::vector<std::optional<PnTriangle::Corners>> normals;
   std::vector<int> part;  ///< for each facet, index of its CAD face; -1: from a mesh
-  /// Next unused index of a CAD face.
+  /// Smallest unused index of a CAD face.
   int next_part = 0;
 
   TargetFaces() { shells.points.resize(0, 3); }
-  /// Appends facets, with coordinates multiplied by `scale`. `corners`: unit normals at the corners
-  /// of each facet, or empty for flat facets. `faces`: CAD face of each facet, or empty for meshes.
-  /// Curved triangles whose height is at most 1e-9 of the longest edge are omitted: their interior
-  /// is never the closest part of the target.
+  /// Appends the facets `more`, with coordinates multiplied by `scale`. `corners`: unit normals at
+  /// the corners of each facet, or empty for flat facets. `faces`: CAD face of each facet, or empty
+  /// for facets of meshes. Curved triangles whose height is at most 1e-9 of the longest edge are
+  /// omitted: their interior is never the closest part of the target.
   void append(const ShellMesh& more, double scale,
               const std::vector<PnTriangle::Corners>& corners = {},
               const std::vector<int>& faces = {});
 };
 
-/// A target, and the parts of which it consists if there are several: CAD faces, and mesh patches
+/// A target surface for fit_model(), and its parts if it has several: CAD faces, and mesh patches
 /// enclosed by creases (feature_lines()). See ModelFitOptions::parts.
 struct TargetParts {
   std::shared_ptr<const TargetSurface> whole;
   std::vector<std::shared_ptr<const TargetSurface>> parts;
 };
 
-/// Creates a target from facets. Facets with normals are curved PN triangles (PnTriangle)
-/// [Vlachos2001]; the others are flat.
+/// Creates a target surface for fit_model() from facets. Facets with normals are curved PN
+/// triangles (PnTriangle) [Vlachos2001]; the others are flat.
 ///
 /// The distance between samples is at most 1/100 of the size of the target, with at most 64 samples
 /// per triangle edge. A part with a single boundary loop has a harmonic parametrization

@@ -51,11 +51,11 @@
 
 namespace batten {
 
-/// One side of a join: a face, and its representation of the shared curve.
+/// One of the two faces that are joined along a curve, and its representation of this curve.
 struct JoinSide {
   int region = 0;         ///< index into the faces of the model
   bool embedded = false;  ///< true: the face has the curve embedded; false: mesh-aligned
-  int line = 0;           ///< index into the embedded or the mesh-aligned curves of the face
+  int line = 0;           ///< index into the face's embedded or mesh-aligned curves
   /// True if the face lies to the left of the directed curve, seen from the tip of the face's
   /// normal.
   bool left = true;
@@ -70,34 +70,36 @@ struct JoinLine {
   std::optional<bool> curvature = {};
 };
 
-/// How a smooth join is imposed at one end of the shared curve; determined before solving.
+/// How tangent-plane continuity (G1) of two faces is imposed at one end of their shared curve.
 struct JoinEnd {
-  double gamma = 1, delta = 0;  ///< gluing functions γ, δ of the G1 condition (1) at this end
-  /// Angle between the tangent planes of both faces at this end, degrees; 0 if the curves do not
-  /// determine both tangent planes.
+  /// Gluing functions γ, δ at this end, in the G1 condition y_A = -γ y_B + δ X', where y_A, y_B are
+  /// the cross-boundary derivatives of both faces and X' is the derivative of the curve.
+  double gamma = 1, delta = 0;
+  /// Angle between the tangent planes of both faces at this end, degrees; 0 if the curves that meet
+  /// there do not determine both tangent planes.
   double plane_angle_deg = 0;
-  /// True: the G1 condition (1) is not imposed at this end, where the join ends as a crease,
-  /// because plane_angle_deg is above the limit.
+  /// True: the join ends as a crease, because G1 continuity is not imposed at this end of the
+  /// curve: plane_angle_deg is above the limit of plan_joins(), or `creased` is true.
   bool open = false;
-  /// True: the end is open although the G1 condition (1) should hold there, because refinement
-  /// could not reduce the angle in the last mesh edge of an embedded curve
-  /// (refine_embedded_joins()). Planning the joins again keeps this value.
+  /// True: G1 continuity is given up at this end, because refinement could not reduce the angle in
+  /// the last mesh edge of an embedded curve. Planning the joins again keeps this value.
   bool creased = false;
-  /// True: the cross-boundary derivative of one face is free at this end, and no adjacent join
-  /// determines it. The G1 condition (1) is then imposed with γ = 1, δ = 0.
+  /// True: at this end, neither curves nor adjacent joins determine the cross-boundary derivative
+  /// of one of the two faces. The G1 condition is then imposed with γ = 1, δ = 0.
   bool undetermined = false;
-  /// A side of an adjacent join, and the end of its curve (0: start, 1: end).
+  /// A face at an adjacent join, and the end of the curve of this join (0: start, 1: end).
   struct Neighbour {
     JoinSide side;
     int end;
   };
-  /// For each side of the join: the neighbours whose cross-boundary derivatives y determine that of
-  /// this side, as the mean of -y. Empty if y is not free on this side, or if no neighbour
-  /// determines it.
+  /// For each of the two joined faces: the faces at adjacent joins that determine its
+  /// cross-boundary derivative at this end, as the negative mean of their own derivatives. Empty if
+  /// curves determine the derivative, or if no adjacent join does.
   std::array<std::vector<Neighbour>, 2> set;
 };
-/// Correction that is added to the linear interpolation of log γ and δ between the ends of a join.
-/// At the fraction f of the curve it is f (1 - f) (c[0] + c[1] (2 f - 1)).
+/// Correction of log γ and δ along a join, where γ and δ are the gluing functions of the G1
+/// condition. It is added to the linear interpolation between the ends of the join. At the fraction
+/// f of the curve it is f (1 - f) (c[0] + c[1] (2 f - 1)), with c = `log_gamma` or c = `delta`.
 struct GluingCorrection {
   std::array<double, 2> log_gamma{}, delta{};
   bool is_zero() const { return *this == GluingCorrection{}; }
@@ -107,38 +109,41 @@ struct GluingCorrection {
   }
 };
 
-/// Plan of a smooth join: how the G1 condition (1) is imposed along one curve.
+/// How tangent-plane continuity (G1) of two faces is imposed along their shared curve.
 struct JoinPlan {
   JoinLine join_line;
-  /// Conditions at the start and the end of the curve. For an embedded curve, only JoinEnd::open
-  /// and JoinEnd::plane_angle_deg are used.
+  /// Conditions at the start and the end of the curve. If a face has the curve embedded, only
+  /// JoinEnd::open and JoinEnd::plane_angle_deg are used.
   std::array<JoinEnd, 2> ends;
-  GluingCorrection gluing_correction;  ///< used if both faces have the curve mesh-aligned
-  /// For an embedded curve: fractions of the parameter interval, and the values of γ and δ at these
-  /// fractions. Interpolation is linear.
+  GluingCorrection gluing_correction;  ///< used only if both faces have the curve mesh-aligned
+  /// If a face has the curve embedded: fractions (0 to 1) of the parameter interval, and the gluing
+  /// functions γ and δ of the G1 condition there, interpolated linearly in between.
   std::vector<double> at, gamma, delta;
   bool closed = false;  ///< true: the embedded curve is closed and has no ends
-  /// How the G1 condition (1) is imposed at an end of an embedded curve.
-  /// Hat:   averaged over the hat function, if the faces continue smoothly beyond the end.
+  /// How tangent-plane continuity (G1) is imposed at an end of an embedded curve.
+  /// Hat:   on the average over a hat function, if the faces continue smoothly beyond the end.
   /// Point: pointwise, at a corner at which the curves determine the tangent planes of both faces.
-  /// None:  not imposed: the end is open, or only one of the faces has a corner there.
+  /// None:  not imposed: JoinEnd::open is true, or only one of the faces has a corner there.
   enum class EndCondition { None, Hat, Point };
   std::array<EndCondition, 2> end_conditions{};
-  /// Message that explains why the faces cannot be joined smoothly along this curve; empty if they
-  /// are joined.
+  /// Reason why the faces cannot be joined smoothly along this curve, or "" if they can.
   std::string rejection_reason;
   bool rejected() const { return !rejection_reason.empty(); }
-  bool constant() const;  ///< true: mesh-aligned curves, constant γ and δ, no open end
+  /// True if both faces have the curve mesh-aligned, the gluing functions are constant along it,
+  /// and tangent-plane continuity is imposed at both ends.
+  bool constant() const;
 };
 
-/// Plans smooth joins: computes the gluing functions γ and δ of the G1 condition (1) from given
-/// shapes. `regions`: the faces; faces without smooth joins may be null. `shapes`: dofs of each
-/// face, which satisfy the constraints of all curves. `max_plane_angle_deg`: if the tangent planes
-/// at an end of a join differ by a larger angle, the join ends as a crease there.
+/// Plans smooth joins: computes their gluing functions γ and δ from given shapes of the faces. At a
+/// join of faces A and B along the curve X(t), the G1 condition is y_A = -γ y_B + δ X' with the
+/// cross-boundary derivatives y_A and y_B. `regions`: the faces; faces without smooth joins may be
+/// null. `shapes`: dofs of each face, which satisfy the constraints of all curves.
+/// `max_plane_angle_deg`: if the tangent planes at an end of a join differ by a larger angle, the
+/// join ends as a crease there.
 ///
 /// A join is rejected (JoinPlan::rejection_reason) if the faces have different mesh vertices on a
 /// mesh-aligned curve; if the tangent planes differ by more than 90 degrees; if γ is outside of
-/// (1/50, 50); or if an embedded curve is shorter than the elements there.
+/// (1/50, 50); or if an embedded curve is shorter than the elements that it crosses.
 std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
                                  const std::vector<Points>& shapes,
                                  const std::vector<JoinLine>& join_lines,
@@ -148,57 +153,60 @@ std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions
 /// for edge dofs.
 struct DofOffsets {
   int vertex_dofs = 0;  ///< 3 · number of vertices of the face
-  /// Offsets that are added to the numbers of vertex dofs and of edge dofs.
+  /// Offsets from the numbers in the face to those in the model, for vertex dofs and for edge dofs.
   int vertices = 0, edges = 0;
-  /// Number of a dof of the face in the model.
+  /// Number in the model of the dof with the number `dof` in the face.
   int operator()(int dof) const { return dof + (dof < vertex_dofs ? vertices : edges); }
 };
 
-/// Adds the G1 constraints (1) of all joins that are not rejected, named "smooth curve NAME". If
-/// the curves are constrained, (1) holds at the nodes automatically. `free`: true if the curves are
-/// not constrained. (1) is then imposed at the nodes too, except for the last join around a node,
-/// which the other joins imply.
+/// Adds the constraints of tangent-plane continuity (G1) of all joins that are not rejected, named
+/// "smooth curve NAME". If the curves are constrained, continuity holds at the nodes automatically.
+/// `free`: true if the curves are not constrained. The constraints are then imposed at the nodes
+/// too, except for the last join around a node, which the other joins imply.
 void add_join_constraints(const std::vector<const RegionLayout*>& regions,
                           const std::vector<DofOffsets>& dof_offsets,
                           const std::vector<JoinPlan>& plans, bool free, ConstraintSet& set);
 
-/// Computes the penalty matrix of the residual of the G1 condition (1) on embedded curves, where
-/// the constraints enforce only averages over hat functions. The matrix is the lower triangle for
-/// one coordinate and the bending stiffness β = 1, to be added to the bending stiffness matrix on
-/// the domain of size 1:
+/// Computes the penalty matrix for tangent-plane continuity (G1) on embedded curves, on which
+/// constraints enforce only averages. The matrix is the lower triangle for one coordinate and the
+/// bending stiffness β = 1, to be added to the bending stiffness matrix on the domain of size 1:
 ///
 ///     1000 (S/s_A)² ∫ |y_A + γ y_B - δ x_t|² / (σ_A h) dt,      h = √(2 · area of the triangle).
 ///
-/// The matrix is zero if no join is on an embedded curve. `size`: size S of the model. `dofs`:
-/// number of rows of the matrix. s_A is the size of face A.
+/// The matrix is zero if no join is on an embedded curve. For faces A and B, y_A and y_B are the
+/// cross-boundary derivatives, x_t is the derivative along the curve, γ and δ are the gluing
+/// functions. s_A is the size of face A, σ_A the length of the curve in (u, v) per unit of t.
+/// `size`: size S of the model. `dofs`: number of rows of the matrix.
 SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
                             const std::vector<DofOffsets>& dof_offsets,
                             const std::vector<JoinPlan>& plans, double size, int dofs);
 
-/// Adds constraints named "joined curve NAME" that keep adjacent faces together along a curve that
-/// is not constrained itself. If both faces have the curve mesh-aligned, positions and slopes along
-/// the curve agree at vertices. If a face has the curve embedded, positions agree on average over
-/// each hat function.
+/// Adds constraints named "joined curve NAME" that keep adjacent faces together along a curve whose
+/// own position is not constrained. If both faces have the curve mesh-aligned, positions and
+/// derivatives along the curve agree at vertices. If a face has the curve embedded, positions agree
+/// on averages weighted by hat functions along the curve.
 void add_line_ties(const std::vector<const RegionLayout*>& regions,
                    const std::vector<DofOffsets>& dof_offsets, const JoinLine& line,
                    ConstraintSet& set);
 
 /// Quality of a join between two solved faces. Angles are between the tangent planes of the faces,
-/// degrees: 0 if smooth, 180 if one face folds back onto the other, NaN if a surface is singular.
+/// in degrees: 0 if smooth, 180 if one face folds back onto the other, NaN if a face has no normal.
 struct JoinQuality {
   double max_gap = 0;  ///< largest distance between the two faces along the curve, model units
-  /// Largest angle between the tangent planes, degrees.
+  /// Largest angle between the tangent planes of the two faces along the curve, degrees.
   double max_deg = 0;
-  double mean_deg = 0;              ///< mean angle along the curve, degrees
-  std::array<double, 2> end_deg{};  ///< angles at the start and the end of the curve, degrees
-  /// Largest angle in degrees, excluding the first or the last mesh edge if that end is open.
+  double mean_deg = 0;              ///< mean angle between the tangent planes, degrees
+  std::array<double, 2> end_deg{};  ///< angle of the tangent planes at start and end, degrees
+  /// Largest angle between the tangent planes, degrees, excluding the mesh edge at an end of the
+  /// curve if `open` is true for this end (measure_join()).
   double max_inside_deg = 0;
   /// Median and largest difference, between the two faces, of the normal curvature perpendicular to
-  /// the curve, 1/length. Mesh edges at open ends are excluded. 0 if the curvature is continuous.
+  /// the curve, 1/length. Mesh edges at ends at which the join is a crease are excluded. 0: the
+  /// curvature is continuous.
   double median_curvature_jump = 0, max_curvature_jump = 0;
-  /// Integral along the curve of the angle between the normals (radians), model units. The value is
-  /// positive if the edge is convex, seen from the side to which the normals point. It is
-  /// meaningless if both faces lie on the same side of the curve.
+  /// Integral along the curve of the angle between the normals of both faces (radians), model
+  /// units. The value is positive if the edge is convex, seen from the side to which the normals
+  /// point. It is meaningless if both faces lie on the same side of the curve.
   double convexity = 0;
 };
 /// Measures the gap and the angle between the two faces of a join at `samples` + 1 points per mesh
@@ -211,7 +219,7 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
 // Lookup of a curve on the boundary of a finished face.
 
 /// Finds the curve called `name` on the boundary of a face; nullopt if there is no such curve.
-/// `made`: the solved face. `region`: index of this face, which is stored in JoinSide::region.
+/// `made`: the solved face. `region`: index of this face, stored in JoinSide::region of the result.
 std::optional<JoinSide> side_of(const SkinnedRegion& made, int region, const std::string& name);
 
 }  // namespace batten

@@ -16,7 +16,7 @@ namespace batten {
 struct LineSide {
   int region = 0;
   bool embedded = false;
-  int index = 0;  ///< index into RegionLayout::edge_aligned() or ::embedded()
+  int index = 0;  ///< index into embedded() or edge_aligned() of RegionLayout
 };
 
 /// A curve of the model, listed once for all faces that contain the curve.
@@ -30,20 +30,20 @@ struct ModelLine {
 /// A point of the model, given by a face and a point in the domain of this face.
 struct ModelPoint {
   int region = 0;
-  Vec2 uv = Vec2::Zero();  ///< parameters (u, v) in the domain of the face
+  Vec2 uv = Vec2::Zero();  ///< parameters (u, v) in the domain of this face
 };
 
 /// Data common to all faces of a model.
 struct ModelMetadata {
   std::string name;
-  /// Length scale S of the model: diagonal of the bounding box of the curves, model units.
+  /// Length scale of the model: diagonal of the bounding box of the curves, model units.
   double size = 1;
   /// Largest allowed distance between an input curve and its C1 cubic approximation, model units.
   double tolerance = 0;
   /// Origin of the coordinates in which the dofs are computed, model units.
   Vec3 origin = Vec3::Zero();
-  /// A smooth join ends as a crease at a node at which the two tangent planes differ by more than
-  /// this angle, degrees.
+  /// A smooth join ends as a crease at a node at which the tangent planes of both faces differ by
+  /// more than this angle, degrees.
   double max_plane_angle_deg = 0.1;
   /// True: the rest shape of each face is the surface that the boundary curves suggest
   /// (model_shapes.h). False: the rest state is flat, so that a face has the bending energy of the
@@ -51,8 +51,8 @@ struct ModelMetadata {
   bool rest = true;
 };
 
-/// Faces that share curves, as one system of unknowns. A model of a single face has the mesh, the
-/// numbering and the constraints of this face.
+/// The layout of a model: faces that share curves, as one system of unknowns. A model of a single
+/// face has the mesh, the numbering and the constraints of this face.
 ///
 /// The model has one mesh: the concatenated meshes of the faces (ParametricMesh::concatenated()),
 /// each in its own (u, v). Computations per triangle (stiffness, loads, display) therefore handle
@@ -60,9 +60,10 @@ struct ModelMetadata {
 /// then the dof of each edge, face after face.
 ///
 /// The domain of each face is scaled by the size s_r of the face. The energy of the model is that
-/// of the model scaled to size 1, with the parameters U = u s_r/S. In the parameters u of a face,
-/// the bending stiffness therefore has the factor (S/s_r)², the membrane stiffness the factor 1,
-/// and an area of the domain the factor (s_r/S)². See domain_scale() and scale_to_regions().
+/// of the model scaled from its size S to size 1, with the parameters U = u s_r/S. In the
+/// parameters u of a face, the bending stiffness therefore has the factor (S/s_r)², the membrane
+/// stiffness the factor 1, and an area of the domain the factor (s_r/S)². See domain_scale() and
+/// scale_to_regions().
 ///
 /// Each face has its own constraints for a shared curve. Smooth joins are additional constraints on
 /// the dofs of both faces (join.h). All other shared curves are creases (G0): the faces share only
@@ -74,8 +75,8 @@ class ModelLayout {
  public:
   /// Constructs a model of one face.
   ModelLayout(RegionLayout region);  // NOLINT: a face is a model
-  /// Constructs a model of one or more faces. The joins refer to faces by index. Throws InputError
-  /// if there is no face, or if the faces have different types of elements.
+  /// Constructs a model of one or more faces. The joins refer to faces by their index in `regions`.
+  /// Throws InputError if there is no face, or if the faces have different types of elements.
   ModelLayout(ModelMetadata metadata, std::vector<std::shared_ptr<const RegionLayout>> regions,
               std::vector<JoinPlan> join_lines);
 
@@ -103,79 +104,79 @@ class ModelLayout {
   // -- curves -------------------------------------------------------------------------------------
   const std::vector<ModelLine>& lines() const { return lines_; }
   bool has_line(const std::string& name) const;
-  /// The curve of this name and its representations. Throws InputError if there is no such curve;
-  /// the message suggests the closest name.
+  /// The curve called `name` and its representations in the faces. Throws InputError if there is no
+  /// such curve; the message suggests the closest name.
   const ModelLine& model_line(const std::string& name) const;
-  /// The curve of this name in space, X(t): the C1 cubic approximation in the first face that
-  /// contains the curve (ModelLine::sides). Throws as model_line() does.
+  /// The curve called `name` in space: its C1 cubic approximation in the first face that contains
+  /// the curve (ModelLine::sides). Throws as model_line() does.
   const HermiteCurve& line(const std::string& name) const;
-  /// The C1 cubic curve X(t) in space that represents a model curve in one face.
+  /// The C1 cubic curve in space that represents a model curve in one face.
   const HermiteCurve& curve(const LineSide& side) const;
-  /// The pcurve c(t) = (u, v) that represents a model curve in the domain of one face. The
-  /// parameter t is that of curve().
+  /// The pcurve of a model curve in the domain (u, v) of one face, with the parameter of curve().
   HermiteCurve pcurve(const LineSide& side) const;
-  /// True if curve(side) runs against curve(line.sides[0]).
+  /// True if the representation of a model curve in one face, curve(side), runs against the one in
+  /// the first face, curve(line.sides[0]).
   bool against(const ModelLine& line, const LineSide& side) const;
-  /// All shared curves, smooth or creases, as pairs of faces: the first face that contains the
-  /// curve with each of the others. JoinSide::left is not determined here, and its value is
-  /// meaningless.
+  /// All curves that faces share, smooth or creases, as pairs of faces: the first face that
+  /// contains the curve, paired with each of the others. JoinSide::left is not determined here, and
+  /// its value is meaningless.
   std::vector<JoinLine> shared_lines() const;
   const std::vector<JoinPlan>& join_plans() const { return join_plans_; }
-  /// The plan of the smooth join along a curve; null if there is no smooth join.
+  /// The plan of the smooth join along the curve called `line`; null if there is no smooth join.
   const JoinPlan* join_plan(const std::string& line) const;
 
   // -- constraints and numbering -----------------------------------------------------------------
-  /// Builds the constraints of all curves in all faces, named after the curves, and those of smooth
-  /// joins, named "smooth curve NAME". The constraints do not couple x, y and z.
+  /// Builds the constraints by which the faces contain their curves, named after the curves, and
+  /// those of smooth joins, named "smooth curve NAME". The constraints do not couple x, y and z.
   ConstraintSet line_constraints() const;
-  /// Builds the constraints of a model whose corners are fixed, but not its curves: the corner
-  /// positions, named "corner 1", … (with several faces "FACE corner 1", …); the constraints that
-  /// keep faces together along shared curves, named "joined curve NAME"; and those of smooth joins.
-  /// Throws InputError for a model without corners.
+  /// Builds the constraints of a model of which only the corners are fixed, not the curves: those
+  /// of the corner positions, named "corner 1", … (with several faces "FACE corner 1", …); the
+  /// constraints that keep faces together along shared curves, named "joined curve NAME"; and those
+  /// of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
-  /// The penalty matrix join_stiffness() of all smooth joins on embedded curves, for the isotropic
-  /// bending stiffness β = 1 and the model scaled to size 1. Multiply it by β and add it to the
-  /// bending stiffness matrix.
+  /// The matrix that penalises angles at all smooth joins on embedded curves (join_stiffness() in
+  /// join.h), for the isotropic bending stiffness β = 1 and the model scaled to size 1. Add β times
+  /// this matrix to the bending stiffness matrix.
   SparseMatrix join_stiffness() const;
-  /// A vector over the dofs of one coordinate, with 1 at position dofs (w) and 0 elsewhere.
+  /// A vector over the dofs of one coordinate: 1 at vertex positions (w), 0 at derivatives.
   VecX position_dofs() const;
   /// A fill-reducing ordering of all dofs. Empty if joins couple faces, because an ordering
   /// computed from the matrix is then better.
   std::vector<int> dof_order() const;
-  /// The factor (s_r/S)² for each triangle, where s_r is the size of its face and S that of the
-  /// model. Empty if the factor is 1 everywhere.
+  /// For each triangle, the factor (s/S)² by which areas of the face's domain are scaled to the
+  /// model of size 1. s is the size of the face, S that of the model. Empty if all factors are 1.
   const VecX& domain_scale() const { return domain_scale_; }
   /// Converts materials from the parameters of the model scaled to size 1 to the parameters (u, v)
   /// of each face. `materials`: one for all triangles, or one per triangle. The result has one per
-  /// triangle, or equals `materials` if all factors are 1.
+  /// triangle, or equals `materials` if domain_scale() is empty.
   std::vector<SurfaceStiffness> scale_to_regions(std::vector<SurfaceStiffness> materials) const;
-  /// Offsets from the dof numbers of face r to those of the model. first_triangle(r) is the number
-  /// of the first triangle of face r in the model.
+  /// Offsets from the dof numbers of face `r` to those of the model. first_triangle(r) is the
+  /// number in the model of the first triangle of face `r`.
   const DofOffsets& dof_offsets(int r) const { return dof_offsets_[r]; }
   int first_triangle(int r) const { return first_triangle_[r]; }
-  /// Extends a vector over the dofs of face r to all dofs of the model, with zeros elsewhere.
+  /// Extends the vector `own` over the dofs of face `r` to all dofs of the model, by zeros.
   VecX spread(int r, const VecX& own) const;
   int region_of(int triangle) const;  ///< index of the face that contains a triangle of the model
-  /// Converts a location in the mesh of face r to a location in the mesh of the model.
+  /// Converts a location in the mesh of face `r` to a location in the mesh of the model.
   Location to_model_location(int r, Location where) const;
 
   // -- shapes -------------------------------------------------------------------------------------
-  /// Extracts the dofs of face r from those of the model.
+  /// Extracts the dofs of face `r` from `all`, the dofs of the model.
   Points region_dofs(int r, const Points& all) const;
   /// Combines the dofs of all faces into those of the model.
   Points all_dofs(const std::vector<Points>& of_regions) const;
   /// All faces as one surface, for evaluation by location. Do not evaluate this surface by (u, v):
   /// each face has its own parameters. `all`: dofs of the model.
   Surface surface(Points all) const;
-  /// Builds face r in a shape of the model. `all`: dofs of the model in absolute coordinates.
+  /// Builds face `r` with the shape that `all` defines: dofs of the model in absolute coordinates.
   SkinnedRegion skinned(int r, const Points& all) const;
-  /// Computes the shape of minimum energy that satisfies line_constraints(). The result and `rest`
-  /// are dofs in absolute coordinates. `rest`: the rest shape (zero energy), with zeros in faces
-  /// without a rest shape; no rows: no face has a rest shape. Cost: one factorization. Throws
-  /// ConflictError, NoSolutionError.
+  /// Computes the shape of minimum energy that satisfies line_constraints(). `material`: stiffness.
+  /// `rest`: dofs of the rest shape (zero energy), with zeros in faces without a rest shape; no
+  /// rows: no face has a rest shape. Dofs are in absolute coordinates. Cost: one factorization.
+  /// Throws ConflictError, NoSolutionError.
   Points minimize_energy(const SurfaceStiffness& material, const Points& rest = {}) const;
-  /// Computes the shape that satisfies line_constraints() and is closest to `wanted`: the bending
-  /// energy of the difference is minimal. Dofs are in absolute coordinates. Cost: one
+  /// Computes the shape that satisfies line_constraints() and is closest to the shape `wanted`: the
+  /// bending energy of their difference is minimal. Dofs are in absolute coordinates. Cost: one
   /// factorization. Throws as minimize_energy() does.
   Points nearest(const Points& wanted) const;
 
@@ -187,19 +188,19 @@ class ModelLayout {
   /// Replaces the curve of this name, in all faces that contain it, by `curve`, which must have the
   /// same CurveMesh (RegionLayout::set_line()).
   void set_line(const std::string& name, const HermiteCurve& curve);
-  /// Adds an inner curve to the closest face (RegionLayout::add_inner_line()). `shape`: dofs of the
-  /// model in absolute coordinates.
+  /// Adds an inner curve to the face closest to it (RegionLayout::add_inner_line()). `shape`: dofs
+  /// of the model in absolute coordinates.
   void add_inner_line(const CharacterLine& line, const Points& shape);
   void remove_inner_line(const std::string& name);  ///< see RegionLayout::remove_inner_line()
-  /// Computes the gluing functions γ and δ of all smooth joins again, from a shape on this layout.
-  /// Impossible joins are rejected (JoinPlan::rejection_reason). O(joins).
+  /// Plans all smooth joins again (plan_joins() in join.h), from a shape on this layout. Impossible
+  /// joins are rejected (JoinPlan::rejection_reason). O(joins).
   void plan_joins(const Points& shape);
-  /// Turns the smooth join along a curve into a crease. `why`: the reason, as a message for the
-  /// user.
+  /// Turns the smooth join along a curve into a crease. `why`: the reason, a message for the user.
   void reject_join(const std::string& line, const std::string& why);
-  /// Largest relative change of γ and δ at the ends of smooth joins if plan_joins(shape) were
-  /// called. Infinite if a crease at an end would appear or disappear, or if a join would be
-  /// rejected. Call plan_joins() if the value is not small.
+  /// Largest relative change of the gluing functions (of the G1 conditions) at the ends of smooth
+  /// joins that plan_joins(shape) would cause. Infinite if a crease at the end of a join would
+  /// appear or disappear, or if a join would be rejected. Call plan_joins() if the value is not
+  /// small.
   double gluing_change(const Points& shape) const;
 
  private:
@@ -212,11 +213,11 @@ class ModelLayout {
   ModelMetadata metadata_;
   std::vector<std::shared_ptr<const RegionLayout>> regions_;
   std::vector<JoinPlan> join_plans_;
-  // Derived from these by assign_dof_offsets():
+  // Derived from the faces and joins by assign_dof_offsets():
   std::shared_ptr<const ParametricMesh> mesh_;
   std::shared_ptr<const Trim> trim_;
   std::vector<DofOffsets> dof_offsets_;
-  std::vector<int> first_triangle_;  // the last entry is the total
+  std::vector<int> first_triangle_;  // of each face; the last entry is the total number
   VecX domain_scale_;
   std::vector<ModelLine> lines_;
 };
@@ -236,16 +237,16 @@ class ModelScale {
   SurfaceStiffness material(const SurfaceStiffness& m) const {
     return scaled_to_unit_domain(m, units_, size_);
   }
-  /// Factor by which a force on the model is multiplied in the scaled problem.
+  /// Factor by which a force on the model is multiplied in the problem scaled to size 1.
   double force() const { return relative_ ? size_ : 1; }
-  /// Factor of a force per area of the domain. per_area() is the factor of a force per area of the
-  /// surface.
+  /// Factor of a force per area of the domain in the problem scaled to size 1; per_area(): of a
+  /// force per area of the surface.
   double per_domain_area() const { return relative_ ? size_ : size_ * size_; }
   double per_area() const { return relative_ ? 1 / size_ : 1; }
-  /// Factor of the mass and the damping per area of the domain.
+  /// Factor of mass and damping per area of the domain in the problem scaled to size 1.
   double inertia() const { return relative_ ? 1 : size_ * size_; }
-  /// Factor from reaction forces of the scaled problem to those in reports. energy_factor() is the
-  /// factor for energies.
+  /// Factor from reaction forces of the problem scaled to size 1 to those in reports.
+  /// energy_factor() is the factor for energies.
   double reaction_factor() const { return relative_ ? 1 / size_ : 1; }
   double energy_factor() const { return relative_ ? 1 / (size_ * size_) : 1; }
 
@@ -257,7 +258,7 @@ class ModelScale {
 
 // Refinement of a model along embedded curves, after solving.
 
-/// Bisects triangles where loads and constraints pull a surface off its embedded curves:
+/// Bisects triangles in which loads and constraints pull a solved surface off its embedded curves:
 ///
 ///     GapRefinement refinement(layout);
 ///     do regions = solve(layout);
@@ -269,15 +270,16 @@ class ModelScale {
 /// tolerance.
 class GapRefinement {
  public:
-  /// Prepares the refinement. `layout`: the model before the first round.
+  /// Sets the limit on the number of triangles. `layout`: the model before the first bisections.
   explicit GapRefinement(const ModelLayout& layout);
 
-  /// Bisects the triangles of `layout` with gaps above half of the tolerance. Returns false, and
-  /// does not change `layout`, if the refinement ends. `regions`: the faces of the solved shape on
+  /// Bisects the triangles of `layout` in which the gap to an embedded curve exceeds half of the
+  /// tolerance of the model. Returns false, and does not change `layout`, if all gaps are at most
+  /// 0.7 of the tolerance or if a limit is reached. `regions`: the faces of the solved shape on
   /// `layout`, in order. O(triangles + samples of embedded curves).
   bool bisect(ModelLayout& layout, const std::vector<SkinnedRegion>& regions);
 
-  /// True after the last round: bisect() will return false.
+  /// True after eight rounds of bisections, the maximum: bisect() will then return false.
   bool exhausted() const { return rounds_ == kMaxRounds; }
 
  private:

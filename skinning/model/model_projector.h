@@ -12,8 +12,8 @@
 namespace batten {
 
 /// Finds closest points on a model; efficient for many queries. Each face has a SurfaceProjector,
-/// which is built on first use. Bounding boxes exclude faces that are too far away. The object
-/// contains copies of the surfaces. Queries are thread-safe.
+/// which is built when the face is first searched. Bounding boxes exclude faces that are too far
+/// away. The object contains copies of the surfaces. Queries are thread-safe.
 ///
 /// Cost: O(triangles) for the construction; per query, that of SurfaceProjector::nearest() in each
 /// face that the boxes do not exclude.
@@ -28,16 +28,16 @@ class ModelProjector {
     ModelPoint at;
     Location where;  ///< location of the point in the mesh of its face
     double distance = 0;
-    bool inside = true;  ///< true: the point is inside the trim of its face
+    bool inside = true;  ///< true: the point is inside the trimmed domain of its face
   };
-  /// Finds the closest point on the meshes of all faces, inside or outside of their trims. A
-  /// point inside of a trim takes precedence over all points outside. `p`: model units.
+  /// Finds the point of all faces closest to `p` (model units), inside or outside of their trimmed
+  /// domains. A point inside takes precedence over all points outside.
   Nearest nearest(const Vec3& p) const;
-  /// Finds the closest point inside the trims, so that Nearest::inside is true. If the closest
-  /// point of all is outside, Surface::closest_point() is called, which is slower. `p`: model
-  /// units.
+  /// Finds the point closest to `p` (model units) inside the trimmed domains of all faces, so that
+  /// Nearest::inside is true. If nearest() finds a point outside, Surface::closest_point() is
+  /// called, which is slower.
   Nearest nearest_inside(const Vec3& p) const;
-  /// The surface of a face in the shape that was passed to the constructor. `region`: index of the
+  /// The surface of a face, in the shape that was passed to the constructor. `region`: index of the
   /// face in the layout.
   const Surface& surface(int region) const { return regions_[region].surface; }
 

@@ -15,10 +15,10 @@
 
 namespace batten {
 
-/// Computes the dofs of the rest shapes of all faces, in absolute coordinates. A rest shape is the
-/// surface that a face's boundary curves suggest; a face with SkinOptions::rest = false has no rest
-/// shape. The dofs of faces without a rest shape are zero. The result has no rows if no face has a
-/// rest shape, or if ModelMetadata::rest is false.
+/// Computes the dofs of the rest shapes of all faces of a model, in absolute coordinates. A rest
+/// shape is the surface that a face's boundary curves suggest; a face with SkinOptions::rest =
+/// false has no rest shape. The dofs of faces without a rest shape are zero. The result has no rows
+/// if no face has a rest shape, or if ModelMetadata::rest is false.
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
 ///     annulus                    the loft through its boundary circles and its closed inner curves
@@ -29,23 +29,22 @@ namespace batten {
 /// O(vertices + edges) of the faces with a rest shape.
 Points rest_dofs(const ModelLayout& layout);
 
-/// Assembles the dofs of the model from known rest shapes, one per face. A rest shape with no rows
-/// means that the face has none.
+/// Assembles the dofs of a model from known rest shapes, one per face. No rows in an entry of
+/// `of_regions`: the face has no rest shape.
 Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions);
 
-/// Computes the dofs of the rest shape of one face, in the numbering of this face. The result has
-/// no rows if the face has no rest shape.
+/// Computes the dofs of the rest shape of one face, in absolute coordinates; no rows if the face
+/// has no rest shape.
 Points rest_dofs(const RegionLayout& region);
 
 /// True if the face has five or more sides that are not coplanar. Such a face has no pairs of
-/// opposite sides, and therefore no sweep as rest shape. The minimum-variation surface
-/// (fair_shape()) is then the best choice among the surfaces through the boundary curves: see the
-/// table in docs/fairness.md.
+/// opposite sides, and therefore no rest shape. The minimum-variation surface (fair_shape()) is the
+/// best choice among the surfaces through the boundary curves: see the table in docs/fairness.md.
 bool has_many_sides(const RegionLayout& region);
 
-/// Bending energy ½ qᵀKq ≥ 0 of a shape relative to a flat rest state, on the model scaled to size
-/// 1. `dofs`: absolute coordinates. `material`: only the bending stiffness beta is used. Cost: one
-/// assembly of K.
+/// Bending energy ½ qᵀKq ≥ 0 of the shape with dofs q = `dofs` (absolute coordinates) relative to a
+/// flat rest state, with the bending stiffness matrix K of the model scaled to size one.
+/// `material`: only the bending stiffness beta is used. Cost: one assembly of K.
 double bending_energy(const ModelLayout& layout, const Points& dofs, SurfaceStiffness material);
 
 // Rest shapes of sessions as functions: sculpting/session calls them, skinning/shapes makes them.
@@ -53,35 +52,35 @@ double bending_energy(const ModelLayout& layout, const Points& dofs, SurfaceStif
 /// Input of a RestShapeFunction. All dofs are in absolute coordinates.
 struct RestShapeInput {
   const ModelLayout& layout;
-  const ConstraintSet& rows;  ///< current constraints, including curves and offsets
+  const ConstraintSet& rows;  ///< current constraints, including curves and curve offsets
   const Points& bent;         ///< shape of minimum bending energy that satisfies `rows`
-  /// The shape that satisfies `rows` and has the least bending energy relative to the first rest
-  /// shape on this mesh. It is a good initial shape and does not depend on the order of previous
-  /// changes. No rows: this is the first call on this mesh.
+  /// The shape that satisfies `rows` and has the least bending energy relative to the rest shape
+  /// that the first call on this mesh returned. It is a good initial shape, and independent of the
+  /// order of previous changes. No rows: this call is the first one on this mesh.
   const Points& near;
   const Progress& progress;
 };
 
-/// Computes the rest shape of a session: the reference configuration of zero elastic energy, from
-/// which loads, offsets and constraints bend the surface.
+/// Function that computes the rest shape of an interactive session: the reference configuration of
+/// zero elastic energy, from which loads, offsets and constraints bend the surface.
 ///
-/// The rest shape need not satisfy the constraints. A result without rows means a flat rest state:
-/// the elastic energy is then that of the shape itself, as in thin-plate interpolation of the
+/// The rest shape need not satisfy the constraints. If the result has no rows, the rest state is
+/// flat: the elastic energy is that of the shape itself, as in thin-plate interpolation of the
 /// curves.
 using RestShapeFunction = std::function<Points(const RestShapeInput&)>;
 
 // Deviation of a surface from the rest shape of its boundary curves.
 
-/// Largest distance of a face from its rest shape (rest_dofs()), and two lengths for comparison.
+/// Largest distance of a face from its rest shape (rest_dofs()), and two lengths of comparison.
 struct RestShapeDeviation {
-  double distance = 0;  ///< largest distance at a vertex of the mesh, model units
+  double distance = 0;  ///< largest distance, at a mesh vertex, model units
   Vec3 at = Vec3::Zero();
-  /// Width of the face: the shorter side of the rectangle with the area and the perimeter of the
-  /// rest shape, model units.
+  /// Width of the face, model units: the shorter side of a rectangle that has the area and the
+  /// perimeter of the rest shape.
   double across = 0;
   /// Depth of the boundary curves, model units. The depth of an open curve is its largest distance
   /// from its chord; that of a closed curve is the smallest distance from its centre. The value is
-  /// the minimum over all curves with a depth above 1e-2 of the size; 0 if there is no such curve.
+  /// the smallest depth above 1e-2 of the size of the face; 0 if no curve has such a depth.
   double depth = 0;
 
   /// True if the surface differs from the rest shape by more than a tenth of `across`, or by more
@@ -89,8 +88,8 @@ struct RestShapeDeviation {
   bool is_large() const { return distance > 0.1 * across || (depth > 0 && distance > 0.5 * depth); }
 };
 
-/// Measures the deviation of a face from its rest shape; nullopt if the face has no rest shape.
-/// Cost: one rest_dofs().
+/// Measures the deviation of the skinned face `made` from its rest shape; nullopt if the face has
+/// no rest shape. Cost: one rest_dofs().
 std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layout,
                                                        const SkinnedRegion& made);
 
@@ -102,16 +101,17 @@ std::optional<RestShapeDeviation> rest_shape_deviation(const RegionLayout& layou
 ///
 /// The sections of an annulus are its boundary circles. The sections of a face with four corners
 /// are the side that contains one of the curves named in `sections`, and the opposite side. Inner
-/// curves that run along the sections are sections, too. Other faces get the shape of minimum
-/// bending energy. The result satisfies ModelLayout::line_constraints(). Dofs are in absolute
-/// coordinates.
+/// curves that run along these sides are sections, too. Faces without sections get the shape of
+/// minimum bending energy. The result satisfies ModelLayout::line_constraints(). Dofs are in
+/// absolute coordinates.
 ///
-/// Throws InputError if there are neither annuli nor sections, or if a section is not a curve of
-/// the model or not a side of a face with four corners; ConflictError; NoSolutionError. Cost: one
-/// factorization for one coordinate.
+/// Throws InputError if the model has no annulus and `sections` is empty, or if a section is not a
+/// curve of the model or not a side of a face with four corners; ConflictError; NoSolutionError.
+/// Cost: one factorization for one coordinate.
 Points loft_shape(const ModelLayout& layout, const std::vector<std::string>& sections);
 
-/// Result of loft_model(): the refined layout, and the absolute dofs of the loft on it.
+/// Result of loft_model(): the refined layout, and the dofs of the loft on this layout, in absolute
+/// coordinates.
 struct LoftedModel {
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;
@@ -119,29 +119,29 @@ struct LoftedModel {
 
 /// Computes loft_shape() on an adaptively refined mesh. Triangles in which the surface deviates
 /// from the exact loft by more than `most` (model units) are bisected, in at most four iterations.
-/// For example, the initial mesh is too coarse between the leading edges of two wing sections.
-/// After each bisection, the smooth joins are planned again.
+/// For example, refinement is needed between the leading edges of two wing sections. After each
+/// bisection, the smooth joins are planned again.
 LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
                        const std::vector<std::string>& sections, double most);
 
 // Curvature-continuous (G2) joins.
 
-/// Determines whether fairing makes the curvature continuous (G2) across a smooth join.
-/// JoinLine::curvature decides if it is set. Otherwise the curves that cross the join at its ends
-/// decide. Let κ_A and κ_B be the normal curvatures, at an end, of two curves that continue each
-/// other across the join; the surfaces must have the same curvatures there. The curvature is made
-/// continuous unless, summed over the ends with such curves,
+/// Determines whether fairing makes the curvature continuous (G2) across a smooth join. If
+/// JoinLine::curvature is set, it is the answer. Otherwise the curves that cross the join at its
+/// ends decide. Let κ_A and κ_B be the normal curvatures, at an end, of two curves that continue
+/// each other across the join; the surfaces must have the same curvatures there. The curvature is
+/// made continuous unless, summed over the ends with such curves,
 ///
 ///     Σ |κ_A - κ_B| > ½ Σ max(|κ_A|, |κ_B|),
 ///
-/// for example between a cylinder and its cap. It is also made continuous if there are no such
-/// curves. False for a rejected join.
+/// for example between a cylinder and its cap. It is made continuous if no curves continue each
+/// other across the join. False for a rejected join.
 bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan);
 
-/// Samples all curvature-continuous joins, and all smooth joins on embedded curves, at two Gauss
-/// points per mesh edge or hat function. On embedded curves, the angle between the tangent planes
-/// is penalised, too, because the constraints of such a join control only averages over hat
-/// functions.
+/// Computes sample points on all curvature-continuous joins, and on all smooth joins on embedded
+/// curves, as input of minimize_curvature_variation(): two Gauss points per mesh edge or hat
+/// function. On embedded curves, the angle between the tangent planes is penalised, too, because
+/// the constraints of a join on an embedded curve control only averages.
 std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
 
 // Fair shapes of models: minimum-variation surfaces [MoretonSequin1992] under the constraints of
@@ -149,16 +149,16 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
 
 /// Computes the minimum-variation surface of a model under the given constraints, by descent from
 /// `start`. It calls minimize_curvature_variation() with the sides of all faces, and with a
-/// suitable weight of the Gaussian curvature. This weight is 100 if no face has corners or inner
-/// curves: annuli then become cylinders and cones if possible.
+/// suitable weight of the Gaussian curvature (MinimumVariationOptions::gauss). This weight is 100
+/// if no face has corners or inner curves: annuli then become cylinders and cones if possible.
 ///
 /// For a model with annuli, loft_shape() is a second initial shape, which prevents long tubes from
 /// being pinched, unless `options` specifies other initial shapes. Smooth joins stay smooth, and
 /// the curvature is continuous across those for which is_curvature_continuous() is true. Dofs are
 /// in absolute coordinates.
 ///
-/// `constraints`: ModelLayout::line_constraints() and any others. `options`: the members gauss,
-/// sides and joins are overwritten. Throws as minimize_curvature_variation() does.
+/// `constraints`: ModelLayout::line_constraints() and any additional constraints. `options`: the
+/// members gauss, sides and joins are overwritten. Throws as minimize_curvature_variation() does.
 MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& start,
                                    const ConstraintSet& constraints,
                                    MinimumVariationOptions options = {},
@@ -168,8 +168,8 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
 
 /// Interpolates a shape onto a finer layout of the same faces, for example after
 /// ModelLayout::refine(). `dofs`: absolute dofs on `layout`. The result contains absolute dofs on
-/// `finer`. It is exact where the meshes agree; see interpolate_onto(Surface, ParametricMesh) in
-/// fem/refinement.h.
+/// `finer`. It is exact in triangles that both meshes contain; see interpolate_onto(Surface,
+/// ParametricMesh) in fem/refinement.h.
 Points interpolate_onto(const ModelLayout& layout, const Points& dofs, const ModelLayout& finer);
 
 }  // namespace batten

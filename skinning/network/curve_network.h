@@ -16,23 +16,23 @@ struct NetworkOptions {
   /// 1e-3 of the network size, or more for imprecise input such as sketches.
   ///
   /// The automatic tolerance is raised if fewer than half of the curve ends and crossings are
-  /// joined within 1e-3 of the size. It is then derived from the gaps between ends and the nearest
-  /// other curve. Only gaps up to 2e-2 of the size count, and at least half of all ends must have
-  /// such a gap. An end that overshoots a crossing by less than 2e-2 of the size counts as joined
-  /// to the curve that it crosses. The tolerance becomes 1.4 times the largest gap if that is at
-  /// most twice the 80th percentile of the gaps, otherwise 1.4 times that percentile. It never
-  /// exceeds 2e-2 of the size.
+  /// joined within 1e-3 of the size. It is then derived from the gaps between curve ends and the
+  /// nearest other curve. Only gaps up to 2e-2 of the size count, and at least half of all ends
+  /// must have such a gap. An end that overshoots a crossing by less than 2e-2 of the size counts
+  /// as joined to the curve that it crosses. The tolerance becomes 1.4 times the largest gap if
+  /// that is at most twice the 80th percentile of the gaps, otherwise 1.4 times that percentile.
+  /// The tolerance never exceeds 2e-2 of the size.
   double tolerance = 0;
-  /// Largest allowed distance between an input curve and the curves of its edges, model units, if
-  /// the input curve was not repaired. 0: 1e-4 of the network size.
+  /// Largest allowed distance between an input curve and the C1 cubic curves of the edges made from
+  /// it, model units, if the input curve was not repaired. 0: 1e-4 of the network size.
   double fit_tolerance = 0;
   /// Corner angle, degrees, from 0 to 180: a curve is split where its tangent turns by more than
   /// this angle.
   double corner_angle = 20;
-  /// Largest angle between the tangents of two edges at a node at which one edge continues the
-  /// other, degrees, from 0 to 180. The two edges then get a common tangent. Edges of one smooth
-  /// curve always continue each other. Each edge end has at most one continuation: the edge with
-  /// the smallest angle.
+  /// Tangent angle, degrees, from 0 to 180: an edge continues another edge at a node if the angle
+  /// between their tangents there is at most this angle. The two edges then get a common tangent.
+  /// Edges of one smooth curve always continue each other. Each edge end has at most one
+  /// continuation: the edge with the smallest angle.
   double tangent_angle = 20;
 };
 
@@ -49,9 +49,10 @@ struct NetworkOptions {
 /// the displacement fades out along the edge. The node lies at the mean of the joined ends or, if
 /// an end meets the interior or a corner of a curve, on that curve. The rotation to a common
 /// tangent adds a displacement of at most half the tolerance. A node joins only ends within the
-/// tolerance, nearest first; other ends nearby are reported as near misses. Curves that stay close
-/// to each other over less than 3 √(tolerance · size) are tangent, not overlapping, unless they
-/// coincide. NetworkDiagnostic describes which problems are repaired and which are only reported.
+/// tolerance, nearest first; ends that are slightly farther away are reported as near misses.
+/// Curves that stay close to each other over less than 3 √(tolerance · size) are tangent, not
+/// overlapping, unless they coincide. NetworkDiagnostic describes which problems are repaired and
+/// which are only reported.
 class CurveNetwork {
  public:
   /// Builds the network.
@@ -70,19 +71,18 @@ class CurveNetwork {
   const std::vector<NetworkDiagnostic>& diagnostics() const { return diagnostics_; }
   /// Diagonal of the bounding box of all curves, model units.
   double size() const { return size_; }
-  /// Gap tolerance with which the network was built, model units: NetworkOptions::tolerance or the
-  /// automatic value.
+  /// Gap tolerance of the network, model units: NetworkOptions::tolerance or the automatic value.
   double tolerance() const { return tolerance_; }
   /// Fraction of the curve ends whose distance from another curve is at most 1e-3 of the network
   /// size, from 0 to 1.
   ///
-  /// If the fraction is below 0.5, crossings of curves are counted as joined ends. The result is 1
-  /// if the options specify a tolerance. If the result is below 0.5, the automatic tolerance() may
-  /// be larger than 1e-3 of the size (see NetworkOptions::tolerance).
+  /// If this fraction is below 0.5, the result counts crossings of curves as joined ends. The
+  /// result is 1 if NetworkOptions::tolerance is above 0. If the result is below 0.5, the automatic
+  /// tolerance() may be larger than 1e-3 of the size (see NetworkOptions::tolerance).
   double joined_fraction() const { return joined_fraction_; }
-  /// Indices of the edges of the input curve with this name, in order along the curve, or the index
-  /// of the edge with this name. Throws InputError if there is neither; the message contains the
-  /// most similar name.
+  /// Indices of the edges of the input curve called `name`, in order along the curve, or the index
+  /// of the edge called `name`. Throws InputError if there is neither such a curve nor such an
+  /// edge; the message contains the most similar name.
   std::vector<int> edges_of(const std::string& name) const;
   /// Unit tangent of an edge at one of its ends. It points from the node into the edge.
   Vec3 direction(const EdgeEnd& end) const;

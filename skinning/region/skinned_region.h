@@ -25,14 +25,15 @@ struct EdgeAlignedLine {
 };
 
 /// An embedded (immersed) curve, which the mesh does not follow. The surface contains the curve at
-/// collocation points. Between these, line_gap() measures the distance.
+/// collocation points. Between these points, line_gap() measures the distance of the surface from
+/// the curve.
 struct EmbeddedLine {
   CharacterLine line;          ///< the input curve
-  HermiteCurve fitted;         ///< C1 cubic curve X(t) in space, model units
-  HermiteCurve pcurve;         ///< curve c(t) in (u, v), z = 0, with the parameter t of `fitted`
-  std::vector<double> points;  ///< parameters t of the collocation points, ascending
-  /// True if `fitted` runs against `line.prescribed`. Outline curves are oriented along their loop,
-  /// not along the input curve.
+  HermiteCurve fitted;         ///< C1 cubic approximation of the curve in space, model units
+  HermiteCurve pcurve;         ///< curve in (u, v), z = 0; same parameter as `fitted`
+  std::vector<double> points;  ///< curve parameters of the collocation points, ascending
+  /// True if `fitted` runs against `line.prescribed`. `fitted` has the direction of the loop of the
+  /// outline; `line.prescribed` has that of the input curve.
   bool opposite_to_prescribed = false;
 };
 
@@ -57,16 +58,16 @@ struct SkinnedRegion {
   std::vector<std::vector<BoundarySegment>> boundary = {};
 };
 
-/// The pcurve of a mesh-aligned curve: a straight line in (u, v), with z = 0 and the parameter of
-/// the fitted curve.
+/// The pcurve of a mesh-aligned curve: a straight line in (u, v), with z = 0 and the
+/// parametrisation of EdgeAlignedLine::fitted.
 HermiteCurve edge_aligned_pcurve(const ParametricMesh& mesh, const EdgeAlignedLine& aligned_line);
 
-/// The pcurve of a boundary segment in (u, v), with z = 0, in the direction of the loop. It has the
-/// parameter of boundary_curve().
+/// The pcurve of a boundary segment in (u, v), with z = 0, in the direction of the boundary loop,
+/// with the parametrisation of boundary_curve().
 HermiteCurve boundary_pcurve(const SkinnedRegion& region, const BoundarySegment& piece);
-/// The curve of a boundary segment in space, in the direction of the loop.
+/// The curve of a boundary segment in space, in the direction of the boundary loop.
 HermiteCurve boundary_curve(const SkinnedRegion& region, const BoundarySegment& piece);
-/// The boundary as closed loops in the (u, v) plane. The domain must not be annular.
+/// The boundary of a face as closed loops in the (u, v) plane. The domain must not be annular.
 DomainLoops boundary_loops(const SkinnedRegion& region);
 
 // Options for skinning a face.
@@ -90,7 +91,7 @@ struct SkinOptions {
   Mesher mesher = Mesher::Delaunay;
   /// Type of the flat parameter domain.
   enum class Domain {
-    Auto,  ///< selected from the loops, as described for the other types
+    Auto,  ///< selected by the number, corners and projection of the loops
     /// Polygon with straight sides, for a loop with three or more corners; the outline curves are
     /// mesh-aligned.
     Polygon,
@@ -103,26 +104,25 @@ struct SkinOptions {
     Annulus  ///< periodic in u, for two smooth loops; boundary curves are mesh-aligned
   };
   Domain domain = Domain::Auto;
-  /// True: every corner is convex (a left turn of the loop), even if the curves alone suggest a
-  /// right turn. Set this option if the face will be fitted to a target whose corners are convex.
-  /// Such a target may be far from any surface that the curves alone define.
+  /// True: every corner of the face is convex (a left turn of the loop), even if the curves alone
+  /// suggest a right turn. Set this option if the face will be fitted to a target whose corners are
+  /// convex. Such a target may be far from any surface that the curves alone define.
   bool convex = false;
   /// True: the rest shape of the face is the surface that its boundary curves suggest, if there is
-  /// one (model_shapes.h). False: the rest state is flat, so that the face has the bending energy
-  /// of the shape itself.
+  /// one (rest_dofs() in model_shapes.h). False: the rest state is flat, so that the face has the
+  /// bending energy of the shape itself.
   bool rest = true;
   /// True: the face is an annulus, and each inner curve is a closed cross-section of it. The curves
   /// are ordered from one boundary circle to the other.
   bool sections = false;
-  /// True: the outline runs against its first curve, so that the normal points to the other side.
+  /// True: the outline runs against its first curve, which reverses the normal of the surface.
   bool reverse_orientation = false;
   /// True: the corners of a polygonal domain are moved, and the domain is remeshed, to minimise the
-  /// stretch and shear of the surface relative to the domain. There are at most three rounds with
-  /// one solve each.
+  /// stretch and shear of the surface relative to the domain. At most three rounds, one solve each.
   bool minimize_distortion = false;
   /// Number of times that the triangles of Mesher::Fan are split into four. -1: until the edges are
-  /// short enough (`edge_length`). InputError is thrown if a side of the fan then has too few nodes
-  /// to fit a curve within `tolerance`.
+  /// at most `edge_length` long. InputError is thrown if a side of the fan has too few nodes to fit
+  /// a curve within `tolerance`.
   int fan_refinements = -1;
   /// Target length of element edges, model units. 0: 1/20 of the size of the face.
   double edge_length = 0;
@@ -133,8 +133,8 @@ struct SkinOptions {
 
 // Geometry of a face: everything except its shape.
 
-/// A corner of the outline: the position in the domain, the interior angle in the domain, and the
-/// angle between the two curves in space. Angles are in degrees.
+/// A corner of the outline of a face: its position (u, v) and its interior angle in the domain, and
+/// the angle between its two curves in space. Angles are in degrees.
 struct DomainCorner {
   Vec2 uv;
   double domain_angle_deg, line_angle_deg;
@@ -143,7 +143,7 @@ struct DomainCorner {
 /// Mesh, curves and boundary of a face: everything except its shape (dofs).
 struct RegionGeometry {
   std::shared_ptr<const ParametricMesh> mesh;
-  std::shared_ptr<const Trim> trim;  ///< null if no embedded curve bounds the face
+  std::shared_ptr<const Trim> trim;  ///< trimmed domain; null if no embedded curve bounds the face
   std::vector<EdgeAlignedLine> edge_aligned;
   std::vector<EmbeddedLine> embedded;
   std::vector<std::vector<BoundarySegment>> boundary;
@@ -153,8 +153,8 @@ struct RegionGeometry {
 
 // Quality measures of a finished surface.
 
-/// Largest distance |x(c(t)) - X(t)| between a surface and an embedded curve, model units: sampled
-/// at 20 points between adjacent collocation points.
+/// Largest distance between a surface and an embedded curve at equal curve parameters, model units.
+/// It is sampled at 20 points between adjacent collocation points.
 double line_gap(const Surface& surface, const EmbeddedLine& line);
 
 /// Largest gap between one or several faces and their embedded curves, model units. 0 if there are
@@ -162,9 +162,9 @@ double line_gap(const Surface& surface, const EmbeddedLine& line);
 double line_gap(const SkinnedRegion& region);
 double max_line_gap(const std::vector<SkinnedRegion>& regions);
 
-/// Marks the triangles in which the surface is farther than `target` (model units) from an embedded
-/// curve between two adjacent collocation points. `marks`: one entry per triangle of the face;
-/// entries of other triangles are not changed.
+/// Marks the triangles through which an embedded curve passes between two adjacent collocation
+/// points, if the surface is farther than `target` (model units) from the curve there. `marks`: one
+/// entry per triangle of the face; 1 for marked triangles, unchanged for the others.
 void mark_gaps(const SkinnedRegion& region, double target, char* marks);
 
 /// Quality of a finished surface, measured by sampling.
@@ -172,15 +172,16 @@ struct SkinQuality {
   /// Largest distance from the surface to its mesh-aligned curves, divided by the size of the face.
   double max_line_residual = 0;
   double max_line_gap = 0;  ///< largest gap at embedded curves (line_gap()), model units
-  /// Largest distance between the surface and the input curves, in both directions, model units.
+  /// Largest distance of the surface's curves from the input curves, or vice versa, model units.
   double max_line_deviation = 0;
   /// Largest angle between the normals on both sides of an interior element edge, degrees.
   double max_normal_jump_deg = 0;
-  /// Smallest signed Jacobian |x_u × x_v|, divided by the median.
+  /// Smallest Jacobian |x_u × x_v|, divided by the median; negative if the surface is inverted
+  /// relative to the mean normal of the triangle.
   double min_jacobian_ratio = 0;
-  double max_shear = 1;    ///< largest ratio σ1/σ2 of the singular values of (x_u, x_v)
+  double max_shear = 1;    ///< largest ratio of the singular values of (x_u, x_v)
   double rms_strain = 0;   ///< distortion relative to the domain (Distortion::rms)
-  int singular_nodes = 0;  ///< number of vertices with |x_u × x_v| below 1e-6 of the median
+  int singular_nodes = 0;  ///< vertices with |x_u × x_v| below 1e-6 of the median
   double area = 0;         ///< area of the surface, model units²
 };
 /// Measures all quality figures of a face, by sampling.

@@ -19,11 +19,11 @@ namespace batten {
 /// the edges. At each node the continuations are tried in the order of interior angle, twist and
 /// number of skipped edges (region_loops.h). Dangling edges are ignored.
 ///
-/// 2. Costs. The cost of a loop is Σ interior angles / π (n - 2 for a planar n-gon), plus terms for
-/// twist, non-planarity, skipped edges and nodes visited twice. The gain of a loop is 1.25 times
-/// the number of its edges, minus the cost. Two loops with a common edge have the additional cost
-/// 0.53 (φ / 90°)². φ is the fold angle between the loops: 0° if one loop continues the other, 180°
-/// if one lies on the other.
+/// 2. Costs. The cost of a loop is the sum of its interior angles divided by π (n - 2 for a planar
+/// n-gon), plus terms for twist, non-planarity, skipped edges and nodes visited twice. The gain of
+/// a loop is 1.25 times the number of its edges, minus the cost. A pair of loops with a common edge
+/// has the additional cost 0.53 (φ / 90°)². φ is the fold angle between both loops: 0° if one loop
+/// continues the other, 180° if one lies on the other.
 ///
 /// 3. Selection. The set of loops with the largest total gain is selected, with at most
 /// `max_faces_per_edge` loops per edge. Branch and bound with a dual bound proves that the set is

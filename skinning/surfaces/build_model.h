@@ -16,23 +16,23 @@ namespace batten {
 
 /// Options of build_model().
 struct ModelBuildOptions {
-  /// Options of skin_network(). A single face has the name of the model.
+  /// Options of the faces and joins (skin_network()). A single face has the name of the model.
   ModelOptions model;
-  /// Tolerances of the network; its fit_tolerance and corner_angle are taken from `model.skin`.
+  /// Tolerances of the curve network; fit_tolerance and corner_angle are taken from `model.skin`.
   NetworkOptions network;
   RegionSearchOptions search;  ///< faces that the user requests or excludes
-  /// True: the curves bound one face, which is laid out with the options in `model.skin`, or are
+  /// True: the curves bound one face, which is built with the options in `model.skin`, or they are
   /// the sections of one loft.
   bool single_face = false;
   /// Names of the sections of a loft, in order; used only with `single_face`. If every curve is a
-  /// section, the sections alone define the face; otherwise the curves bound it.
+  /// section, the sections alone define the face; otherwise all curves together bound the face.
   std::vector<std::string> sections;
   /// True: only the corners of faces are constrained, not the curves
-  /// (SessionOptions::fix_corners_only). Outlines that bound one face then make a single face
+  /// (SessionOptions::fix_corners_only). Outline curves that bound one face then make a single face
   /// instead of a network.
   bool fix_corners_only = false;
-  /// Computes the fit tolerance of the curves of a network from the size of the model; both are in
-  /// model units. Empty: `model.skin.tolerance` or, if that is 0, 1e-4 of the size.
+  /// Computes the fit tolerance of the curves of a network from `size`, the size of the model; both
+  /// are in model units. Empty: `model.skin.tolerance` or, if that is 0, 1e-4 of the size.
   std::function<double(double size)> tolerance;
   std::string unit;  ///< name of the length unit in messages, or ""
   /// Prefixes of error messages about the model and about the curve network, such as "scene.toml: "
@@ -45,38 +45,38 @@ struct BuiltModel {
   // The curve network and the faces found in it; both are empty if no network was needed.
   std::optional<CurveNetwork> network;
   std::optional<FoundRegions> found;
-  /// The surface model. Without a network it has one face, whose shape is not computed yet.
+  /// The surface model; without a curve network, one face whose shape is not computed yet.
   SurfaceModel model;
   /// Names of the curves that ordered_sections() recognised as sections, in the order of the loft.
-  /// Empty: the model is not such a loft.
+  /// Empty: the model is not a loft through recognised sections.
   std::vector<std::string> sections;
-  /// Largest allowed distance from an input curve to its fit, model units.
+  /// Largest allowed distance between an input curve and its C1 cubic fit, model units.
   double fit_tolerance = 0;
 
   /// Names of the faces that were skinned. Loads and stiffness fields may refer to these names.
   std::vector<std::string> region_names() const;
 };
 
-/// Builds the curve network with the tolerances that build_model() uses. Throws as CurveNetwork
-/// does; the messages of InputError get the prefix ModelBuildOptions::network_where.
+/// Builds the curve network of `lines` with the tolerances that build_model() uses. Throws as
+/// CurveNetwork does; the messages of InputError get the prefix ModelBuildOptions::network_where.
 CurveNetwork build_network(const std::vector<CharacterLine>& lines,
                            const ModelBuildOptions& options, const Progress& progress = {});
 
-/// Calls find_regions() and throws InputError if no face is found. The message contains the
-/// diagnostics of the network.
+/// Finds the faces of a curve network by find_regions(), and throws InputError if there are none.
+/// The message contains the diagnostics of the network.
 FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOptions& options,
                              const Progress& progress = {});
 
-/// Builds a model from curves given in any order. The first applicable case determines the model:
+/// Builds a model from curves given in any order. The first applicable row determines the model:
 ///
 ///     single_face                           one face; a loft if `sections` are all of the curves
 ///     outlines bound one face               one face with the holes and inner curves on it
 ///     ordered_sections() of the network     the loft of a series of sections
 ///     otherwise                             skin_network(): all faces that the curves bound
 ///
-/// The second and third cases do not apply if faces or joins are requested. Between closed sections
+/// The second and third rows do not apply if faces or joins are requested. Between closed sections
 /// with a corner, the loft consists of two faces (corner_rails()). The normals of a single face
-/// point to the side that normal_side.h defines.
+/// point to the convex side or, if there is none, to the side that normal_side.h defines.
 ///
 /// Throws as build_network(), require_regions(), RegionLayout and skin_network() do, and InputError
 /// if the model has a single face and that face cannot be skinned.

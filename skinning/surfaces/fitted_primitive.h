@@ -16,14 +16,14 @@ namespace batten {
 struct FittedPrimitive {
   enum class Kind { Free, Plane, Cylinder, Sphere, Cone, Torus };
   Kind kind = Kind::Free;
-  Vec3 origin = Vec3::Zero();  ///< position as listed above, model units
-  Vec3 axis = Vec3::UnitZ();   ///< direction as listed above, unit vector
-  /// Radius, model units. Torus: radius of the tube. Cone: largest radius on the surface.
+  Vec3 origin = Vec3::Zero();  ///< centre, apex, or point of plane or axis; model units
+  Vec3 axis = Vec3::UnitZ();   ///< unit vector along the axis; normal of a plane
+  /// Radius, model units. Torus: of the tube. Cone: the largest on the surface.
   double radius = 0;
-  /// Distance from the centre of a torus to the centre of its tube, model units.
+  /// Radius of the major circle of a torus, the centre line of its tube, model units.
   double major_radius = 0;
   double half_angle = 0;  ///< angle between axis and surface of a cone, radians, in (0, π/2)
-  /// Largest distance of the sampled points from the primitive, model units.
+  /// Largest distance of the points sampled on the surface from the primitive, model units.
   double deviation = 0;
 
   /// Signed distance of p from the primitive, model units. It is positive outside of the primitive
@@ -33,14 +33,14 @@ struct FittedPrimitive {
   Vec3 normal(const Vec3& p) const;
 };
 
-/// Name of a kind: "plane", "cylinder", "sphere", "cone", "torus"; "" for Kind::Free.
+/// Name of a kind of primitive: "plane", "cylinder", "sphere", "cone", "torus"; "" for Kind::Free.
 const char* primitive_name(FittedPrimitive::Kind kind);
 
-/// Fits primitives to positions and normals sampled inside the trim, and selects the simplest one.
+/// Fits primitives to the surface of a face and selects the simplest one within a tolerance.
 ///
-/// The order is plane, cylinder or sphere, cone, torus. The first one whose largest deviation is at
-/// most `tolerance` (model units, > 0) is selected, or a later one if its deviation is less than a
-/// fifth of that of the first.
+/// Primitives are tried in the order plane, cylinder or sphere, cone, torus. The first one whose
+/// largest deviation is at most `tolerance` (model units, > 0) is selected, or a later one if its
+/// deviation is less than a fifth of that of the first.
 ///
 /// Initial values come from the normals n at points p. The axis a of a cylinder minimises Σ (n·a)²,
 /// that of a cone the variance of n·a. Centre and radius R are linear least squares of p - R n. The
@@ -48,21 +48,22 @@ const char* primitive_name(FittedPrimitive::Kind kind);
 /// lines: it is the linear complex closest to them [PottmannWallner2001]. Levenberg–Marquardt then
 /// minimises the sum of squared distances.
 ///
-/// The surface must also be curved enough to determine the primitive: its normals must vary by at
-/// least 3° (torus: 30°), and its deviation from a plane must be at least 20 times its deviation
-/// from the primitive. Otherwise the result is Kind::Free. The result is invariant to units and
-/// rigid motions, up to rounding. Radii are known to within the deviation, and are rounded to as
-/// few decimals as that permits. Cost: O(samples); the samples are the vertices and four points per
-/// triangle.
+/// The surface must be curved enough to determine the primitive: its normals must vary by at least
+/// 3° (torus: 30°), and its deviation from a plane must be at least 20 times its deviation from the
+/// primitive. Otherwise the result is Kind::Free. The result is invariant to units and rigid
+/// motions, up to rounding. Radii are known to within the deviation, and are rounded to as few
+/// decimals as that permits. Cost: O(samples); the samples are the positions and normals at the
+/// vertices and at four points per triangle, inside the trimmed domain.
 FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance);
 
-/// Fits a primitive to points and their unit normals, one point per row, in the same way as above.
-/// A zero row in `normals` means that the normal is unknown.
+/// Fits a primitive to points and their unit normals, one point per row, by the method that
+/// fit_primitive() uses for the samples of a face. A zero row in `normals` means that the normal is
+/// unknown.
 FittedPrimitive fit_primitive(const Points& positions, const Points& normals, double tolerance);
 
-/// Tolerance with which reports call fit_primitive(), model units: 1e-4 of the model size, but at
-/// most 5e-4 of the face's size. The second bound prevents small faces of large models from being
-/// recognised as primitives that they only resemble.
+/// Largest distance from a face at which reports accept a primitive (fit_primitive()), model units:
+/// 1e-4 of the model size, but at most 5e-4 of the face's size. This bound prevents small faces of
+/// large models from being recognised as primitives that they only resemble.
 double primitive_tolerance(const SkinnedRegion& region, double model_size);
 
 }  // namespace batten

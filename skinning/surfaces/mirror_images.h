@@ -11,7 +11,7 @@
 
 namespace batten {
 
-/// A plane of symmetry.
+/// The plane of symmetry of a half model.
 struct SymmetryPlane {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitX();  ///< normal vector of any length above zero
@@ -29,14 +29,14 @@ void add_mirror_images(const SymmetryPlane& plane, std::vector<CharacterLine>& l
 /// The join specifications `joins`, and the mirror image of each one whose curve is mirrored.
 ///
 /// `lines`: all curves, including the mirror images. A specification may name an edge, such as
-/// "rail.2", whose mirror image is "mirrored rail.2". The given specifications come last in the
-/// result and take precedence. O(joins · log curves).
+/// "rail.2", whose mirror image is "mirrored rail.2". The specifications in `joins` come last in
+/// the result and take precedence over mirror images. O(joins · log curves).
 std::vector<JoinSpec> with_mirror_images(const std::vector<JoinSpec>& joins,
                                          const std::vector<CharacterLine>& lines);
 
 /// The face specifications `regions` and their mirror images. A face is not mirrored if it has
-/// curves of both halves, or if its mirror image is specified, too. `lines`: all curves, including
-/// the mirror images. O(n²) for n faces.
+/// curves in both halves of the model, or if `regions` contains its mirror image. `lines`: all
+/// curves, including the mirror images. O(n²) for n faces.
 std::vector<RegionSpec> with_mirror_images(const std::vector<RegionSpec>& regions,
                                            const std::vector<CharacterLine>& lines);
 

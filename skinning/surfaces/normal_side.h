@@ -30,41 +30,45 @@ namespace batten {
 
 struct SkinnedRegion;
 
-/// Integrals over an oriented surface. Integrals with an odd power of the normal change sign if the
-/// orientation is reversed.
+/// Integrals over an oriented surface, from which the side of its normals is determined. The
+/// integrals that contain the normal change sign if the orientation is reversed.
 struct SideIntegrals {
-  double area = 0;
-  double curvature = 0;  ///< total mean curvature ½ ∫ div n dA + ½ ∫ θ ds, model units
+  double area = 0;  ///< area of the surface, model units²
+  /// Total mean curvature ½ ∫ div n dA + ½ ∫ θ ds with the unit normal n and the angle θ of the
+  /// normals at creases, model units.
+  double curvature = 0;
   Vec3 area_vector = Vec3::Zero();                    ///< ∫ n dA with the unit normal n
   Vec3 first = Vec3::Zero();                          ///< first moment ∫ x dA of the positions x
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();  ///< ∫ x nᵀ dA of positions and unit normals
 
-  /// Adds the integrals over the triangle abc, except for `curvature`. The triangle is
+  /// Adds the integrals over the triangle abc; `curvature` is not changed. The triangle is
   /// counter-clockwise seen from the tip of its normal.
   void add_facet(const Vec3& a, const Vec3& b, const Vec3& c);
-  /// Adds the integrals of another surface. `flip`: reverses the orientation of that surface.
+  /// Adds the integrals over another surface. `flip`: reverses its orientation first.
   void add(const SideIntegrals& other, bool flip = false);
-  /// Moments ∫ (x - c) nᵀ dA about the centroid c of the surface.
+  /// Moments ∫ (x - c) nᵀ dA of positions x and unit normals n about the centroid c of the surface.
   Eigen::Matrix3d central_moments() const;
 };
 
-/// Direction of the normals of a surface, and the rule that determines it.
+/// Direction of the normals of a surface, and the rule for the side to which they should point.
 struct NormalSide {
   enum class Rule { Volume, Curvature, Axis, Moment, None };
-  Rule rule = Rule::None;    ///< first applicable rule, in the order of the enumerators
-  bool agrees = true;        ///< true: the normals follow the rule; false: they are opposite to it
+  Rule rule = Rule::None;    ///< first applicable rule, in the order Volume to Moment
+  bool agrees = true;        ///< false: normals point opposite to the rule
   Vec3 mean = Vec3::Zero();  ///< area-weighted mean of the unit normals
   /// Direction of the normals in words, for messages: "outwards", "to the convex side", "along +z",
   /// … ("inwards" and "to the concave side" if the normals are opposite to the rule).
   std::string text() const;
 };
 
-/// Tests whether the normals of a surface point to the side that the rules at the top of this file
-/// define. `closed`: true if the surface has no boundary.
+/// Tests whether the normals of a surface point outwards if it is closed, otherwise to the convex
+/// side or to the side that the further rules of normal_side.h define. `closed`: true if the
+/// surface has no boundary.
 NormalSide normal_side(const SideIntegrals& integrals, bool closed);
 
-/// Computes the integrals over several faces, including the creases along shared curves. The faces
-/// must be consistently oriented; curves of the same name are shared. Cost: O(elements).
+/// Computes the integrals over several faces, including the curvature of the creases along shared
+/// curves. The faces must be consistently oriented; curves of the same name are shared. Cost:
+/// O(elements).
 SideIntegrals side_integrals(const std::vector<const SkinnedRegion*>& regions);
 
 }  // namespace batten

@@ -17,11 +17,11 @@ namespace batten {
 ///     all are closed with a corner at their seam, two or more: aerofoils;
 ///     all are open, two or more: stations, ribs.
 ///
-/// The order is a chain of nearest neighbours, in which consecutive sections must face each other:
-/// planes of closed sections differ by at most 60° and do not coincide; chords of open sections
-/// differ by at most 45° and lie side by side. The result is empty if the curves do not satisfy
-/// these conditions. It is also empty for two closed smooth curves, which are the boundary circles
-/// of an annulus (find_regions()). Cost: O(n³) for n curves.
+/// The result is a chain of nearest neighbours. Consecutive sections must face each other: planes
+/// of closed sections differ by at most 60° and do not coincide; chords of open sections differ by
+/// at most 45° and lie side by side. The result is empty if the curves do not satisfy these
+/// conditions. The result is empty for two closed smooth curves, which are the boundary circles of
+/// an annulus (find_regions()). Cost: O(n³) for n curves.
 std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
 
 // Faces made from sections alone, as in hulls, wings and bottles.
@@ -31,14 +31,14 @@ std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
 ///
 /// Closed sections form an annulus. Open sections may run in either direction. Two rails are added:
 /// "rail 1" through the starts of the sections and "rail 2" through their ends, as cubic splines
-/// with not-a-knot end conditions. The start of each section is chosen so that its two ends are
-/// closest to those of the previous section. Throws InputError if there are fewer than two
-/// sections, if some sections are open and others closed, or if consecutive open sections share an
-/// end point. Cost: O(sections).
+/// with not-a-knot end conditions. Each open section is directed so that its ends are closest to
+/// those of the previous section. Throws InputError if there are fewer than two sections, if some
+/// sections are open and others closed, or if consecutive open sections share an end point. Cost:
+/// O(sections).
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
 
 /// True if `curve` is the name of a rail from section_lines() or corner_rails(), such as "rail 1",
-/// or of a part of a rail, such as "rail 1.2".
+/// or the name of a part of a rail, such as "rail 1.2".
 bool is_rail(const std::string& curve);
 
 /// True if all sections are closed and have a corner of more than `corner_angle` degrees at their
@@ -53,7 +53,8 @@ bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corn
 /// Throws InputError if there are fewer than two sections. Cost: O(sections).
 std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections);
 
-/// Lays out the face that has the curves of section_lines(), as input of loft_shape().
+/// Builds the layout (domain, mesh and curves) of a face through sections, as input of
+/// loft_shape(). The curves of the face are those of section_lines().
 ///
 /// A face through open sections has four corners, at which the rails meet the first and the last
 /// section. The corner angle is at most 2° and the default domain is polygonal.

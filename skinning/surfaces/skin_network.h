@@ -11,7 +11,7 @@
 
 namespace batten {
 
-/// Skins all faces of a network and joins them into one model.
+/// Skins all faces of a curve network and joins them into one model.
 ///
 /// 1. The faces are oriented: normals agree across edges, and point outwards from a closed shell.
 /// 2. Each face is laid out (RegionLayout) on the curves of its edges, with the same vertices on
@@ -25,7 +25,7 @@ namespace batten {
 /// 5. The model is measured, and its defects are found.
 ///
 /// A face that cannot be skinned is left out of the model (ModelRegion::rejection_reason). Throws
-/// InputError if a specification matches no edge or face; NoSolutionError; CancelledError.
+/// InputError if a user specification matches no edge or face; NoSolutionError; CancelledError.
 SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options = {}, const Progress& progress = {});
 
@@ -40,16 +40,16 @@ void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Poi
 
 // Fairing of a model without introducing defects.
 
-/// A face that was not faired.
+/// A face that kept its shape in fair_model().
 struct UnchangedRegion {
-  int region = 0;   ///< index into the faces of the layout
-  std::string why;  ///< reason, as a sentence for the user
+  int region = 0;   ///< index into the faces of FairingResult::layout
+  std::string why;  ///< reason why it was not faired, a sentence for the user
 };
 
 /// Result of fair_model().
 struct FairingResult {
-  std::shared_ptr<const ModelLayout> layout;
-  MinimumVariationSurface surface;  ///< the faired shape; its dofs refer to `layout`
+  std::shared_ptr<const ModelLayout> layout;  ///< the initial layout, or a refinement of it
+  MinimumVariationSurface surface;            ///< the faired shape; its dofs refer to `layout`
   std::vector<UnchangedRegion> unchanged_regions;
 };
 
@@ -58,18 +58,18 @@ struct FairingResult {
 ///
 /// `layout`: a layout of the faces of `model`. `start`: dofs of the initial shape on `layout`.
 /// `max_join_angle_deg`: largest angle between the normals at smooth joins, degrees. `only`: for
-/// each face of the layout, true if the face is to be faired. The other faces keep their shape and
-/// are not listed in FairingResult::unchanged_regions. Empty: all faces are faired.
+/// each face of the layout, true if the face is to be faired. Faces marked false keep their shape
+/// and are not listed in FairingResult::unchanged_regions. Empty: all faces are faired.
 ///
 /// A face keeps its shape if it is inverted, because the curvature of an inverted face is
-/// meaningless. A face also keeps its shape if fairing would introduce a defect; the other faces
-/// are then faired again.
+/// meaningless. A face keeps its shape if fairing would introduce a defect; the remaining faces are
+/// then faired again.
 ///
 /// Fairing may increase the angles at smooth joins between the nodes, and the gaps at embedded
 /// curves between collocation points. If these errors exceed `max_join_angle_deg` or the tolerance
 /// of the curves, triangles are halved, joins on embedded curves are planned again, and fairing
-/// continues, at most three times. A refinement that makes the model worse is undone. A face with a
-/// defect that only the finer mesh causes keeps its shape, too.
+/// continues, at most three times. A refinement that makes the model worse is undone. A face keeps
+/// its shape if the finer mesh alone causes a defect in it.
 ///
 /// Throws as fair_shape() does, and NoSolutionError if no face remains to be faired.
 FairingResult fair_model(const SurfaceModel& model, std::shared_ptr<const ModelLayout> layout,

@@ -10,13 +10,14 @@
 
 namespace batten {
 
-/// Finds the defects of solved faces. The result is ordered by kind.
+/// Finds the defects of solved faces: inverted, folded, intersecting or far too large surfaces. The
+/// result is ordered by SurfaceDefect::Kind.
 ///
-/// Face indices refer to `regions`; null entries are skipped. `filling_areas`: for each face the
-/// area of its hole-filling triangulation, or 0 if that is unknown. The surfaces are checked on
-/// facets, four per element:
+/// Face indices in the result refer to `regions`, of which null entries are skipped. `qualities`:
+/// measure() of each face. `filling_areas`: for each face the area of its hole-filling
+/// triangulation, or 0 if that is unknown. The surfaces are checked on facets, four per element:
 ///
-///  Jacobian  min_jacobian_ratio of the quality is not positive;
+///  Jacobian  SkinQuality::min_jacobian_ratio is not positive;
 ///  Fold      inside a face: normals of adjacent facets differ by more than 120°.
 ///            Between two faces along a curve: a crease of any angle may be intended (from a box
 ///            to a knife edge), but one face must not fold back onto the other. The wedge angle
@@ -30,9 +31,9 @@ namespace batten {
 ///  Crossing  facets without a common point that intersect, or overlap in one plane
 ///            (facet_intersections()). Near curves that the faces share only within a gap,
 ///            intersections within a tenth of an edge length are ignored. Near edges with a wedge
-///            below 30°, those no deeper than the distance of the facets from their surfaces are
+///            below 30°, intersections no deeper than the distance of facets from surface are
 ///            ignored;
-///  Area      more than twice `filling_areas`.
+///  Area      the area of the face is more than twice its entry in `filling_areas`.
 ///
 /// At most one defect is reported per kind and face, or pair of faces. Cost: O(facets log facets).
 /// Throws InputError if the lengths of the arguments differ, and as facets() does.
@@ -42,30 +43,31 @@ std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>&
 
 // Intersections of facets.
 
-/// Two facets that intersect, with indices a < b, and a point of their intersection.
+/// Two facets (triangles) that intersect, indices a < b, and a point of their intersection.
 struct FacetIntersection {
   int a, b;
   Vec3 where;
 };
 
-/// Finds the pairs of facets that intersect: an edge of one pierces the other, or they overlap in
-/// one plane.
+/// Finds the pairs of triangular facets that intersect: an edge of one facet pierces the other one,
+/// or they overlap in one plane.
 ///
-/// `facets`: point indices of each facet. `joined`: the same indices, except that points that count
-/// as one point have the same index. Pairs of facets with a common index in `joined` are ignored.
-/// Pairs that intersect only within `near` (model units) of boundary sides of both facets are also
-/// ignored: there, two surfaces may approximate a shared curve by different points. `surface_of`:
-/// index of the surface that contains each facet. Facets of zero area and facets with non-finite
-/// corners intersect nothing. Pairs are ordered by a, then b. Cost: O(n log n) for a surface of n
-/// facets (BoxTree); parallel.
+/// `facets`: three indices into `points` per facet. `joined`: `facets` with one common index for
+/// all points that count as one point. Pairs of facets with a common index in `joined` are ignored.
+/// Pairs that intersect only within the distance `near` (model units) of boundary sides of both
+/// facets are ignored, because two surfaces may approximate a shared curve by different points.
+/// `surface_of`: index of the surface that contains each facet. Facets of zero area and facets with
+/// non-finite corners intersect nothing. Pairs are ordered by a, then b. Cost: O(n log n) for a
+/// surface of n facets (BoxTree); parallel.
 std::vector<FacetIntersection> facet_intersections(const std::vector<Vec3>& points,
                                                    const std::vector<std::array<int, 3>>& facets,
                                                    const std::vector<std::array<int, 3>>& joined,
                                                    const std::vector<int>& surface_of, double near);
 
-/// Finds the boundary sides: the sides of facets that no other facet of the same surface shares.
-/// The result contains pairs (facet, side) in ascending order. Side i runs from corner i to corner
-/// i + 1. Empty `surface_of`: all facets belong to one surface. Cost: O(n log n).
+/// Finds the boundary sides of triangulated surfaces: the sides of facets that no second facet of
+/// the surface shares. The result contains pairs (facet, side) in ascending order. Side i runs from
+/// corner i to corner i + 1. Empty `surface_of` (surface index per facet): all facets belong to one
+/// surface. Cost: O(n log n).
 std::vector<std::pair<int, int>> boundary_sides(const std::vector<std::array<int, 3>>& facets,
                                                 const std::vector<int>& surface_of = {});
 

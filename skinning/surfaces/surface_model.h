@@ -19,14 +19,14 @@ namespace batten {
 
 class CurveNetwork;  // skinning/network/curve_network.h
 
-/// User specification of the continuity across an edge or an input curve, which `line` names.
+/// User specification of the continuity of surfaces across the edge or input curve called `line`.
 struct JoinSpec {
   enum class Kind {
-    /// G0 continuity: the surfaces share only the curve.
+    /// G0 continuity: the surfaces share only positions along the curve.
     Crease,
-    Smooth,     ///< G1; G2 if is_curvature_continuous() finds that the curves allow it
-    Tangent,    ///< G1; the curvature may be discontinuous
-    Curvature,  ///< G1 before fairing, G2 after it
+    Smooth,     ///< G1; fairing makes it G2 if is_curvature_continuous()
+    Tangent,    ///< G1: tangent planes agree; the curvature may jump
+    Curvature,  ///< G1; fairing makes it G2 (continuous curvature)
   };
   std::string line;
   Kind kind = Kind::Crease;
@@ -49,10 +49,10 @@ struct ModelOptions {
   /// between the normals of the two faces is smaller.
   double join_tolerance_deg = 0.1;
   int max_join_rounds = 3;  ///< largest number of refinement rounds along smooth joins
-  bool rest = true;         ///< true: faces have rest shapes (ModelMetadata::rest)
+  bool rest = true;         ///< true: rest shapes; false: flat rest state
 };
 
-/// An edge of the network, and the faces that meet at this edge.
+/// An edge of the curve network, and the faces that meet at this edge.
 struct ModelJoin {
   enum class Kind {
     FreeEdge,    ///< free (boundary) edge: one face
@@ -66,24 +66,24 @@ struct ModelJoin {
   /// Indices into SurfaceModel::regions. A face that meets itself at the edge is listed twice.
   std::vector<int> regions;
   Kind kind = Kind::FreeEdge;
-  bool requested = false;  ///< true: the user specified the kind
-  /// Reason why a join that was planned as smooth became a crease; "" if it did not.
+  bool requested = false;  ///< true: the user specified `kind` by a JoinSpec
+  /// Reason why an edge that was planned as a smooth join became a crease; "" if it did not.
   std::string why;
-  /// For the start and the end of a smooth join: true if the join ends as a crease there, because
-  /// there is no common tangent plane or because of JoinEnd::creased.
+  /// For the start and the end of a smooth join: true if the join ends as a crease there, for want
+  /// of a common tangent plane or because refinement could not make the faces tangent.
   std::array<bool, 2> open{};
-  /// Angle between the normals of the initial shapes, for which each face is solved separately,
-  /// degrees. It is a weighted mean: each end at which the curves determine both tangent planes has
-  /// the weight 0.4, and the mean along the edge has the remaining weight. Edges that continue each
-  /// other smoothly have a common average.
+  /// Angle between the normals of the faces at the edge in their initial shapes (each face solved
+  /// separately), degrees. It is a weighted mean: each end at which the curves determine both
+  /// tangent planes has the weight 0.4, and the mean along the edge has the remaining weight. Edges
+  /// that continue each other smoothly get a common value, the average.
   double initial_deg = 0;
-  /// Largest angle between the normals of the two faces in the solved shape, degrees, at and
-  /// between nodes. max_inside_deg excludes the mesh edges at those ends of a smooth join that are
-  /// creases.
+  /// Largest angle between the normals of the two faces in the solved shape, degrees.
+  /// max_inside_deg excludes the mesh edges at ends at which a smooth join ends as a crease.
   double max_deg = 0, max_inside_deg = 0;
   bool curvature = false;  ///< true: fairing makes the curvature continuous (G2) across the edge
-  /// Largest gap between two faces at the edge (model units), and jumps of the normal curvature
-  /// (1/length), as in JoinQuality. Measured for creases and smooth joins.
+  /// Largest gap between two faces at the edge (model units), and jumps between them of the normal
+  /// curvature perpendicular to the edge (1/length): median and maximum. Measured for creases and
+  /// smooth joins.
   double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
   /// True if the domains of both faces unfold into one plane across the edge. The surface is then
   /// C1 across the edge up to rounding, as it is inside a face.
@@ -93,7 +93,7 @@ struct ModelJoin {
 /// A defect of a finished surface.
 struct SurfaceDefect {
   enum class Kind {
-    Jacobian,  ///< |x_u × x_v| vanishes, or the surface is locally inverted
+    Jacobian,  ///< the normal vanishes, or the surface is inverted locally
     Fold,      ///< folded by more than 120° inside a face, or back onto a neighbour
     Crossing,  ///< the face intersects itself or another face
     Area       ///< the area is more than twice that of the hole-filling triangulation
@@ -102,16 +102,16 @@ struct SurfaceDefect {
   /// Indices of the faces involved.
   std::vector<int> regions;
   Vec3 where = Vec3::Zero();
-  /// Measured value: a ratio (Jacobian, Area), degrees (Fold), or the number of intersecting pairs
-  /// of facets (Crossing).
+  /// Measured value: Jacobian relative to the median; angle of the fold in degrees; number of
+  /// intersecting pairs of facets; area relative to the hole-filling triangulation.
   double value = 0;
   std::string text;  ///< description of the defect, as a sentence for the user
 };
 
-/// A face of the network and its surface.
+/// A face of the curve network and its surface.
 struct ModelRegion {
-  /// The face as found in the network. Its loops are counter-clockwise seen from the tip of the
-  /// normal.
+  /// The face as found in the curve network. Its loops are counter-clockwise seen from the tip of
+  /// the normal.
   NetworkRegion plan;
   /// The surface; empty if the face could not be skinned.
   std::optional<SkinnedRegion> skinned;
@@ -119,9 +119,8 @@ struct ModelRegion {
   /// Reason why the face could not be skinned, or "".
   std::string rejection_reason;
   SkinQuality quality;
-  FittedPrimitive shape;  ///< primitive that fits the surface within primitive_tolerance()
-  /// Area of the hole-filling triangulation of the loops, model units²; 0: there is no
-  /// triangulation.
+  FittedPrimitive shape;  ///< plane, cylinder, … that fits the surface, if any
+  /// Area of the hole-filling triangulation of the loops, model units²; 0: no triangulation.
   double filling_area = 0;
   std::vector<std::string> warnings;
 };
@@ -129,31 +128,31 @@ struct ModelRegion {
 /// A connected component of the model: faces that are joined by shared edges.
 struct ModelShell {
   std::vector<int> regions;
-  bool closed = false;     ///< true: every edge is shared by two faces
-  bool orientable = true;  ///< true: the normals agree across every edge
-  double area = 0;         ///< total area, model units²
+  bool closed = false;     ///< true: every edge of the shell is shared by two faces
+  bool orientable = true;  ///< true: the normals of faces agree across every edge
+  double area = 0;         ///< total area of the faces, model units²
   double volume = 0;       ///< enclosed volume, model units³; 0 unless closed and orientable
   NormalSide normals;      ///< direction of the normals; valid only if `orientable`
 };
 
-/// The surface model of a network: its faces in one shape, their joins, and the measured quality.
+/// The surface model of a curve network: faces in one shape, their joins, and their quality.
 struct SurfaceModel {
-  /// Layout of the skinned faces; null if there are none.
+  /// Layout of the skinned faces; null if no face is skinned.
   std::shared_ptr<const ModelLayout> layout;
   Points dofs;                       ///< dofs of the shape on `layout`
   std::vector<ModelRegion> regions;  ///< all faces, in the order of FoundRegions
-  std::vector<ModelJoin> joins;  ///< one per network edge with a face, in the order of the edges
+  std::vector<ModelJoin> joins;      ///< one per network edge with a face, in edge order
   std::vector<ModelShell> shells;
   std::vector<SurfaceDefect> defects;
   std::vector<std::string> warnings;
   double area = 0;
-  double max_join_deg = 0;  ///< largest max_inside_deg of all smooth joins, degrees
+  double max_join_deg = 0;  ///< largest angle at smooth joins (max_inside_deg), degrees
 
-  std::vector<const SkinnedRegion*> skinned() const;  ///< the faces that are skinned, in order
+  std::vector<const SkinnedRegion*> skinned() const;  ///< skinned faces, in the order of `regions`
 };
 
-/// The curves of a model as named C1 cubic splines, as they are in the present shape of its faces.
-/// Curves of the network without a face keep their position in the network.
+/// The curves of a model as named C1 cubic splines, as they run on its faces in their present
+/// shape. Curves of the network that belong to no face keep their position in the network.
 ///
 /// Edges into which a curve of the network was split are merged if they continue in the same
 /// direction (within 1e-6 rad); their parameters are scaled to make the derivatives equal. A curve

@@ -10,13 +10,16 @@ namespace batten {
 
 /// Options of fit_model().
 struct ModelFitOptions {
-  double tolerance = 0;  ///< accepted distance, model units; 0: 1e-4 of the model size
-  int max_rounds = 12;   ///< largest number of iterations per mesh with the smallest ε
-  /// Largest number of mesh refinements.
+  /// Accepted distance from the target, model units; 0: 1e-4 of the model size.
+  double tolerance = 0;
+  /// Largest number of iterations per mesh with the smallest weight ε of the bending term.
+  int max_rounds = 12;
+  /// Largest number of mesh refinements during the fit.
   int max_refinements = 5;
   /// Largest number of triangles of the model after refinement.
   int max_triangles = 60'000;
-  /// Parts of the target. A face whose curves all lie on one part is fitted to that part only.
+  /// Parts of the target, such as its CAD faces. A face of the model whose curves all lie on one
+  /// part is fitted to that part only.
   std::vector<std::shared_ptr<const TargetSurface>> parts = {};
 };
 
@@ -40,11 +43,11 @@ struct ModelFit {
 ///     g = n ((t - x)·m) / (n·m)
 ///     minimise ∫ |x' - x - g|² + ε h⁴ ∫ |∂²x'|²   subject to the constraints,
 ///
-/// where h is the size of a triangle on the model scaled to size 1. The bending term smooths the
-/// surface and distributes the parametrisation evenly, so that the surface does not fold. ε
-/// decreases from 100 to 1, 0.03 and 1e-3, with several iterations per value, until the surface is
-/// within half of the tolerance. If that is not reached, the last value is ε = 1e-5, which
-/// displaces the shape by less than the discretisation error.
+/// where h is the size of a triangle on the model scaled to size 1, and ε the weight of the bending
+/// term. The bending term smooths the surface and distributes the parametrisation evenly, so that
+/// the surface does not fold. ε decreases from 100 to 1, 0.03 and 1e-3, with several iterations per
+/// value, until the surface is within half of the tolerance. If that is not reached, the last value
+/// is ε = 1e-5, which displaces the shape by less than the discretisation error.
 ///
 /// If a face is fitted to its own part of the target, and the face is far from that part or has a
 /// poor domain, the first iterations use g = t(u, v) - x. Here, t(u, v) is the parametrization of

@@ -10,7 +10,7 @@
 
 #include <cstdlib>
 
-#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/documents/line_edits.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"

@@ -1,8 +1,8 @@
 // `batten skin curves.csv` in the test process: the same calls, and the resulting shape as facets.
 #pragma once
 
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/shapes/shape_files.h"
+#include "batten/scenes/commands.h"
+#include "batten/scenes/shapes/shape_files.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/tests/support/expected_shapes.h"

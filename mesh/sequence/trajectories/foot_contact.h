@@ -19,8 +19,9 @@ namespace batten {
 /// orientation, be steep, and lie above each other; vertical triangles are ignored.
 class Terrain {
  public:
-  /// Builds a BoxTree over the triangles, projected along `up`. Throws InputError if `up` is zero
-  /// or not finite, or if all triangles are vertical. O(triangles · log triangles).
+  /// Prepares queries of the terrain by a BoxTree over its triangles, projected along `up`. Throws
+  /// InputError if `up` is zero or not finite, or if all triangles are vertical. O(triangles · log
+  /// triangles).
   explicit Terrain(TriangleMesh mesh, const Vec3& up = Vec3::UnitZ());
 
   /// A point on the terrain.
@@ -28,8 +29,8 @@ class Terrain {
     Vec3 at;
     Vec3 normal;  ///< upward unit normal, interpolated from vertex normals
   };
-  /// The highest point of the terrain on the line p + t · up; empty if the line does not meet the
-  /// terrain. O(log triangles) if few triangles lie above each other.
+  /// The highest point of the terrain on the line through p along up(); empty if the line does not
+  /// meet the terrain. O(log triangles) if few triangles lie above each other.
   std::optional<SurfacePoint> surface_point(const Vec3& p) const;
   const Vec3& up() const { return up_; }
 
@@ -47,7 +48,7 @@ class Terrain {
 struct FootContact {
   int first = 0, last = 0;
   Vec3 at = Vec3::Zero();            ///< position of the centroid of the handle
-  Mat3 rotation = Mat3::Identity();  ///< rotation from the first frame of the sequence
+  Mat3 rotation = Mat3::Identity();  ///< rotation of the handle since the first frame
 };
 
 /// Options of detect_foot_contacts().
@@ -58,7 +59,7 @@ struct FootContactOptions {
   /// Largest displacement of the handle centroid between consecutive frames of a contact, in model
   /// units per frame.
   double speed = std::numeric_limits<double>::infinity();
-  int frames = 3;  ///< minimum number of frames of a contact
+  int frames = 3;  ///< minimum number of frames of a contact, above 0
 };
 
 /// Selects the vertices with the lowest mean height along `up` over all frames, for example the
@@ -92,22 +93,22 @@ struct ContactPose {
 
 /// Projects a contact along Terrain::up() onto the terrain. If ContactPose::rotations is set, the
 /// contact is rotated by the smallest rotation from Terrain::up() to the terrain normal. Throws
-/// InputError if there is no terrain above or below the contact. `name`: first words of the
-/// message.
+/// InputError if there is no terrain above or below the contact. `name`: first words of error
+/// messages.
 FootContact projected(const FootContact& contact, const Terrain& terrain,
                       const ContactPose& contact_pose, const std::string& name);
 
-/// Moves each contact by the motions M_k of its frames k and averages the results: the new position
-/// is the mean of M_k(at), the new rotation the mean of M_k.rotation · rotation (mean_rotation()).
-/// `motions`: one per frame of the sequence. Throws InputError if a contact is outside these
-/// frames.
+/// Moves each contact by the rigid motions M_k of its frames k and averages the moved poses: the
+/// new position is the mean of M_k(at), the new rotation the mean of M_k.rotation · rotation
+/// (mean_rotation()). `motions`: one per frame of the sequence. Throws InputError if a contact has
+/// frames outside the sequence.
 std::vector<FootContact> averaged(const std::vector<FootContact>& foot_contacts,
                                   const std::vector<RigidMotion>& motions);
 
 /// Checks the n contacts of one handle. Throws InputError if `last` is less than `first`, a frame
 /// is out of range, or overlapping contacts differ in position or rotation (by more than 1e-9 of
 /// the largest coordinate, or 1e-9 rad). `frames`: number of frames of the sequence. `name`: first
-/// words of the message. O(n²).
+/// words of error messages. O(n²).
 void check(const std::vector<FootContact>& foot_contacts, int frames, const std::string& name);
 
 /// Converts contacts of one handle to keyframes, one for each frame of a contact, in ascending

@@ -33,7 +33,7 @@ class GroundPath {
   /// Arc length from the start of the path to the curve parameter u, accurate to about 1e-10 of the
   /// total length.
   double length_to(double u) const;
-  /// Curve parameter at arc length s; this is the inverse of length_to().
+  /// Curve parameter at arc length s from the start of the path; the inverse of length_to().
   double parameter(double s) const;
 
  private:
@@ -46,8 +46,8 @@ class GroundPath {
 struct PathOptions {
   Vec3 up = Vec3::UnitZ();
   /// Number of uniform spans of the fitted curve; 0: one span per 30 frames, between 1 and 12. The
-  /// path does not follow oscillations (the sway of a walk) that are shorter than two spans; these
-  /// remain motions relative to the path.
+  /// path does not follow oscillations (the sway of a walk) that are shorter than two spans; such
+  /// oscillations remain motions relative to the path.
   int spans = 0;
 };
 
@@ -65,15 +65,14 @@ struct FittedPath {
 /// spans). Reference: [Xu2007], section 6.
 FittedPath fit_path(const Points& centres, const PathOptions& options = {});
 
-/// How an arc length s on the old path (of length L) is mapped to an arc length s' on the new path
-/// (of length L').
+/// How the position of a frame on the old path is mapped to a position on the new path.
 enum class PathLengths {
-  Absolute,   ///< s' = s: steps keep their length; the new path is extended straight if needed
-  Normalised  ///< s' = s L'/L: the frames cover the whole new path
+  Absolute,   ///< equal arc length: steps keep their length; a short path is extended straight
+  Normalised  ///< equal fraction of the path length: the frames cover the whole new path
 };
 
 /// Rigid motions that move the frames of a sequence from path `from` to path `to`, one per frame.
-/// Each is the motion from the local coordinate frame of the old path to that of the new path (see
+/// Each motion maps the local coordinate frame of the old path to that of the new path (see
 /// GroundPath::frame()), which preserves offsets beside and above the path. If both paths are
 /// straight, on the same line, and have the same start, all motions are the identity to 1e-12.
 /// O(frames).

@@ -13,12 +13,12 @@ namespace batten {
 /// Options of edited_centres() and edited().
 struct TrajectoryOptions {
   enum class Smoothness {
-    PiecewiseLinear,  ///< minimises first differences (5): the change has kinks at keyframes
-    Smooth            ///< minimises ∫ |x''|²: the change is smooth at keyframes
+    PiecewiseLinear,  ///< least first differences: the change has kinks at keyframes
+    Smooth            ///< least second derivatives: the change is smooth at keyframes
   };
   Smoothness smoothness = Smoothness::Smooth;
   InfluenceInterval influence;
-  KeyframeExtrapolation ends = KeyframeExtrapolation::None;  ///< extrapolation of rotations
+  KeyframeExtrapolation ends = KeyframeExtrapolation::None;  ///< extrapolation of rotation changes
   std::vector<double> times;  ///< times of the frames, ascending; empty: frame numbers
 };
 
@@ -56,7 +56,7 @@ struct HandleKeyframe {
 
 /// Trajectory of a handle after an edit. The changes of rotation are computed by
 /// interpolated_rotations(), the centroids by edited_centres(). `keyframes`: in ascending order.
-/// Throws the exceptions of these functions. O(frames).
+/// Throws the exceptions of interpolated_rotations() and edited_centres(). O(frames).
 Trajectory edited(const Trajectory& trajectory, const std::vector<HandleKeyframe>& keyframes,
                   const TrajectoryOptions& options = {});
 
@@ -101,9 +101,9 @@ Trajectory aligned(const Trajectory& trajectory, const Similarity& similarity);
 struct MotionTransferOptions {
   /// How the transferred trajectories are aligned with the original trajectories of the handles.
   enum class Align {
-    All,   ///< by one similarity, common to all handles
-    Each,  ///< by one similarity per handle
-    Shift  ///< by one translation per handle; for handles that originally hardly move
+    All,   ///< one similarity aligns all handles
+    Each,  ///< one similarity per handle
+    Shift  ///< one translation per handle; for handles that originally hardly move
   } align = Align::All;
   /// Rotation axis to which the rotations of the similarities are restricted; empty: no
   /// restriction.

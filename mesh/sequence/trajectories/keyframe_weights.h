@@ -36,9 +36,9 @@ enum class KeyframeExtrapolation {
 /// Weights of cubic Hermite interpolation of keyframe values, for a list of times.
 ///
 /// The slope at an inner keyframe is that of the parabola through it and its two neighbours
-/// (non-uniform Catmull-Rom), so a keyframe affects two intervals on each side. An end of the
-/// influence interval acts as a keyframe with value 0 and slope 0. References: [Xu2007], section 5;
-/// [BarryGoldman1988] (slopes).
+/// (non-uniform Catmull-Rom), so a keyframe affects two intervals on each side. Each end of the
+/// influence interval (see InfluenceInterval) acts as a keyframe with value 0 and slope 0.
+/// References: [Xu2007], section 5; [BarryGoldman1988] (slopes).
 class KeyframeWeights {
  public:
   /// Weights of one frame. The interpolated value is Σ_j weights[j] · value[first + j] with 0 ≤ j <
@@ -63,7 +63,7 @@ class KeyframeWeights {
 
   int frame_count() const { return isize(rows_); }
   int keyframe_count() const { return keyframes_; }
-  /// Weights of a frame. The row of a keyframe contains a single weight of 1.
+  /// Interpolation weights of a frame. At a keyframe there is a single weight of 1.
   const Row& row(int frame) const { return rows_[frame]; }
 
  private:
@@ -90,15 +90,15 @@ Points unwrapped_logs(std::span<const Mat3> rotations);
 /// if the keyframes have different numbers of vertices. O(n K).
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes);
 
-/// Continuous rotation vectors of the n vertices of a mesh at K keyframes, as K matrices n×3. This
-/// overload supports large relative rotations (more than half a turn between distant vertices, as
-/// in a twisted bar). In each manifold patch, it starts from the vertex with the smallest rotation
-/// at the first keyframe, whose rotation vectors are continuous from keyframe to keyframe. At each
-/// keyframe, the rotation vectors of the other vertices are continuous from neighbour to neighbour,
-/// in breadth-first order. All rotation vectors of a patch may be wrong by the same number of full
-/// turns, which cannot be determined from rotations. Vertices without triangles are treated as in
-/// the other overload. Throws InputError if the number of rotations at a keyframe is not the number
-/// of vertices. O(n K).
+/// Continuous rotation vectors of the n vertices of a mesh at K keyframes, as K matrices n×3.
+/// Distant vertices may differ in their rotations by more than half a turn, as in a twisted bar. In
+/// each manifold patch, the function starts from the vertex with the smallest rotation at the first
+/// keyframe, whose rotation vectors are continuous from keyframe to keyframe. At each keyframe, the
+/// rotation vectors of the other vertices are continuous from neighbour to neighbour, in
+/// breadth-first order. All rotation vectors of a patch may be wrong by the same number of full
+/// turns, which cannot be determined from rotations. Rotation vectors of vertices without triangles
+/// are continuous from keyframe to keyframe. Throws InputError if the number of rotations at a
+/// keyframe is not the number of vertices. O(n K).
 std::vector<Points> unwrapped_logs(const std::vector<std::vector<Mat3>>& rotations_at_keyframes,
                                    const MeshTopology& topology);
 

@@ -12,9 +12,9 @@ namespace batten {
 
 // Linear filters of signals over frames.
 
-/// Extension of a signal x_k beyond its ends, for filters. The formulas hold for the start.
+/// Extension of a signal x_0, x_1, … beyond its ends. The formulas are for the start.
 enum class Padding {
-  Even,  ///< mirrored, x_{-j} = x_j
+  Even,  ///< mirrored at the end point, x_{-j} = x_j
   Odd    ///< mirrored through the end point, x_{-j} = 2 x_0 - x_j: preserves uniform motion
 };
 
@@ -26,30 +26,32 @@ enum class Padding {
 /// equally spaced in time; `sigma` (σ) is in frames. Gaussian kernels are sampled up to 7σ.
 class SignalFilter {
  public:
-  SignalFilter(double sum, std::vector<double> taps);  ///< taps: h_1, h_2, …
+  /// Creates a filter from its taps h_1, h_2, …; a constant signal is multiplied by `sum`.
+  SignalFilter(double sum, std::vector<double> taps);
 
-  /// Gaussian low-pass filter with the frequency response exp(-σ²ω²/2). Throws InputError unless
-  /// 0 < σ ≤ 1e5.
+  /// Gaussian low-pass filter with the frequency response exp(-σ²ω²/2), where σ is `sigma` in
+  /// frames and ω is in radians per frame. Throws InputError unless 0 < σ ≤ 1e5.
   static SignalFilter low_pass(double sigma);
-  /// High-pass filter: the signal minus the result of low_pass(). The frequency response is
-  /// 1 - exp(-σ²ω²/2). Throws InputError unless 0 < σ ≤ 1e5.
+  /// High-pass filter: the signal minus the result of low_pass(). The frequency response is 1 -
+  /// exp(-σ²ω²/2), where σ is `sigma` in frames and ω is in radians per frame. Throws InputError
+  /// unless 0 < σ ≤ 1e5.
   static SignalFilter high_pass(double sigma);
-  /// Cartoon filter [Wang2006], x - amount σ² x ∗ LoG. It exaggerates motion (follow-through) and
-  /// adds anticipation. LoG is the second derivative of the Gaussian, with a central sample such
-  /// that all samples sum to zero. The frequency response is 1 + amount σ²ω² exp(-σ²ω²/2); its
-  /// maximum is
-  /// 1 + 0.74 amount at ω = √2/σ. Formula (7) of the paper corresponds to amount = 1/σ². Throws
-  /// InputError unless 0 < σ ≤ 1e5.
+  /// Cartoon filter [Wang2006], which maps a signal x to x - amount σ² x ∗ LoG with σ = `sigma` in
+  /// frames. It exaggerates motion (follow-through) and adds anticipation. LoG is the second
+  /// derivative of the Gaussian, with a central sample such that all samples sum to zero. The
+  /// frequency response is 1 + amount σ²ω² exp(-σ²ω²/2); its maximum is 1 + 0.74 amount at ω =
+  /// √2/σ. Formula (7) of [Wang2006] has amount = 1/σ². Throws InputError unless 0 < σ ≤ 1e5.
   static SignalFilter cartoon(double sigma, double amount = 1);
 
-  /// Frequency response sum + 2 Σ h_j (cos ωj - 1): the factor by which the filter multiplies the
-  /// signal cos(ωk + φ), except near the ends. `omega`: ω in radians per frame, from 0 to π.
+  /// Frequency response sum + 2 Σ h_j (cos ωj - 1) of the filter with the taps h_j: the factor by
+  /// which the filter multiplies the signal cos(ωk + φ), except near the ends. `omega`: ω in
+  /// radians per frame, from 0 to π.
   double response(double omega) const;
 
   /// Filters a signal with three components, one row per frame. O(frames · taps).
   Points operator()(const Points& signal, Padding padding = Padding::Even) const;
-  /// Filters a sequence of rotations R_k, using the logarithms of the rotations relative to frame
-  /// k:
+  /// Filters a sequence of rotations R_k with the taps h_j of the filter, using the logarithms of
+  /// the rotations relative to frame k:
   ///
   ///     R'_k = R_k^sum exp( Σ_{j≥1} h_j (log R_kᵀR_{k+j} + log R_kᵀR_{k-j}) )
   ///
@@ -64,12 +66,12 @@ class SignalFilter {
   std::vector<double> taps_;
 };
 
-/// Expresses the trajectory of a handle relative to that of its parent. The relative centres are Rᵀ
-/// (c_child - c_parent), the relative rotations Rᵀ R_child, where R is the rotation of the parent.
-/// Throws InputError if the numbers of frames differ.
+/// Expresses the trajectory of a handle relative to that of its parent handle. The relative centres
+/// are Rᵀ (c_child - c_parent), the relative rotations Rᵀ R_child, where R is the rotation of the
+/// parent. Throws InputError if the numbers of frames differ.
 Trajectory relative(const Trajectory& child, const Trajectory& parent);
-/// Composes a relative trajectory with the trajectory of the parent; this is the inverse of
-/// relative().
+/// Composes a trajectory relative to a parent handle with the trajectory of the parent; the inverse
+/// of relative().
 Trajectory composed(const Trajectory& relative, const Trajectory& parent);
 
 /// A handle whose trajectory is filtered by filtered().
