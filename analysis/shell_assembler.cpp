@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -15,6 +16,7 @@ std::vector<int> stacked_dofs(const Surface& surface) {
   const DofMap& dofs = surface.dof_map();
   std::vector<int> all;
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    poll_every<8192>(t);
     const auto of_triangle = dofs.triangle(surface.mesh(), t);
     for (int c = 0; c < 3; ++c)
       for (const int d : of_triangle) all.push_back(c * dofs.count() + d);

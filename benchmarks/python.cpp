@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <memory>
 
-#include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/make_session.h"
-#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/io/scene/scene.h"
+#include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/shapes/make_session.h"
+#include "batten/scenes/shapes/solved_shape.h"
 #include "bench.h"
 
 namespace {

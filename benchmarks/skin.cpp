@@ -11,8 +11,6 @@
 #include <filesystem>
 #include <map>
 
-#include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/constrained_solver.h"
 #include "batten/fem/parametric_mesh.h"
@@ -21,6 +19,8 @@
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/step/step.h"
+#include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/shapes/solved_shape.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/domains/domain_input.h"
 #include "batten/skinning/region/skinned_region.h"

@@ -9,15 +9,15 @@
 #include <fstream>
 #include <map>
 
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/lines/scene_lines.h"
-#include "batten/apps/commands/shapes/solved_shape.h"
 #include "batten/benchmarks/step_cross_check.h"
 #include "batten/core/errors.h"
 #include "batten/fem/surface_projector.h"
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/step/step.h"
+#include "batten/scenes/commands.h"
+#include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/shapes/solved_shape.h"
 #include "batten/tests/support/test_data.h"
 #include "bench.h"
 #include "occ_filling.h"

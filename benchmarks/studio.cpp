@@ -12,12 +12,12 @@
 #include <fstream>
 #include <thread>
 
-#include "batten/apps/commands/documents/document_worker.h"
-#include "batten/apps/commands/meshes/edit_session.h"
+#include "batten/apps/documents/document_worker.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/benchmarks/bench.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/scene_text.h"
+#include "batten/scenes/meshes/edit_session.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/tests/support/mesh_models.h"
 

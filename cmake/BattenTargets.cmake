@@ -41,7 +41,10 @@ set(batten_program_headers ${batten_kernel_headers} <toml++/toml.h> <nlohmann/js
     "${PROJECT_SOURCE_DIR}/io/scene/scene.h" "${PROJECT_SOURCE_DIR}/io/report/report.h"
     "${PROJECT_SOURCE_DIR}/skinning/model/model_layout.h" "${PROJECT_SOURCE_DIR}/mesh/triangle_mesh.h")
 
-set_property(GLOBAL PROPERTY batten_folders "")
+# batten_installed(component target): has the installation of a component check that the target has been built.
+function(batten_installed component target)
+  set_property(GLOBAL APPEND PROPERTY batten_installed ${component}:${target})
+endfunction()
 
 # batten_precompile(target): the headers of the kernel, once for all libraries of it.
 function(batten_precompile target)
@@ -79,16 +82,17 @@ function(batten_library folder)
   target_link_libraries(batten_${name} PUBLIC ${ARG_LINKS}
                         PRIVATE $<BUILD_INTERFACE:batten_options> ${ARG_PRIVATE_LINKS})
   target_compile_features(batten_${name} PUBLIC cxx_std_20)  # headers have std::span
-  if(folder STREQUAL "io")
+  if(folder MATCHES "^(io|scenes)$")
     batten_compile_fast(batten_${name})
   else()
     batten_precompile(batten_${name})
   endif()
   set(export batten-kernel)
-  if(folder STREQUAL "io")
+  if(folder MATCHES "^(io|scenes)$")
     set(export batten-${name})
   endif()
   install(TARGETS batten_${name} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  batten_installed(dev batten_${name})
   foreach(header ${ARG_HEADERS})
     get_filename_component(subfolder ${folder}/${header} DIRECTORY)
     install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten/${subfolder})

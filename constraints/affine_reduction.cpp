@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
 #include "batten/core/parallel.h"
@@ -21,6 +22,7 @@ constexpr double kNoise = 1e-14;
 constexpr double kNegligible = 1e-16;
 constexpr double kConflictTolerance = 1e-9;  // relative to the right-hand sides involved
 constexpr double kRhsNoise = 1e-12;          // relative to the largest right-hand side of all
+constexpr int kPollEquations = 64;           // equations; some milliseconds if they are long
 
 using Terms = std::vector<std::pair<int, double>>;  // sorted by index
 
@@ -135,6 +137,7 @@ std::vector<Equation> equations_of(const ConstraintSet& set) {
   std::vector<Equation> all;
   std::map<int, double> terms;
   const auto add = [&](int name) {
+    poll_every<2048>(isize(all));
     Equation e;
     e.terms.assign(terms.begin(), terms.end());
     terms.clear();
@@ -209,7 +212,13 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, RhsMode value
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return given[a].terms.size() < given[b].terms.size(); });
   Elimination elimination(columns, given, dependent);
-  for (const int i : order) elimination.add(given[i]);
+  update_progress("constraints", 0);
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i % kPollEquations == 0)
+      update_progress("constraints", static_cast<double>(i) / static_cast<double>(order.size()));
+    elimination.add(given[order[i]]);
+  }
+  update_progress("constraints", 1);
 
   const auto& pivot_row = elimination.pivot_row();
   std::vector<int> free_of(columns, -1);
@@ -221,6 +230,7 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, RhsMode value
     }
   std::vector<Triplet> entries, weights;
   for (int c = 0; c < columns; ++c) {
+    poll_every<8192>(c);
     if (pivot_row[c] < 0) {
       entries.emplace_back(c, free_of[c], 1.0);
       continue;
@@ -233,8 +243,10 @@ AffineReduction::AffineReduction(const ConstraintSet& constraints, RhsMode value
         selection_ = false;
       }
   }
+  throw_if_cancelled();
   D_.resize(columns, free);
   D_.setFromTriplets(entries.begin(), entries.end());
+  throw_if_cancelled();
   rhs_to_particular_.resize(columns, static_cast<long>(given.size()));
   rhs_to_particular_.setFromTriplets(weights.begin(), weights.end());
   for (const Equation& row : elimination.redundant()) {
@@ -400,6 +412,7 @@ SparseMatrix submatrix(const SparseMatrix& K, const std::vector<int>& free_dofs)
   SparseMatrix part(n, n);
   part.reserve(K.nonZeros());
   for (long f = 0; f < n; ++f) {
+    poll_every<8192>(f);
     part.startVec(f);
     for (SparseMatrix::InnerIterator it(K, free_dofs[f]); it; ++it)
       if (const int row = free_of[it.row()]; row >= f) part.insertBack(row, f) = it.value();
@@ -478,6 +491,7 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
     ColumnSum sum(n);
     size_t asked_at = many;
     for (long j = n * part / parts; j < n * (part + 1) / parts; ++j) {
+      poll_every<1024>(j);
       const int from = static_cast<int>(j);
       for (SparseMatrix::InnerIterator it(A, j); it; ++it)
         sum.add(static_cast<int>(it.row()), it.value());
@@ -500,6 +514,7 @@ SparseMatrix with_products(const SparseMatrix& A, const RowMatrix& G, const RowM
   int* rows = result.innerIndexPtr();
   double* values = result.valuePtr();
   for (const Columns& columns : made) {
+    throw_if_cancelled();
     for (const int size : columns.sizes) {
       start[1] = start[0] + size;
       ++start;
@@ -533,6 +548,7 @@ SparseMatrix AffineReduction::reduce(const SparseMatrix& K) const {
   SparseMatrix K_ff(free, free);
   K_ff.reserve(K.nonZeros() * (coupled_ && !stacked ? 3 : 1));
   for (int b = 0; b < columns; ++b) {
+    poll_every<4096>(b);
     const int j = stacked ? b : b % dof_count_, offset = b - j, fb = free_of[b];
     if (fb >= 0) K_ff.startVec(fb);
     for (SparseMatrix::InnerIterator it(K, j); it; ++it) {

@@ -40,7 +40,8 @@ class AffineReduction {
   /// Computes D and d0 in x = D y + d0 (x: all dofs, y: free unknowns) by eliminating the
   /// constraints. A constraint is redundant if, after elimination, its largest remaining
   /// coefficient is at most `dependent` times its original largest coefficient. With
-  /// RhsMode::Given, contradictory values throw ConflictError.
+  /// RhsMode::Given, contradictory values throw ConflictError. Polls the current ProgressScope, as
+  /// reduce() does, and reports the stage "constraints" to it.
   explicit AffineReduction(const ConstraintSet& constraints, RhsMode values = RhsMode::Given,
                            double dependent = 1e-9);
 

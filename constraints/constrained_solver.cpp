@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -66,12 +67,14 @@ Points ConstrainedSolver::solve_refined(const Points& F) const {
   using Long = long double;
   const Eigen::Map<const VecX> x(q.data(), q.size()), f(F.data(), F.size());
   Eigen::Matrix<Long, Eigen::Dynamic, 1> residual = f.cast<Long>();
-  for (long j = 0; j < K_.cols(); ++j)
+  for (long j = 0; j < K_.cols(); ++j) {
+    poll_every<8192>(j);
     for (SparseMatrix::InnerIterator it(K_, j); it; ++it) {
       const Long k = it.value();
       residual[it.row()] -= k * x[j];
       if (it.row() != j) residual[j] -= k * x[it.row()];
     }
+  }
   MatX step = reduction_.D().transpose() * residual.cast<double>();
   solve_reduced(step);
   const VecX more = reduction_.D() * step;

@@ -15,7 +15,8 @@ namespace batten {
 /// ConflictError for contradictory constraints and NoSolutionError for a singular system.
 Points solve_constrained(const ConstraintSet& constraints, const SparseMatrix& K, const Points& F);
 
-/// Constrained linear system with a stored factorization, for many loads.
+/// Constrained linear system with a stored factorization, for many loads. All functions poll the
+/// current ProgressScope (cancellation.h).
 class ConstrainedSolver {
  public:
   /// Eliminates the constraints (AffineReduction) and factors the reduced K (lower triangle).

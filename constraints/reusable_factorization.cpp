@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/solvers/linear_solver_backend.h"
@@ -35,6 +36,7 @@ Nodes nodes_of(const std::vector<int>& free_dofs, const DofVertices& vertices) {
 SparseMatrix graph_of(const SparseMatrix& reduced, const Nodes& nodes) {
   std::vector<int> last(static_cast<size_t>(nodes.count), -1), starts, rows;
   for (int j = 0; j < reduced.cols(); ++j) {
+    poll_every<8192>(j);
     const int own = nodes.of_unknown[j];
     if (own < 0) continue;
     if (own == isize(starts)) {
@@ -53,8 +55,10 @@ SparseMatrix graph_of(const SparseMatrix& reduced, const Nodes& nodes) {
   SparseMatrix graph(nodes.count, nodes.count);
   graph.resizeNonZeros(static_cast<long>(rows.size()));
   std::copy(starts.begin(), starts.end(), graph.outerIndexPtr());
-  for (size_t s = 0; s + 1 < starts.size(); ++s)
+  for (size_t s = 0; s + 1 < starts.size(); ++s) {
+    poll_every<16384>(static_cast<long>(s));
     std::sort(rows.begin() + starts[s], rows.begin() + starts[s + 1]);
+  }
   std::copy(rows.begin(), rows.end(), graph.innerIndexPtr());
   std::fill_n(graph.valuePtr(), rows.size(), 1.0);
   return graph;
@@ -69,8 +73,10 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
     throw InputError("found the vertices of " + std::to_string(vertices.size()) +
                      " dofs, expected " + std::to_string(reduction.D().rows()) +
                      ", and constraints that do not couple x, y and z");
+  update_progress("ordering", 0);
   const Nodes nodes = nodes_of(free_dofs, vertices);
   const std::vector<int> order = elimination_order(graph_of(reduced, nodes), factor_reuse);
+  throw_if_cancelled();
   std::vector<int> position(order.size());
   for (size_t i = 0; i < order.size(); ++i) position[order[i]] = static_cast<int>(i) + 1;
   // Edges between vertices without free dofs come first, at position 0.
@@ -123,12 +129,16 @@ ReusableFactorization::ReusableFactorization(const ReusableFactorization& like, 
 void ReusableFactorization::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
                                       const std::vector<int>* order) {
   if (order) factor_.analyze(reduced, *order);
-  if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
   // H = Dᵀ (S R).
   const SparseMatrix& R = reduction_->rhs_to_particular();
-  H_.resize(free_count(), R.cols());
-  if (R.nonZeros() > 0)
-    H_ = SparseMatrix(D().transpose()) * SparseMatrix(columns_of_constrained(S) * R);
+  SparseMatrix H(free_count(), R.cols());
+  if (R.nonZeros() > 0) {
+    const SparseMatrix SR = columns_of_constrained(S) * R;
+    throw_if_cancelled();
+    H = SparseMatrix(D().transpose()) * SR;
+  }
+  if (!factor_.factorize(reduced)) throw NoSolutionError(factor_.message());
+  H_ = std::move(H);
 }
 
 // Restricts S to the columns of constrained dofs: they are few, and R is zero in all other rows.
@@ -136,13 +146,15 @@ SparseMatrix ReusableFactorization::columns_of_constrained(const SparseMatrix& S
   std::vector<char> constrained(static_cast<size_t>(S.cols()), 0);
   for (const ConstrainedDof& row : constrained_dofs_) constrained[row.dof] = 1;
   std::vector<Triplet> entries;
-  for (int j = 0; j < S.cols(); ++j)
+  for (int j = 0; j < S.cols(); ++j) {
+    poll_every<8192>(j);
     for (SparseMatrix::InnerIterator it(S, j); it; ++it) {
       if (it.row() < j) continue;
       const int i = static_cast<int>(it.row());
       if (constrained[j]) entries.emplace_back(i, j, it.value());
       if (i != j && constrained[i]) entries.emplace_back(j, i, it.value());
     }
+  }
   SparseMatrix columns(S.rows(), S.cols());
   columns.setFromTriplets(entries.begin(), entries.end());
   return columns;
@@ -153,6 +165,8 @@ void ReusableFactorization::set_matrix(SparseMatrix S) {
     throw InputError("reusable factorization: the new matrix has a different sparsity pattern");
   try {
     factorize(S, reduction_->reduce(S), nullptr);
+  } catch (const CancelledError&) {  // the previous factor would take as long
+    throw;
   } catch (...) {
     factorize(S_, reduction_->reduce(S_), nullptr);
     throw;
@@ -166,10 +180,12 @@ void ReusableFactorization::start_load(const MatX& d, MatX& to) const {
 }
 
 void ReusableFactorization::prepare_expansion() {
+  throw_if_cancelled();
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = D();
   std::vector<char> free(static_cast<size_t>(rows.rows()), 0);
   for (const int dof : reduction_->free_dofs()) free[dof] = 1;
   for (int dof = 0; dof < rows.rows(); ++dof) {
+    poll_every<65536>(dof);
     if (free[dof]) continue;
     const int begin = isize(terms_);
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, dof); it; ++it)

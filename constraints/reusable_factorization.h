@@ -35,6 +35,8 @@ std::vector<int> vertex_ordering(const AffineReduction& reduction, const SparseM
 /// one product with H, which is sparse because constraints are local. Both K x = F and implicit
 /// time steps have this form. SchurComplementConstraints::apply(), if used, is called between
 /// solve() and expand().
+///
+/// The constructors, set_matrix() and solve() poll the current ProgressScope (cancellation.h).
 class ReusableFactorization {
  public:
   /// Reduces the matrix S of one coordinate (lower triangle) to the free unknowns and factors it,
@@ -48,8 +50,11 @@ class ReusableFactorization {
 
   /// Replaces the values of the matrix S and factors it; the symbolic analysis is reused. Throws
   /// InputError if the sparsity pattern differs. Throws NoSolutionError and restores the previous
-  /// matrix if the reduced matrix is singular.
+  /// matrix if the reduced matrix is singular. After CancelledError, matrix() and H() are the
+  /// previous ones, but is_factored() is false, and set_matrix() must be called again before the
+  /// next solve.
   void set_matrix(SparseMatrix S);
+  bool is_factored() const { return factor_.is_factored(); }
 
   const SparseMatrix& matrix() const { return S_; }
   const AffineReduction& reduction() const { return *reduction_; }

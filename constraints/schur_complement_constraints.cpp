@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
 
@@ -27,6 +28,7 @@ SchurComplementConstraints::SchurComplementConstraints(const SparseCholesky& fac
 void SchurComplementConstraints::prepare(const SparseCholesky& factor,
                                          const SchurComplementConstraints* previous,
                                          const std::vector<int>& reused_columns, double dependent) {
+  throw_if_cancelled();
   const std::vector<VecX> redundant_coefficients = orthogonalise(dependent);
   solve_points(factor, previous, reused_columns);
   form_schur_complement();
@@ -109,6 +111,7 @@ void SchurComplementConstraints::solve_points(const SparseCholesky& factor,
   // In blocks: a copy of all columns would be as large as Z.
   constexpr size_t kSolveColumns = 256;
   for (size_t first = 0; first < unknown.size(); first += kSolveColumns) {
+    throw_if_cancelled();
     const auto count = static_cast<long>(std::min(kSolveColumns, unknown.size() - first));
     MatX solved(U_.rows(), count);
     for (long i = 0; i < count; ++i) solved.col(i) = U_.col(unknown[first + i]);
@@ -120,11 +123,13 @@ void SchurComplementConstraints::solve_points(const SparseCholesky& factor,
 void SchurComplementConstraints::form_schur_complement() {
   const auto rank = static_cast<long>(independent_.size());
   const auto soft = static_cast<long>(soft_.size());
+  throw_if_cancelled();
   const MatX UtZ = U_.transpose() * Z_;
   std::vector<int> order = independent_;
   order.insert(order.end(), soft_.begin(), soft_.end());
   S_.resize(rank + soft, rank + soft);
-  for (long a = 0; a < rank + soft; ++a)
+  for (long a = 0; a < rank + soft; ++a) {
+    poll_every<16>(a);
     for (long b = 0; b < rank + soft; ++b) {
       const Constraint &x = constraints_[order[a]], &y = constraints_[order[b]];
       double sum = 0;
@@ -133,6 +138,7 @@ void SchurComplementConstraints::form_schur_complement() {
       });
       S_(a, b) = sum;
     }
+  }
   if (rank == 0) return;
   const auto lower = R_.triangularView<Eigen::Lower>();
   lower.solveInPlace(S_.topRows(rank));

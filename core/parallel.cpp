@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -9,12 +10,13 @@
 #include <thread>
 #include <vector>
 
+#include "batten/core/cancellation.h"
+#include "batten/core/containers.h"
+
 #if defined(__linux__)
 #include <pthread.h>
 #include <sched.h>
 #include <unistd.h>
-
-#include "batten/core/containers.h"
 #endif
 
 namespace batten {
@@ -46,7 +48,13 @@ class Pool {
     {
       std::unique_lock lock(mutex_);
       wanted_ = 0;
-      finished_.wait(lock, [this] { return active_ == 0; });
+      // The caller polls while it waits, so that the threads learn of a cancellation.
+      constexpr auto poll_interval = std::chrono::milliseconds(2);
+      while (!finished_.wait_for(lock, poll_interval, [this] { return active_ == 0; })) {
+        lock.unlock();
+        is_cancelled();
+        lock.lock();
+      }
     }
     busy_ = false;
     return true;
@@ -129,11 +137,17 @@ void parallel_for(int parts, const std::function<void(int)>& work) {
   std::atomic<int> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
+  const detail::CurrentProgress progress = detail::current_progress();
+  const std::thread::id caller = std::this_thread::get_id();
   const auto run = [&] {
+    const bool calls_back = progress.calls_back && std::this_thread::get_id() == caller;
+    const detail::ProgressLink link({progress.state, calls_back});
     for (int part = next++; part < parts; part = next++) {
       try {
+        throw_if_cancelled();
         work(part);
       } catch (...) {
+        if (progress.state && progress.state->cancelled) next = parts;
         const std::lock_guard lock(failure_mutex);
         if (!failure) failure = std::current_exception();
       }

@@ -5,6 +5,8 @@
 #include <functional>
 #include <thread>
 
+#include "batten/core/cancellation.h"
+
 namespace batten {
 
 /// Number of CPU cores that the process may use.
@@ -19,9 +21,14 @@ void set_thread_count(int count);
 /// Calls `work(part)` once for each part = 0 … parts-1 on up to thread_count() threads, and returns
 /// when all calls have finished.
 ///
-/// The first exception thrown by a part is rethrown here. The threads are kept for the next call
-/// and sleep in between. Nested calls, concurrent calls and calls in a forked process run all parts
-/// in the calling thread.
+/// The first exception thrown by a part is rethrown here, after the other parts have finished. The
+/// threads are kept for the next call and sleep in between. Nested calls, concurrent calls and calls
+/// in a forked process run all parts in the calling thread.
+///
+/// Polls the current ProgressScope (cancellation.h) before each part, and while the calling thread
+/// waits for the others. After a cancellation, the remaining parts are not called, and
+/// CancelledError is thrown. Parts that wait for each other must use is_cancelled() and must not
+/// throw.
 void parallel_for(int parts, const std::function<void(int part)>& work);
 
 // Parallel loops over many small items.
@@ -62,6 +69,12 @@ class SpinWait {
     } else {
       std::this_thread::yield();
     }
+  }
+  /// Waits as wait() does, and polls the current ProgressScope in every 256th call, so that the
+  /// other thread learns of a cancellation.
+  void wait_and_poll() {
+    wait();
+    if (spins_left_ % 256 == 0) is_cancelled();
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
@@ -96,6 +97,7 @@ DisplayPoints::DisplayPoints(const ParametricMesh& mesh, TriangleElement kind,
     : count_(isize(where)), dof_count_(DofMap(mesh).count()) {
   const DofMap dofs(mesh);
   for (int p = 0; p < count_; ++p) {
+    poll_every<4096>(p);
     const auto& [t, L] = where[p];
     require_inside(where[p], p, mesh.triangle_count());
     // Barycentric coordinates that are exactly 0 identify a vertex or an edge. Dofs that are left

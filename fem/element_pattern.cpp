@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/core/op_counter.h"
 #include "batten/core/parallel.h"
@@ -10,6 +11,8 @@
 namespace batten {
 
 namespace {
+
+constexpr int kPollElements = 256;  // elements of a shell: 10 ms
 
 std::vector<int> equal_starts(int per_element, int entries) {
   std::vector<int> starts;
@@ -26,12 +29,19 @@ class ElementsOfDofs {
         element_of_(dofs.size()),
         start_(dof_count + 1, 0),
         uses_(dofs.size()) {
+    throw_if_cancelled();
     for (int e = 0; e < isize(starts) - 1; ++e)
       std::fill(element_of_.begin() + starts[e], element_of_.begin() + starts[e + 1], e);
-    for (const int d : dofs) ++start_[d + 1];
+    for (int u = 0; u < isize(dofs); ++u) {
+      poll_every<1 << 20>(u);
+      ++start_[dofs[u] + 1];
+    }
     for (int d = 0; d < dof_count; ++d) start_[d + 1] += start_[d];
     std::vector<int> next(start_.begin(), start_.end() - 1);
-    for (int u = 0; u < isize(dofs); ++u) uses_[next[dofs[u]]++] = u;
+    for (int u = 0; u < isize(dofs); ++u) {
+      poll_every<1 << 19>(u);
+      uses_[next[dofs[u]]++] = u;
+    }
   }
 
   bool none(int d) const { return start_[d] == start_[d + 1]; }
@@ -87,6 +97,7 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
     largest_ = std::max(largest_, size_of(e));
     first_pair_.push_back(first_pair_.back() + n * (n + 1) / 2);
   }
+  throw_if_cancelled();
   const ElementsOfDofs elements(dof_count, starts_, dofs_);
   first_element_.assign(dof_count, std::numeric_limits<int>::max());
   for (int d = 0; d < dof_count; ++d)
@@ -99,6 +110,7 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
   column_.assign(1, 0);
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
+    poll_every<2048>(d);
     if (elements.same(d - 1, d))
       rows.erase(rows.begin());  // the previous column without its diagonal entry
     else
@@ -134,8 +146,13 @@ SparseMatrix ElementPattern::zero() const {
   SparseMatrix matrix(n, n);
   matrix.resizeNonZeros(static_cast<long>(row_.size()));
   std::copy(column_.begin(), column_.end(), matrix.outerIndexPtr());
-  std::copy(row_.begin(), row_.end(), matrix.innerIndexPtr());
-  std::fill_n(matrix.valuePtr(), row_.size(), 0.0);
+  constexpr size_t block = 1 << 20;  // entries; 5 ms
+  for (size_t first = 0; first < row_.size(); first += block) {
+    throw_if_cancelled();
+    const size_t count = std::min(block, row_.size() - first);
+    std::copy_n(row_.data() + first, count, matrix.innerIndexPtr() + first);
+    std::fill_n(matrix.valuePtr() + first, count, 0.0);
+  }
   return matrix;
 }
 
@@ -147,6 +164,7 @@ std::vector<ElementPattern::Part> ElementPattern::split(int parts) const {
   std::vector<Part> result(parts);
   std::vector<int> owners;
   for (int e = 0; e < element_count(); ++e) {
+    poll_every<4096>(e);
     owners.clear();
     for (int i = starts_[e]; i < starts_[e + 1]; ++i) owners.push_back(owner(dofs_[i], parts));
     std::sort(owners.begin(), owners.end());
@@ -167,6 +185,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
         "the matrix to assemble into does not have the sparsity pattern of these elements");
   count(OpCounter::AssembledElement, element_count());
   double* values = matrix.valuePtr();
+  update_progress("assembly", 0);
   std::fill_n(values, row_.size(), 0.0);
   constexpr int kMinWorkPerThread = 500;
   const int parts = std::clamp(element_count() / kMinWorkPerThread, 1, thread_count());
@@ -180,16 +199,24 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
   if (parts == 1) {
     std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     for (int e = 0; e < element_count(); ++e) {
+      if (e % kPollElements == 0) update_progress("assembly", 1.0 * e / element_count());
       element(e, K.data());
       scatter_all(e, K.data());
     }
+    update_progress("assembly", 1);
     return;
   }
   const std::vector<Part> split_parts = split(parts);
   parallel_for(parts, [&](int part) {
     std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     const Part& mine = split_parts[part];
+    const auto report = [&](size_t done) {
+      update_progress("assembly", (part + static_cast<double>(done) /
+                                              static_cast<double>(mine.elements.size())) /
+                                      parts);
+    };
     for (size_t i = 0; i < mine.elements.size(); ++i) {
+      if (i % kPollElements == 0) report(i);
       const int e = mine.elements[i];
       element(e, K.data());
       if (!mine.shared[i]) {
@@ -207,6 +234,7 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
         }
     }
   });
+  update_progress("assembly", 1);
 }
 
 }  // namespace batten

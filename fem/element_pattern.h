@@ -33,7 +33,7 @@ class ElementPattern {
   /// Sums the element matrices into `matrix`, which must have this sparsity pattern and is first
   /// set to zero. `element(e, K)` writes the symmetric matrix of element e into K, size_of(e)²
   /// doubles. It is called from several threads, and more than once for elements at the border
-  /// between the ranges of two threads.
+  /// between the ranges of two threads. Reports the stage "assembly" to the current ProgressScope.
   void assemble(const std::function<void(int element, double* K)>& element,
                 SparseMatrix& matrix) const;
 

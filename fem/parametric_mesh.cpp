@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -38,6 +39,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
   triangle_edges_.resize(triangles_.size());
   std::vector<char> used(n, 0);
   for (int t = 0; t < triangle_count(); ++t) {
+    poll_every<8192>(t);
     const Triangle& tri = triangles_[t];
     for (const int v : tri) {
       if (v < 0 || v >= n)
@@ -81,6 +83,7 @@ ParametricMesh::ParametricMesh(std::vector<Vec2> vertices, std::vector<Triangle>
 ParametricMesh ParametricMesh::concatenated(const std::vector<const ParametricMesh*>& meshes) {
   ParametricMesh all;
   for (const ParametricMesh* mesh : meshes) {
+    throw_if_cancelled();
     const int v0 = all.vertex_count(), e0 = all.edge_count(), t0 = all.triangle_count();
     if (mesh->components_.empty()) all.components_.push_back({v0, mesh->period_});
     for (const Component& component : mesh->components_)
@@ -232,7 +235,8 @@ class Dissection {
   }
 
  private:
-  static constexpr int kLeaf = 6;  // triangles
+  static constexpr int kLeaf = 6;              // triangles
+  static constexpr int kPollTriangles = 1000;  // 1 ms
 
   // Visits vertices and edges in one numbering: edges follow all vertices.
   template <class Visit>
@@ -262,6 +266,7 @@ class Dissection {
     for (int i = begin; i < end; ++i) box.extend(centre_[triangles_[i]]);
     const int axis = box.sizes().x() >= box.sizes().y() ? 0 : 1;
     const int middle = (begin + end) / 2;
+    if (end - begin > kPollTriangles) throw_if_cancelled();
     std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle,
                      triangles_.begin() + end, [&](int a, int b) {
                        const double x = centre_[a][axis], y = centre_[b][axis];

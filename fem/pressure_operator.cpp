@@ -5,6 +5,7 @@
 #include <functional>
 #include <numeric>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -131,6 +132,7 @@ std::vector<int> morton_order(const ParametricMesh& mesh) {
   const double scale = 65535 / box.sizes().maxCoeff();
   std::vector<uint64_t> key(n);
   for (int t = 0; t < n; ++t) {
+    poll_every<8192>(t);
     const Vec2 centre = mesh.wrapped(mesh.shape(t).point(Vec3::Constant(1.0 / 3)));
     const Vec2 cell = (scale * (centre - box.min())).cwiseMax(0.0).cwiseMin(65535.0);
     key[t] = morton_code(static_cast<uint32_t>(cell.x()), static_cast<uint32_t>(cell.y()));
@@ -151,8 +153,10 @@ class PressureOperator::PartBuilder {
       : made_(made), mesh_(mesh), dofs_(mesh), local_(made.dofs_, -1) {}
 
   void add_parts(const std::vector<int>& triangles, size_t size, int lanes) {
-    for (size_t i = 0; i < triangles.size(); i += size)
+    for (size_t i = 0; i < triangles.size(); i += size) {
+      throw_if_cancelled();
       add_part(triangles, i, std::min(i + size, triangles.size()), lanes);
+    }
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
@@ -93,6 +94,7 @@ VecX residual_indicator(const Surface& surface) {
     }
   });
   for (int e = 0; e < mesh.edge_count(); ++e) {
+    poll_every<16384>(e);
     const auto& edge = mesh.edges()[e];
     if (edge.boundary()) continue;
     const auto [t, other] = edge.triangle;
@@ -168,7 +170,10 @@ Bisection bisected(const ParametricMesh& mesh, const std::vector<char>& marked) 
                      std::to_string(mesh.triangle_count()) + " triangles, expected one for each");
   std::vector<int> longest(mesh.triangle_count());
   std::vector<char> split(mesh.edge_count(), 0);
-  for (int t = 0; t < mesh.triangle_count(); ++t) longest[t] = longest_edge(mesh, t);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<8192>(t);
+    longest[t] = longest_edge(mesh, t);
+  }
 
   // A triangle with a bisected edge also bisects its longest edge.
   std::vector<int> pending;
@@ -231,17 +236,21 @@ struct SharedEntities {
     std::vector<std::pair<std::pair<double, double>, int>> places;
     for (int v = 0; v < from.vertex_count(); ++v)
       places.push_back({{from.vertices()[v].x(), from.vertices()[v].y()}, v});
+    throw_if_cancelled();
     std::sort(places.begin(), places.end());
     for (int v = 0; v < to.vertex_count(); ++v) {
+      poll_every<8192>(v);
       const std::pair<double, double> place{to.vertices()[v].x(), to.vertices()[v].y()};
       const auto found = std::lower_bound(places.begin(), places.end(), std::pair{place, 0});
       if (found != places.end() && found->first == place) vertex[v] = found->second;
     }
     for (int e = 0; e < to.edge_count(); ++e) {
+      poll_every<16384>(e);
       const int low = vertex[to.edges()[e].low], high = vertex[to.edges()[e].high];
       if (low >= 0 && high >= 0) edge[e] = from.edge_between(low, high);
     }
     for (int t = 0; t < to.triangle_count(); ++t) {
+      poll_every<16384>(t);
       const int first = edge[to.edges_of(t)[0]], opposite = vertex[to.triangles()[t][0]];
       if (first < 0 || opposite < 0) continue;
       for (const int old : from.edges()[first].triangle)

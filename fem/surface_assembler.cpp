@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -17,8 +18,10 @@ namespace {
 std::vector<int> surface_dofs(const ParametricMesh& mesh, const DofMap& dofs) {
   std::vector<int> all;
   all.reserve(12 * static_cast<size_t>(mesh.triangle_count()));
-  for (int t = 0; t < mesh.triangle_count(); ++t)
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<16384>(t);
     for (const int d : dofs.triangle(mesh, t)) all.push_back(d);
+  }
   return all;
 }
 
@@ -47,7 +50,10 @@ SurfaceAssembler::SurfaceAssembler(const ParametricMesh& mesh, TriangleElement k
       dofs_(mesh),
       pattern_(dofs_.count(), 12, surface_dofs(mesh, dofs_)) {
   shapes_.reserve(mesh.triangle_count());
-  for (int t = 0; t < mesh.triangle_count(); ++t) shapes_.push_back(mesh.shape(t));
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<16384>(t);
+    shapes_.push_back(mesh.shape(t));
+  }
 }
 
 void SurfaceAssembler::cut(int t, const MaterialAt& material, double* K) const {
@@ -143,6 +149,7 @@ Vec12 SurfaceAssembler::unit_load(int t) const {
 Points SurfaceAssembler::load(const Vec3& f) const {
   Points F = Points::Zero(dofs_.count(), 3);
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    poll_every<4096>(t);
     const Vec12 element = unit_load(t);
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) F.row(dof[a]) += element[a] * f.transpose();
@@ -160,6 +167,7 @@ VecX SurfaceAssembler::load(const VecX& triangle_weights) const {
   check_weights(triangle_weights);
   VecX F = VecX::Zero(dofs_.count());
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    poll_every<4096>(t);
     if (is_outside(t) || triangle_weights[t] == 0) continue;
     const Vec12 element = triangle_weights[t] * unit_load(t);
     const auto dof = dofs_.triangle(mesh_, t);
@@ -177,6 +185,7 @@ Points SurfaceAssembler::gather(const std::function<void(int, ElementLoad&)>& el
   });
   Points F = Points::Zero(dofs_.count(), 3);
   for (int t = 0; t < mesh_.triangle_count(); ++t) {
+    poll_every<16384>(t);
     const auto dof = dofs_.triangle(mesh_, t);
     for (int a = 0; a < 12; ++a) F.row(dof[a]) += elements[t].row(a);
   }
@@ -276,6 +285,7 @@ class ElementCrossings {
   std::vector<double> cut(const std::vector<double>& samples) const {
     std::vector<double> cuts{samples.front()};
     for (size_t i = 0; i + 1 < samples.size(); ++i) {
+      poll_every<64>(static_cast<long>(i));
       double t = samples[i];
       Cubic here = at(t);
       while (t < samples[i + 1]) {
@@ -352,7 +362,8 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
   VecX F = VecX::Zero(dofs.count());
   // Near a vertex, the rational functions of Z12 vary on a scale below the element size.
   const int parts = kind == TriangleElement::HCT ? 1 : 8;
-  for (size_t i = 0; i + 1 < cuts.size(); ++i)
+  for (size_t i = 0; i + 1 < cuts.size(); ++i) {
+    poll_every<256>(static_cast<long>(i));
     for (long g = 0; g < parts * gauss.s.size(); ++g) {
       const double length = (cuts[i + 1] - cuts[i]) / parts,
                    t = cuts[i] +
@@ -365,6 +376,7 @@ VecX line_load(const ParametricMesh& mesh, TriangleElement kind, const TriangleL
       const auto dof = dofs.triangle(mesh, on.triangle);
       for (int a = 0; a < 12; ++a) F[dof[a]] += weight * N[a];
     }
+  }
   return F;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "batten/core/cancellation.h"
 #include "batten/elements/bernstein_cubics.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -13,13 +14,16 @@ SurfaceProjector::SurfaceProjector(const Surface& surface)
   const ParametricMesh& mesh = surface.mesh();
   std::vector<char> seen(mesh.vertex_count(), 0);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<16384>(t);
     for (int i = 0; i < 3; ++i)
       if (!seen[mesh.triangles()[t][i]]++) where_.push_back({t, Vec3::Unit(i)});
     where_.push_back({t, Vec3::Constant(1.0 / 3)});
   }
   samples_.resize(static_cast<long>(where_.size()), 3);
-  for (size_t i = 0; i < where_.size(); ++i)
-    samples_.row(static_cast<long>(i)) = surface.position(where_[i]);
+  for (long i = 0; i < samples_.rows(); ++i) {
+    poll_every<4096>(i);
+    samples_.row(i) = surface.position(where_[i]);
+  }
 }
 
 Surface::ClosestPoint SurfaceProjector::nearest(const Vec3& p) const {
@@ -66,6 +70,7 @@ SurfaceEvaluator::SurfaceEvaluator(Surface surface)
   if (surface_.kind() != TriangleElement::HCT) return;
   cubics_.reserve(3 * static_cast<size_t>(surface_.mesh().triangle_count()));
   for (int t = 0; t < surface_.mesh().triangle_count(); ++t) {
+    poll_every<2048>(t);
     const C1Triangle element(surface_.kind(), surface_.mesh().shape(t));
     for (int sub = 0; sub < 3; ++sub)
       cubics_.emplace_back(element.bezier(sub, surface_.triangle_dofs(t)).transpose());

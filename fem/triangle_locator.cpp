@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 
@@ -17,6 +18,7 @@ constexpr double kHair = 1e-13;
 
 TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   Box2 box(mesh.vertices()[0]);
+  throw_if_cancelled();
   for (const auto& triangle : mesh.triangles())
     for (const int v : triangle)
       box.extend(mesh.image_near(mesh.vertices()[v], mesh.vertices()[triangle[0]]));
@@ -30,6 +32,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
 
   std::vector<std::vector<int>> buckets(static_cast<size_t>(columns_) * rows_);
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<8192>(t);
     corners_.push_back(mesh.shape(t).vertex);
     const Box2 around = bounding_box(corners_.back());
     const Vec2 a = around.min(), b = around.max();
@@ -39,6 +42,7 @@ TriangleLocator::TriangleLocator(const ParametricMesh& mesh) : mesh_(mesh) {
   }
   start_.push_back(0);
   for (const auto& bucket : buckets) {
+    poll_every<32768>(isize(start_) - 1);
     triangles_.insert(triangles_.end(), bucket.begin(), bucket.end());
     start_.push_back(isize(triangles_));
   }

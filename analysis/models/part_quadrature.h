@@ -9,6 +9,7 @@
 #include <string>
 
 #include "batten/analysis/shell_section.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/elements/c1_triangle.h"
 #include "batten/elements/reference_triangle.h"
@@ -107,6 +108,7 @@ void for_each_part_point(const ModelLayout& model, const Surface& surface, const
                        std::to_string(model.region_count() - 1));
   const Trim* trim = surface.trim().get();
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    poll_every<256>(t);
     if (!part.regions.empty() && std::find(part.regions.begin(), part.regions.end(),
                                            model.region_of(t)) == part.regions.end())
       continue;

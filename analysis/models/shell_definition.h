@@ -44,7 +44,7 @@ void add_elastic_support(const ModelLayout& model, const Points& shape,
 ///     symmetric    the normal of the plane; rotation (the surface meets the plane at right angles)
 ///     diaphragm    the two directions in the wall
 struct LineSupport {
-  std::string name;  ///< name of the constraints and reactions of this support
+  std::string name;  ///< names the constraints of this support, and its reaction in the results
   std::string line;
   std::vector<Vec3> directions;      ///< constrained directions; any length except zero
   Vec3 displacement = Vec3::Zero();  ///< prescribed displacement along `directions`
@@ -100,16 +100,18 @@ struct ShellDefinition {
   VecX nodal_thickness_offset = {};
 };
 
-/// Sections of the triangles of a model: one for all triangles, or one per triangle of the model's
-/// mesh. Throws InputError if the number of sections or thickness offsets is wrong, or a section is
+/// Assigns sections to the triangles of a model. The result contains a single section for all
+/// triangles if `definition` has one section and no thickness offsets, otherwise one section per
+/// triangle of the model's mesh. Throws InputError if the number of sections is neither one nor the
+/// number of regions, if there are thickness offsets but not one per vertex, or if a section is
 /// invalid (require_section()).
 std::vector<ShellSection> triangle_sections(const ModelLayout& model,
                                             const ShellDefinition& definition);
 
 /// Creates all ties between regions and all supports of a shell. Throws InputError under the
-/// conditions of add_support() and of the overload of shell_ties() without definition. Also throws
-/// if a direction has zero length, a part contains no point of the surface, or a stiffness is
-/// negative.
+/// conditions of add_support() and of the overload of shell_ties() in shell_ties.h. Also throws
+/// InputError if a direction has zero length, a part contains no point of the surface, or a
+/// stiffness is negative.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const ShellDefinition& definition);
 

@@ -4,11 +4,14 @@
 #include <utility>
 
 #include "batten/analysis/models/shell_modes.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 
 namespace batten {
 
-ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Points& shape) {
+ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Points& shape,
+                                             const Progress& progress) {
+  const ProgressScope scope(progress);
   displacement_.resize(0, 3);
   if (shell_ && shell_->layout().mesh() == layout.mesh())
     shell_->update_shape(shape);
@@ -18,15 +21,19 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
       problem_.load_cases(shell_->layout(), shell_->shape(), shell_->definition());
   if (cases.empty()) throw InputError("found no load case, expected at least one");
   MaxValues largest;
+  Points governing;
   for (const ShellLoadCase& one : cases) {
+    update_progress("solving", static_cast<double>(&one - cases.data()) /
+                                   static_cast<double>(cases.size()));
     Points q = shell_->solve(one.load);
     largest.displacement = std::max(largest.displacement, max_displacement(*shell_, q).value);
     const double peak = ShellStresses(*shell_, q).peak().value;
-    if (displacement_.size() > 0 && peak < largest.von_mises) continue;
+    if (governing.size() > 0 && peak < largest.von_mises) continue;
     largest.von_mises = peak;
     governing_case_ = one.name;
-    displacement_ = std::move(q);
+    governing = std::move(q);
   }
+  displacement_ = std::move(governing);
   return largest;
 }
 
@@ -35,13 +42,16 @@ void ShellEvaluator::require_shape() const {
     throw InputError("found no shape of the shell, expected one that at() has evaluated");
 }
 
-ShellEvaluator::Field ShellEvaluator::field(const std::vector<Location>& locations) const {
+ShellEvaluator::Field ShellEvaluator::field(const std::vector<Location>& locations,
+                                            const Progress& progress) const {
+  const ProgressScope scope(progress);
   require_shape();
   const ShellStresses stresses(*shell_, displacement_);
   const Surface moved = shell_->layout().surface(displacement_);
   Field field;
   field.load_case = governing_case_;
   for (const Location& where : locations) {
+    poll_every<1024>(&where - locations.data());
     const ShellStress stress = stresses.at(where);
     const Vec3 u = moved.position(where);
     field.von_mises.push_back(
@@ -52,7 +62,9 @@ ShellEvaluator::Field ShellEvaluator::field(const std::vector<Location>& locatio
 }
 
 ShellEvaluator::ModeShapes ShellEvaluator::mode_shapes(const std::vector<Location>& locations,
-                                                       int count) const {
+                                                       int count,
+                                                       const Progress& progress) const {
+  const ProgressScope scope(progress);
   require_shape();
   const ShellModes modes = natural_modes(*shell_, std::min(count, shell_->unknowns() / 2 - 1));
   ModeShapes mode_shapes;
@@ -61,6 +73,7 @@ ShellEvaluator::ModeShapes ShellEvaluator::mode_shapes(const std::vector<Locatio
     std::vector<float> moved;
     double largest = 0;
     for (const Location& where : locations) {
+      poll_every<4096>(&where - locations.data());
       const Vec3 u = shape.position(where);
       largest = std::max(largest, u.norm());
       for (const double x : u) moved.push_back(static_cast<float>(x));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_results.h"
+#include "batten/core/progress.h"
 
 namespace batten {
 
@@ -15,6 +16,10 @@ namespace batten {
 ///
 ///     ShellEvaluator evaluator({definition, load_cases});
 ///     for (const Points& shape : shapes) evaluator.at(layout, shape).von_mises;
+///
+/// All functions poll `progress` at intervals of some milliseconds and then throw CancelledError.
+/// at() also reports the stages "constraints", "assembly", "ordering", "factorization", "solving"
+/// and "stresses" to it.
 class ShellEvaluator {
  public:
   explicit ShellEvaluator(ShellProblem problem) : problem_(std::move(problem)) {}
@@ -27,9 +32,10 @@ class ShellEvaluator {
   /// first shape on a mesh, and reused for all other shapes on the same mesh.
   ///
   /// Throws the exceptions of ShellModel and of the functions in ShellProblem, and InputError if
-  /// there is no load case. Cost: one stiffness matrix and one factorization; one solve and one
-  /// recovery of stresses per load case.
-  MaxValues at(const ModelLayout& layout, const Points& shape);
+  /// there is no load case. After an exception, no shape counts as evaluated, and at() may be called
+  /// again. Cost: one stiffness matrix and one factorization; one solve and one recovery of stresses
+  /// per load case.
+  MaxValues at(const ModelLayout& layout, const Points& shape, const Progress& progress = {});
 
   /// Results at given locations for the load case with the largest stress.
   struct Field {
@@ -38,7 +44,7 @@ class ShellEvaluator {
     std::vector<float> displacement;  ///< x, y, z of each location, one location after the other
   };
   /// Results for the shape of the last call of at(). Throws InputError if at() has not been called.
-  Field field(const std::vector<Location>& locations) const;
+  Field field(const std::vector<Location>& locations, const Progress& progress = {}) const;
 
   /// Natural modes at given locations.
   struct ModeShapes {
@@ -50,7 +56,8 @@ class ShellEvaluator {
   /// Up to `count` natural modes for the shape of the last call of at(); fewer if the shell has too
   /// few unknowns. Throws the exceptions of natural_modes(), and InputError if at() has not been
   /// called.
-  ModeShapes mode_shapes(const std::vector<Location>& locations, int count) const;
+  ModeShapes mode_shapes(const std::vector<Location>& locations, int count,
+                         const Progress& progress = {}) const;
 
  private:
   void require_shape() const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 
@@ -310,14 +311,22 @@ RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& sha
   const RigidBodies bodies(model, shape);
   MatX AtA = MatX::Zero(6 * bodies.count(), 6 * bodies.count());
   std::vector<ConstraintSet::CoupledEntry> entries;
+  long next = 0;
   for (const auto& row : ties.constraints.constraints())
     for (int c = 0; c < 3; ++c) {
+      poll_every<2048>(next++);
       entries.clear();
       for (const auto& e : row.entries) entries.push_back({e.dof, e.coefficient * Vec3::Unit(c)});
       bodies.add_row(entries, AtA);
     }
-  for (const auto& row : ties.constraints.coupled_constraints()) bodies.add_row(row.entries, AtA);
-  for (const auto& spring : ties.springs.springs()) bodies.add_row(spring.entries, AtA);
+  for (const auto& row : ties.constraints.coupled_constraints()) {
+    poll_every<2048>(next++);
+    bodies.add_row(row.entries, AtA);
+  }
+  for (const auto& spring : ties.springs.springs()) {
+    poll_every<2048>(next++);
+    bodies.add_row(spring.entries, AtA);
+  }
 
   const SymmetricEigen eigen = symmetric_eigen(AtA);
   const VecX& values = eigen.values;

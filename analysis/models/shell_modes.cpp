@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -21,6 +22,7 @@ class ReducedProduct {
   Eigen::Index rows() const { return D_.cols(); }
   Eigen::Index cols() const { return D_.cols(); }
   void perform_op(const double* x, double* y) const {
+    throw_if_cancelled();
     const VecX q = D_ * Eigen::Map<const VecX>(x, D_.cols());
     const Eigen::Map<const Points> points(q.data(), A_.rows(), 3);
     const Points forces = A_.selfadjointView<Eigen::Lower>() * points;
@@ -40,6 +42,7 @@ class ReducedStiffness {
   Eigen::Index rows() const { return solver_.reduction().free_count(); }
   Eigen::Index cols() const { return rows(); }
   void perform_op(const double* x, double* y) const {
+    throw_if_cancelled();
     const SparseMatrix& D = solver_.reduction().D();
     const VecX q = D * Eigen::Map<const VecX>(x, rows());
     Eigen::Map<VecX>(y, rows()) = D.transpose() * (solver_.K().selfadjointView<Eigen::Lower>() * q);
@@ -120,8 +123,35 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
   return modes;
 }
 
+namespace {
+
+// Largest displacement of a vertex.
+double largest_displacement(const VecX& positions, const Points& q) {
+  double largest = 0;
+  for (long m = 0; m < positions.size(); ++m)
+    if (positions[m] > 0) largest = std::max(largest, q.row(m).norm());
+  return largest;
+}
+
+// False for shells that only bend, such as flat plates under pressure: their membrane forces are
+// rounding errors. `G`: geometric stiffness, whose entries are as large as the membrane forces.
+bool has_membrane_forces(const ShellModel& shell, const Points& q, const SparseMatrix& G) {
+  double stiffest = 0;
+  for (int r = 0; r < shell.layout().region_count(); ++r)
+    stiffest = std::max(stiffest, shell.section(r).material.Q(0, 0) * shell.section(r).thickness);
+  double force = 0;
+  for (long k = 0; k < G.nonZeros(); ++k) force = std::max(force, std::abs(G.valuePtr()[k]));
+  constexpr double rounding = 1e-12;  // strains of plates: 1e-15 of the slopes
+  const double slope =
+      largest_displacement(shell.layout().position_dofs(), q) / shell.layout().size();
+  return force > rounding * stiffest * slope;
+}
+
+}  // namespace
+
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
   const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
+  if (!has_membrane_forces(shell, q, G)) return {};
   auto found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
   if (!found) {
     // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors. All eigenvalues
@@ -134,12 +164,8 @@ ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
   const long positive = (pairs.values.array() > 0).count();
   result.factors = pairs.values.head(positive).cwiseInverse();
   const VecX positions = shell.layout().position_dofs();
-  for (long k = 0; k < positive; ++k) {
-    double largest = 0;
-    for (long m = 0; m < positions.size(); ++m)
-      if (positions[m] > 0) largest = std::max(largest, pairs.vectors[k].row(m).norm());
-    result.shapes.push_back(pairs.vectors[k] / largest);
-  }
+  for (long k = 0; k < positive; ++k)
+    result.shapes.push_back(pairs.vectors[k] / largest_displacement(positions, pairs.vectors[k]));
   return result;
 }
 

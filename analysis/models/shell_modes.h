@@ -27,7 +27,8 @@ ShellModes natural_modes(const ShellModel& shell, int count);
 
 /// Load factors at which a shell buckles, smallest first.
 struct ShellBuckling {
-  /// Factors on the load, above 0, ascending; fewer than requested if further ones are negative.
+  /// Factors on the load, above 0, ascending; fewer than requested if further ones are negative, and
+  /// none if the shell has no membrane forces, such as a flat plate under pressure.
   VecX factors;
   std::vector<Points> shapes;  ///< buckling modes (n×3); the largest displacement is 1 model unit
 };

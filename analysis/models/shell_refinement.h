@@ -12,9 +12,10 @@ namespace batten {
 
 /// Options of refine_shell().
 struct ShellRefinementOptions {
-  double accuracy = 0.01;  ///< relative error of displacements to be reached, above 0
+  double accuracy = 0.01;  ///< largest accepted relative error of displacements, above 0
   int max_meshes = 20;     ///< number of meshes including the first one, 1 or more
-  /// Fraction of the total error in the bisected triangles (Dörfler marking); above 0, at most 1.
+  /// Fraction of the total error that the bisected triangles contain (Dörfler marking); above 0, at
+  /// most 1.
   double bulk_fraction = 0.7;
   BackendFactory backend_factory = {};  ///< linear solver; empty: SparseCholesky
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/cancellation.h"
 #include "batten/fem/surface.h"
 
 namespace batten {
@@ -14,6 +15,7 @@ template <class Visit>
 void visit_sample_points(const Surface& surface, const Visit& visit) {
   const Trim* trim = surface.trim().get();
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    poll_every<2048>(t);
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     if (!trim || trim->side(t) != Trim::Side::Cut) {
       for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
@@ -99,6 +101,7 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
                                                  const std::vector<ShellLoadCase>& cases,
                                                  const ShellCaseVisitor& visit,
                                                  VecX* error_indicators, const Progress& progress) {
+  const ProgressScope scope(progress);
   if (error_indicators) *error_indicators = VecX::Zero(shell.layout().mesh()->triangle_count());
   std::vector<ShellCaseResult> results;
   for (const ShellLoadCase& one : cases) {

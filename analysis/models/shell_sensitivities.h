@@ -11,8 +11,9 @@
 namespace batten {
 
 /// Sensitivities of the load cases of a shell with respect to changes of its shape, by the adjoint
-/// method: the systems of other shapes are assembled, not factored (ShellModel::goal_change()).
-/// Thickness and material stay the same, and point supports stay at the same material points.
+/// method (ShellModel::goal_change()): the systems of changed shapes are assembled, but not
+/// factored. Thickness and material stay the same, and point supports stay at the same material
+/// points.
 ///
 ///     const ShellSensitivities sensitivities(layout, shape, problem, {{"wind", tip, {0, 0, 1}}});
 ///     const auto rate = shape_derivative([&](double d) { return shape_for(height + d); }, 0.1);
@@ -45,7 +46,10 @@ class ShellSensitivities {
   std::vector<Derivatives> along(const Points& shape_rate) const;
 
  private:
-  // A goal with its load F, solution u, goal vector G and the adjoint solutions for G and F.
+  // A goal: load F of its load case, solution u of K u = F, and the vector G for which the
+  // displacement of the goal is Gᵀu. The adjoint solutions solve K adjoint_of_G = G and K
+  // adjoint_of_F = F with zero prescribed displacements. adjoint_of_G gives the derivative of the
+  // displacement Gᵀu, adjoint_of_F that of the compliance Fᵀu.
   struct SolvedGoal {
     std::string load_case;
     Points F, u, G, adjoint_of_G, adjoint_of_F;

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/parallel.h"
 
 namespace batten {
@@ -50,22 +51,29 @@ std::array<double, 2> principal(const Mat3& stress) {
   return {mean + radius, mean - radius};
 }
 
-ShellStresses::ShellStresses(const ShellModel& shell, const Points& q) : shell_(shell), q_(q) {
+ShellStresses::ShellStresses(const ShellModel& shell, const Points& q)
+    : ShellStresses(shell.assembler(), q) {}
+
+ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q) : shell_(shell), q_(q) {
+  update_progress("stresses", 0);
   take_samples();
+  update_progress("stresses", 0.5);
   fit();
+  update_progress("stresses", 0.9);
   find_peak();
+  update_progress("stresses", 1);
 }
 
 ShellStress ShellStresses::raw(const Location& where) const {
-  const auto of = shell_.assembler().resultants(q_, where);
-  const ShellPoint at = shell_.assembler().point(where);
+  const auto of = shell_.resultants(q_, where);
+  const ShellPoint at = shell_.point(where);
   return {in_space(of.forces, at), in_space(of.moments, at),
-          shell_.assembler().section(where.triangle).thickness_at(where.L)};
+          shell_.section(where.triangle).thickness_at(where.L)};
 }
 
 // Samples are at the centroids of sub-triangles; in a cut triangle, at points of its inside.
 void ShellStresses::take_samples() {
-  const ShellAssembler& shell = shell_.assembler();
+  const ShellAssembler& shell = shell_;
   TriangleRule centroids{Eigen::Matrix<double, 3, 3>::Constant(4.0 / 9),
                          VecX::Constant(3, 1.0 / 3)};
   for (int i = 0; i < 3; ++i) centroids.L(i, i) = 1.0 / 9;
@@ -98,14 +106,16 @@ ShellStresses::Monomials ShellStresses::monomials(const Vec2& d, double size) {
 // Patches: the triangles around each vertex that have samples, extended by their neighbours if
 // there are too few.
 std::vector<std::vector<int>> ShellStresses::patches() const {
-  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
+  const ParametricMesh& mesh = shell_.surface().mesh();
   std::vector<std::vector<int>> around(mesh.vertices().size());
+  throw_if_cancelled();
   for (int t = 0; t < mesh.triangle_count(); ++t)
     if (!samples_[t].empty())
       for (const int v : mesh.triangles()[t]) around[v].push_back(t);
   std::vector<std::vector<int>> result = around;
   constexpr size_t enough = 5;
   for (size_t v = 0; v < around.size(); ++v) {
+    poll_every<4096>(static_cast<long>(v));
     if (around[v].size() >= enough) continue;
     std::set<int> more(around[v].begin(), around[v].end());
     for (const int t : around[v])
@@ -116,7 +126,7 @@ std::vector<std::vector<int>> ShellStresses::patches() const {
 }
 
 void ShellStresses::fit() {
-  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
+  const ParametricMesh& mesh = shell_.surface().mesh();
   const auto patches = this->patches();
   at_vertices_.resize(patches.size());
   parallel_for_each<64>(isize(patches), [&](int v) {
@@ -151,11 +161,11 @@ ShellStress ShellStresses::stress_of(const Parts& parts, const Vec3& normal,
 }
 
 ShellStress ShellStresses::at(const Location& where) const {
-  return at(where, shell_.assembler().surface().jet(where).normal());
+  return at(where, shell_.surface().jet(where).normal());
 }
 
 ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
-  const ParametricMesh& mesh = shell_.assembler().surface().mesh();
+  const ParametricMesh& mesh = shell_.surface().mesh();
   const TriangleShape shape = mesh.shape(where.triangle);
   Parts parts = Parts::Zero();
   double sum = 0;
@@ -167,7 +177,7 @@ ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
     sum += where.L[i];
   }
   if (sum > 0) parts /= sum;
-  return stress_of(parts, normal, shell_.assembler().section(where.triangle).thickness_at(where.L));
+  return stress_of(parts, normal, shell_.section(where.triangle).thickness_at(where.L));
 }
 
 namespace {
@@ -199,7 +209,7 @@ double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
 // captures other errors, such as the spurious membrane forces of locking elements. `adjoint` may be
 // this object.
 ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) const {
-  const ShellAssembler& shell = shell_.assembler();
+  const ShellAssembler& shell = shell_;
   const int count = shell.surface().mesh().triangle_count();
   Eigen::Matrix<double, Eigen::Dynamic, 2> of_triangles(count, 2);
   parallel_for_each<64>(count, [&](int t) {
@@ -242,7 +252,7 @@ double ShellStresses::energy_norm_error() const {
 }
 
 void ShellStresses::find_peak() {
-  const Surface& surface = shell_.assembler().surface();
+  const Surface& surface = shell_.surface();
   const Trim* trim = surface.trim().get();
   const auto take = [&](const Location& where) {
     const ShellStress stress = at(where);
@@ -252,6 +262,7 @@ void ShellStresses::find_peak() {
     }
   };
   for (int t = 0; t < isize(samples_); ++t) {
+    poll_every<1024>(t);
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
     for (const Sample& s : samples_[t])
       if (cut) take(s.where);
@@ -259,9 +270,8 @@ void ShellStresses::find_peak() {
   }
   peak_.at = surface.position(peak_.where);
   for (const Sample& s : samples_[peak_.where.triangle]) {
-    const ShellStress own =
-        stress_of(s.parts, surface.jet(s.where).normal(),
-                  shell_.assembler().section(s.where.triangle).thickness_at(s.where.L));
+    const ShellStress own = stress_of(s.parts, surface.jet(s.where).normal(),
+                                      shell_.section(s.where.triangle).thickness_at(s.where.L));
     peak_.spread = std::max(peak_.spread, std::abs(von_mises(own.at(peak_.height)) -
                                                    von_mises(at(s.where).at(peak_.height))));
   }

@@ -37,12 +37,15 @@ std::array<double, 2> principal(const Mat3& stress);
 /// at creases and thickness steps are preserved. Inside a triangle, the three quadratics of its
 /// vertices are blended.
 ///
-/// Cost: O(triangles), on all threads; energy_norm_error() and goal_error() cost as much again.
-/// Keeps references to the shell and to q.
+/// Cost: O(triangles), on all threads; energy_norm_error() and goal_error() cost as much again. The
+/// constructor reports the stage "stresses" to the current ProgressScope.
+/// Keeps references to the shell (its assembler) and to q.
 class ShellStresses {
  public:
   /// Recovers the stresses of the displacement q (n×3).
   ShellStresses(const ShellModel& shell, const Points& q);
+  /// The same for a shell without supports and factorization.
+  ShellStresses(const ShellAssembler& shell, const Points& q);
 
   /// Recovered stress at a location of the model's mesh.
   ShellStress at(const Location& where) const;
@@ -100,7 +103,7 @@ class ShellStresses {
   void find_peak();
   ShellStress stress_of(const Parts& parts, const Vec3& normal, double thickness) const;
 
-  const ShellModel& shell_;
+  const ShellAssembler& shell_;
   const Points& q_;
   std::vector<std::vector<Sample>> samples_;  // of each triangle
   // Empty if nothing around the vertex is inside.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "batten/analysis/models/line_sides.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 
@@ -89,6 +90,7 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
 
 void ShellSprings::add(const std::string& name, const Entries& entries, double stiffness,
                        double value) {
+  poll_every<4096>(isize(springs_));
   auto known = isize(names_) - 1;
   while (known >= 0 && names_[known] != name) --known;
   if (known < 0) {
@@ -105,7 +107,9 @@ void ShellSprings::add(const std::string& name, const Entries& entries, double s
 SparseMatrix ShellSprings::stiffness() const {
   // Many springs lie in the same triangle, or pair of triangles, and have the same dofs.
   std::map<std::vector<int>, MatX> blocks;
+  long next = 0;
   for (const Spring& spring : springs_) {
+    poll_every<4096>(next++);
     std::vector<int> dofs;
     VecX row(3 * static_cast<long>(spring.entries.size()));
     for (const auto& e : spring.entries) {

@@ -13,7 +13,7 @@ namespace batten {
 // Springs that support or connect a shell: soft ones, and stiff ones (penalty) where exact
 // constraints are not possible.
 
-/// Collection of springs with the energy ½ Σ k (Σ a_m · q_m - value)².
+/// Collection of springs with the energy ½ k (Σ_m a_m · q_m - value)², summed over springs.
 ///
 /// q_m: displacement at dof m; a_m: coefficients. Each spring acts at a quadrature point of a curve
 /// or an area; k is the stiffness per length or area, times the length or area that the point
@@ -30,7 +30,9 @@ class ShellSprings {
   };
 
   explicit ShellSprings(int dof_count) : dof_count_(dof_count) {}
-  /// Adds a spring. Entries with the same dof are summed.
+  /// Adds the spring with the energy ½ · stiffness · (Σ_m a_m · q_m - value)². `entries`: dofs m
+  /// with their coefficients a_m; entries with the same dof are summed. Springs with the same
+  /// `name` share one entry of names().
   void add(const std::string& name, const Entries& entries, double stiffness, double value);
 
   bool empty() const { return springs_.empty(); }
@@ -40,8 +42,8 @@ class ShellSprings {
   SparseMatrix stiffness() const;
   /// Load vector (n×3) of the prescribed values: Σ stiffness · value · coefficients over springs.
   Points load() const;
-  /// Scalar force of a spring for the displacement q (n×3). The force on the shell at each dof of
-  /// the spring is this value times the coefficient of the dof.
+  /// Scalar force of a spring for the displacement q (n×3). The force of the spring on the shell at
+  /// dof m is this value times a_m.
   static double pull(const Spring& spring, const Points& q);
 
  private:

@@ -1,8 +1,8 @@
 // cad_plugin() of the command-line program: loads the OpenCASCADE module at the first call.
 #include "batten/io/lines/cad_plugin.h"
-#include "batten/apps/commands/runs/plugins.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/scenes/runs/plugins.h"
 
 namespace batten {
 

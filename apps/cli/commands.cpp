@@ -13,15 +13,15 @@
 #include <string>
 #include <thread>
 
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/runs/plugins.h"
-#include "batten/apps/commands/runs/run_support.h"
+#include "batten/apps/documents/document.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/scene/scene.h"
+#include "batten/scenes/commands.h"
+#include "batten/scenes/runs/plugins.h"
+#include "batten/scenes/runs/run_support.h"
 
 namespace batten {
 
@@ -630,7 +630,7 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
   subcommand
       .option("to", task->to,
               "File to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
-              ".obj .ply .off .vtp .vtu .csv .curves")
+              ".obj .ply .off .vtp .vtu .csv .curves .dxf .svg")
       .required();
   unit("--unit", task->unit,
        "Length unit of the written file; the geometry is scaled accordingly (default: as read)");

@@ -191,7 +191,7 @@ points. Raises InputError, NoSolutionError.
 Reference: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
   m.def(
       "write_curves", &save_curves, "path"_a, "curves"_a, py::kw_only(), "unit"_a = "mm",
-      R"(Writes {name: points n×3, Curve or FairCurve}; the extension selects the format: .csv .obj .curves .vtp .step .iges.
+      R"(Writes {name: points n×3, Curve or FairCurve}; the extension selects the format: .csv .obj .curves .vtp .dxf .svg .step .iges.
 
 Points are interpolated by a curve that is C2 between corners. Returns sentences about curves that
 were not written. Raises InputError, FileError.)");

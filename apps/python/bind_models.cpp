@@ -1,34 +1,18 @@
 // Binds models: curves as arrays, or scenes, and the surfaces that they produce.
-#include <cmath>
-#include <set>
-
-#include "batten/apps/commands/lines/line_files.h"
-#include "batten/apps/commands/shapes/shape_files.h"
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/model.h"
 #include "batten/core/errors.h"
-#include "batten/fairing/curves/primitive_curves.h"
-#include "batten/io/scene/scene.h"
+#include "batten/scenes/lines/line_files.h"
+#include "batten/scenes/mesh.h"
+#include "batten/scenes/model.h"
 
 namespace batten::python {
 namespace {
 
-using ModelPtr = std::shared_ptr<const Model>;
 using namespace py::literals;
 
-// Scenes whose curves are given as arrays.
-
-/// Arguments of a scene whose curves are given as arrays.
-struct SkinArguments {
-  std::string name, unit, settings;
-  py::object fit_tolerance, edge_length, corner_angle;  ///< numbers above 0, or None
-  py::iterable inner, holes, smooth, crease;            ///< curve names
-};
-
-const std::string kSkin = "skin()";
-
 double number_above_0(const py::object& given, const std::string& what) {
+  if (given.is_none()) return 0;
   const double value = PyFloat_AsDouble(given.ptr());
   if (PyErr_Occurred())
     PyErr_Clear();
@@ -38,224 +22,96 @@ double number_above_0(const py::object& given, const std::string& what) {
                    ", expected a number above 0");
 }
 
-/// TOML text of a scene without curves: the unit, then the user's text. Line numbers in messages
-/// are those of the user's text if it begins with an empty line, as triple-quoted strings usually
-/// do.
-std::string text_of(const SkinArguments& arguments) {
-  if (arguments.unit.find_first_of("\"\\\n") != std::string::npos)
-    throw InputError("unit: found '" + arguments.unit + "', expected mm, cm, m, in or ft");
-  const std::string text = "unit = \"" + arguments.unit + "\"";
-  return arguments.settings.starts_with('\n') ? text + arguments.settings
-                                              : text + "\n" + arguments.settings;
-}
-
-std::vector<std::string> names_from(const py::iterable& given, const std::string& what,
-                                    const std::set<std::string>& lines) {
+std::vector<std::string> names_from(const py::iterable& given, const std::string& what) {
   if (py::isinstance<py::str>(given))
     throw InputError(what + ": found a single text, expected a list of curve names");
   std::vector<std::string> names;
-  for (const py::handle name : given) {
-    names.push_back(py::str(name));
-    if (!lines.count(names.back())) {
-      const std::string near = closest_match(names.back(), {lines.begin(), lines.end()});
-      throw InputError(what + ": found the curve name '" + names.back() +
-                       "', expected one of curves" +
-                       (near.empty() ? "" : "; did you mean '" + near + "'?"));
-    }
-  }
+  for (const py::handle name : given) names.push_back(py::str(name));
   return names;
 }
 
-SceneLine line_of(const std::string& name, const py::handle& given) {
-  SceneLine line;
-  line.name = name;
-  if (py::isinstance<HermiteCurve>(given)) {
-    line.curve = curve_from_hermite(given.cast<HermiteCurve>());
-    return line;
-  }
-  line.points = rows_of(points_from(given, "curve '" + name + "'"));
-  constexpr size_t fewest = 2;
-  if (line.points.size() < fewest)
-    throw InputError("curve '" + name + "': found " + std::to_string(line.points.size()) +
-                     " points, expected 2 or more");
+InputLine line_of(const std::string& name, const py::handle& given) {
+  InputLine line{name};
+  if (py::isinstance<HermiteCurve>(given))
+    line.curve = std::make_shared<const HermiteCurve>(given.cast<HermiteCurve>());
+  else
+    line.points = rows_of(points_from(given, "curve '" + name + "'"));
   return line;
 }
 
-void give_roles(Scene& scene, const std::vector<std::string>& names, CharacterLine::Role role) {
-  for (SceneLine& line : scene.lines)
-    for (const std::string& name : names)
-      if (line.name == name) line.role = role;
+std::map<std::string, double> values_by_name(const py::object& given) {
+  const auto values = values_from(given);
+  return {values.begin(), values.end()};
 }
 
-void join_names(SceneNetwork& network, const std::vector<std::string>& lines, JoinSpec::Kind kind) {
-  for (const std::string& line : lines) network.joins.push_back({line, kind, kSkin + ": "});
+/// Facets of a model, computed without the GIL. The model keeps them alive.
+const Facets& facets_of(const Model& model) {
+  return *KernelCall()([&](const Progress&) { return &model.facets(); });
 }
 
-/// Creates a scene from a dict of curves by name, each an n×3 array of points or a Curve.
-/// `arguments`: further settings; its text is TOML with everything but curves and the unit. Throws
-/// InputError.
-Scene scene_of_arrays(const py::dict& curves, const SkinArguments& arguments) {
-  if (curves.empty()) throw InputError("curves: found none, expected one or more");
-  Scene scene = parse_scene(text_of(arguments), kSkin, false);
-  if (!scene.lines.empty())
-    throw InputError("settings: found a [[curve]], expected none: curves are given as arrays");
-  if (!arguments.name.empty()) scene.name = arguments.name;
-  std::set<std::string> names;
-  for (const auto& [name, given] : curves) {
-    const std::string text = py::str(name);
-    if (text.empty()) throw InputError("curves: found an empty name, expected one with letters");
-    if (!names.insert(text).second)
-      throw InputError("curves: found the name '" + text + "' twice, expected different names");
-    scene.lines.push_back(line_of(text, given));
-  }
-  const auto inner = names_from(arguments.inner, "inner", names),
-             holes = names_from(arguments.holes, "holes", names),
-             smooth = names_from(arguments.smooth, "smooth", names),
-             crease = names_from(arguments.crease, "crease", names);
-  give_roles(scene, inner, CharacterLine::Role::Inner);
-  give_roles(scene, holes, CharacterLine::Role::Hole);
-  join_names(scene.network, smooth, JoinSpec::Kind::Smooth);
-  join_names(scene.network, crease, JoinSpec::Kind::Crease);
-  SkinOptions& options = scene.skin.options;
-  if (!arguments.fit_tolerance.is_none())
-    options.tolerance = number_above_0(arguments.fit_tolerance, "fit_tolerance");
-  if (!arguments.edge_length.is_none())
-    options.edge_length = number_above_0(arguments.edge_length, "edge_length");
-  if (!arguments.corner_angle.is_none())
-    options.corner_angle = number_above_0(arguments.corner_angle, "corner_angle");
-  return scene;
-}
-
-// Models.
-
-ModelPtr made(const Scene& scene, const py::object& progress) {
-  return KernelCall(progress)([&](const Progress& hook) { return Model::of_scene(scene, hook); });
-}
-
-std::shared_ptr<const FacetArrays> facets_of(const Model& model) {
-  require_surface(model);
-  return KernelCall()([&](const Progress&) { return model.facets(); });
+py::array rows_of_model(const Model& model, const double* data, size_t count) {
+  return rows_view(model.shared_data(), data, static_cast<py::ssize_t>(count / 3), 3);
 }
 
 py::array points_of(const Model& model) {
-  const auto facets = facets_of(model);
-  return rows_view(facets, facets->points.data(),
-                   static_cast<py::ssize_t>(facets->points.size() / 3), 3);
+  const Facets& facets = facets_of(model);
+  return rows_of_model(model, facets.points.data(), facets.points.size());
 }
 
 py::array normals_of(const Model& model) {
-  const auto facets = facets_of(model);
-  return rows_view(facets, facets->normals.data(),
-                   static_cast<py::ssize_t>(facets->normals.size() / 3), 3);
+  const Facets& facets = facets_of(model);
+  return rows_of_model(model, facets.normals.data(), facets.normals.size());
 }
 
 py::array triangles_of(const Model& model) {
-  const auto facets = facets_of(model);
-  return rows_view(facets, facets->triangles.front().data(),
-                   static_cast<py::ssize_t>(facets->triangles.size()), 3);
+  const Facets& facets = facets_of(model);
+  return rows_view(model.shared_data(), facets.triangles.front().data(),
+                   static_cast<py::ssize_t>(facets.triangles.size()), 3);
 }
 
 py::array triangle_faces_of(const Model& model) {
-  const auto facets = facets_of(model);
-  return array_view(facets, facets->regions.data(),
-                    {static_cast<py::ssize_t>(facets->regions.size())}, {sizeof(int)});
+  const Facets& facets = facets_of(model);
+  return array_view(model.shared_data(), facets.faces.data(),
+                    {static_cast<py::ssize_t>(facets.faces.size())}, {sizeof(int)});
 }
 
-py::dict parameters_of(const Model& model) {
-  py::dict values;
-  for (const Parameter& p : model.scene().parameters()) values[py::str(p.name)] = p.value;
-  return values;
+py::array array_of_points(const std::vector<Vec3>& given) {
+  Points points(static_cast<long>(given.size()), 3);
+  for (long i = 0; i < points.rows(); ++i) points.row(i) = given[static_cast<size_t>(i)];
+  return array_of(std::move(points));
 }
 
-py::list face_names(const Model& model) {
-  py::list names;
-  for (const SkinnedRegion& region : model.shape().regions) names.append(region.name);
-  return names;
-}
-
-py::list curve_names(const Model& model) {
-  py::list names;
-  for (const CharacterLine& line : model.lines()) names.append(line.name);
-  return names;
-}
-
-py::array curve_points(const Model& model, const std::string& name, int count) {
-  std::vector<std::string> names;
-  for (const CharacterLine& line : model.lines()) {
-    names.push_back(line.name);
-    if (line.name != name) continue;
-    if (count < 2)
-      throw InputError("count: found " + std::to_string(count) + ", expected 2 or more");
-    Points points(count, 3);
-    const InputCurve& curve = *line.curve;
-    for (int i = 0; i < count; ++i)
-      points.row(i) =
-          curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / (count - 1));
-    return array_of(std::move(points));
-  }
-  const std::string near = closest_match(name, names);
-  throw InputError("found the curve name '" + name + "', expected a curve of the model" +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?"));
-}
+py::array array_of_vector(const Vec3& v) { return array_of(std::vector<double>{v[0], v[1], v[2]}); }
 
 py::object report_of(const Model& model) {
-  return json_object(
-      KernelCall()([&](const Progress& hook) { return to_json(model.report(hook)); }));
-}
-
-py::list failed_check_list(const Report& report) {
-  py::list failed_checks;
-  for (const FailedCheck& one : report.failed_checks)
-    failed_checks.append(one.what + ": " + one.detail);
-  return failed_checks;
-}
-
-py::list failed_checks_of(const Model& model) {
-  return failed_check_list(
-      *KernelCall()([&](const Progress& hook) { return &model.report(hook); }));
-}
-
-py::list save(const Model& model, const py::object& path, const py::object& progress) {
-  require_surface(model);
-  const std::string file = path_from(path);
-  return failed_check_list(KernelCall(progress)([&](const Progress& hook) {
-    return export_shape(model.scene(), *model.made(), model.shape(), file, hook);
-  }));
-}
-
-PictureScene::Field field_from(const std::string& word) {
-  if (word == "none") return PictureScene::Field::None;
-  if (word == "mean") return PictureScene::Field::Mean;
-  if (word == "gauss") return PictureScene::Field::Gauss;
-  if (word == "faces") return PictureScene::Field::Regions;
-  throw InputError("field: found '" + word + "', expected none, mean, gauss or faces");
+  return json_object(KernelCall()([&](const Progress& hook) { return model.report(hook); }));
 }
 
 void picture(const Model& model, const py::object& path, int width, int height, double azimuth,
              double elevation, const std::string& field, int contours, int zebra, bool mesh,
              const std::string& title) {
-  require_surface(model);
-  PictureScene look;
-  look.azimuth = azimuth;
-  look.elevation = elevation;
-  look.field = field_from(field);
-  look.contours = contours;
-  look.zebra = zebra;
-  look.mesh = mesh;
-  look.title = title;
   const std::string file = path_from(path);
-  KernelCall()([&](const Progress&) {
-    draw_picture(file, shape_picture(look, *model.made(), model.shape()), {width, height});
-  });
+  const PictureView view{width, height, azimuth, elevation, field, contours, zebra, mesh, title};
+  KernelCall()([&](const Progress&) { model.picture(file, view); });
 }
 
 std::string model_repr(const Model& model) {
-  size_t triangles = 0;
-  for (const SkinnedRegion& region : model.shape().regions)
-    triangles += static_cast<size_t>(region.surface.mesh().triangle_count());
-  return "<batten.Model '" + model.scene().name +
-         "': " + std::to_string(model.shape().regions.size()) + " faces, " +
-         std::to_string(triangles) + " elements, in " + model.scene().unit + ">";
+  const size_t faces = model.faces().size();
+  return "<batten.Model '" + model.name() + "': " + std::to_string(faces) +
+         (faces == 1 ? " face, " : " faces, ") + std::to_string(model.element_count()) +
+         " elements, in " + model.unit() + ">";
+}
+
+std::string point_repr(const SurfacePoint& p) {
+  const auto number = [](double x) { return std::string(py::repr(py::float_(x))); };
+  return "<batten.SurfacePoint (" + number(p.position[0]) + ", " + number(p.position[1]) + ", " +
+         number(p.position[2]) + ") of '" + p.face + "'>";
+}
+
+std::string edge_repr(const ModelEdge& edge) {
+  std::string faces;
+  for (const std::string& face : edge.faces) faces += (faces.empty() ? "'" : ", '") + face + "'";
+  return "<batten.Edge '" + edge.name + "': " + edge.continuity + ", of " + faces + ">";
 }
 
 py::dict curves_of_file(const py::object& path, const std::string& unit, double corner_angle) {
@@ -268,11 +124,9 @@ py::dict curves_of_file(const py::object& path, const std::string& unit, double 
   });
   py::dict result;
   for (const auto& [name, points] : lines) {
-    Points rows(static_cast<long>(points.size()), 3);
-    for (long i = 0; i < rows.rows(); ++i) rows.row(i) = points[static_cast<size_t>(i)];
     std::string free = name;
     for (int n = 2; result.contains(free); ++n) free = name + " " + std::to_string(n);
-    result[py::str(free)] = array_of(std::move(rows));
+    result[py::str(free)] = array_of_points(points);
   }
   return result;
 }
@@ -284,9 +138,19 @@ void bind_making(py::module_& m) {
          const py::object& corner_angle, const py::iterable& inner, const py::iterable& holes,
          const py::iterable& smooth, const py::iterable& crease, const std::string& name,
          const std::string& unit, const std::string& settings, const py::object& progress) {
-        return made(scene_of_arrays(curves, {name, unit, settings, fit_tolerance, edge_length,
-                                             corner_angle, inner, holes, smooth, crease}),
-                    progress);
+        std::vector<InputLine> lines;
+        for (const auto& [key, given] : curves) lines.push_back(line_of(py::str(key), given));
+        const SkinSettings task{name,
+                                unit,
+                                number_above_0(fit_tolerance, "fit_tolerance"),
+                                number_above_0(edge_length, "edge_length"),
+                                number_above_0(corner_angle, "corner_angle"),
+                                names_from(inner, "inner"),
+                                names_from(holes, "holes"),
+                                names_from(smooth, "smooth"),
+                                names_from(crease, "crease"),
+                                settings};
+        return KernelCall(progress)([&](const Progress& hook) { return skin(lines, task, hook); });
       },
       "curves"_a, py::kw_only(), "fit_tolerance"_a = py::none(), "edge_length"_a = py::none(),
       "corner_angle"_a = py::none(), "inner"_a = py::tuple(), "holes"_a = py::tuple(),
@@ -303,9 +167,9 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
   m.def(
       "load",
       [](const py::object& path, const py::object& values, const py::object& progress) {
-        Scene scene = scene_of_file(path_from(path));
-        set_values(scene, values);
-        return made(scene, progress);
+        const std::string file = path_from(path);
+        const auto given = values_by_name(values);
+        return KernelCall(progress)([&](const Progress& hook) { return load(file, given, hook); });
       },
       "path"_a, py::kw_only(), "values"_a = py::none(), "progress"_a = py::none(),
       R"(The model of a scene file (.toml), or of a curve file.
@@ -316,9 +180,10 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
       "parse",
       [](const std::string& text, const py::object& folder, const py::object& values,
          const py::object& progress) {
-        Scene scene = parse_scene(text, std::filesystem::path(path_from(folder)) / "scene");
-        set_values(scene, values);
-        return made(scene, progress);
+        const std::string base = path_from(folder);
+        const auto given = values_by_name(values);
+        return KernelCall(progress)(
+            [&](const Progress& hook) { return parse(text, base, given, hook); });
       },
       "text"_a, py::kw_only(), "folder"_a = ".", "values"_a = py::none(), "progress"_a = py::none(),
       "The model of a scene given as text; paths in it are relative to `folder`. Raises the "
@@ -332,20 +197,104 @@ Points are those of the file; CAD curves are sampled uniformly by arc length bet
 where they turn by more than `corner_angle` degrees. `unit`: length unit of a file that states none.)");
 }
 
+void bind_points(py::module_& m) {
+  py::class_<SurfacePoint>(m, "SurfacePoint", "A point of a surface, with its geometry.")
+      .def_property_readonly(
+          "position", [](const SurfacePoint& p) { return array_of_vector(p.position); },
+          "Array of 3, model units.")
+      .def_property_readonly(
+          "normal", [](const SurfacePoint& p) { return array_of_vector(p.normal); },
+          "Unit normal, array of 3.")
+      .def_readonly("k1", &SurfacePoint::k1,
+                    "Larger principal curvature, 1/length; positive where the surface bends "
+                    "towards the normal.")
+      .def_readonly("k2", &SurfacePoint::k2, "Smaller principal curvature, 1/length.")
+      .def_readonly("face", &SurfacePoint::face)
+      .def_readonly("u", &SurfacePoint::u, "Parameter u in the domain of the face.")
+      .def_readonly("v", &SurfacePoint::v, "Parameter v in the domain of the face.")
+      .def_readonly("distance", &SurfacePoint::distance, "Distance from the query point.")
+      .def("__repr__", &point_repr);
+  py::class_<ModelEdge>(m, "Edge", "An edge of a model, at which faces end or meet.")
+      .def_readonly("name", &ModelEdge::name)
+      .def_readonly("faces", &ModelEdge::faces, "Names of the faces at the edge.")
+      .def_readonly("continuity", &ModelEdge::continuity,
+                    "'free edge', 'G0', 'G1' or 'non-manifold'.")
+      .def_readonly("angle", &ModelEdge::angle_deg,
+                    "Largest angle between the normals of the two faces, degrees.")
+      .def_readonly("gap", &ModelEdge::gap, "Largest distance between the two faces, model units.")
+      .def("__repr__", &edge_repr);
+}
+
+void bind_evaluation(py::class_<Model>& c) {
+  c.def(
+       "nearest",
+       [](const Model& model, const py::object& point) {
+         const Vec3 p = vector_from(point, "point");
+         return KernelCall()([&](const Progress&) { return model.nearest(p); });
+       },
+       "point"_a, "The SurfacePoint nearest to a point in space.")
+      .def(
+          "at",
+          [](const Model& model, const std::string& face, double u, double v) {
+            return KernelCall()([&](const Progress&) { return model.at(face, u, v); });
+          },
+          "face"_a, "u"_a, "v"_a,
+          "The SurfacePoint of a face at the parameters (u, v), as in SurfacePoint. Raises "
+          "InputError outside of the domain of the face.")
+      .def_property_readonly("area", &Model::area, "Total area of all faces, model units².")
+      .def_property_readonly("volume", &Model::volume,
+                             "Enclosed volume, model units³. Raises InputError unless the faces "
+                             "form closed shells.")
+      .def_property_readonly(
+          "bounds",
+          [](const Model& model) {
+            const Box3 box = KernelCall()([&](const Progress&) { return model.bounds(); });
+            return py::make_tuple(array_of_vector(box.min()), array_of_vector(box.max()));
+          },
+          "Lower and upper corner of the bounding box, two arrays of 3.")
+      .def(
+          "mesh",
+          [](const Model& model) {
+            return KernelCall()([&](const Progress&) { return model.mesh(); });
+          },
+          R"(One Mesh of all faces, without cracks when it is deformed: faces share the vertices on a common curve.
+
+It has `sets` of the faces (triangles) and curves (vertices), and `corner_normals`.)")
+      .def_property_readonly("edges", &Model::edges,
+                             "The edges at which faces end or meet, a list of Edge.");
+}
+
+/// Copies and pickles: a model is immutable, and its scene is the model.
+void bind_copies(py::class_<Model>& c) {
+  c.def("__copy__", [](const Model& model) { return model; })
+      .def(
+          "__deepcopy__", [](const Model& model, const py::dict&) { return model; }, "memo"_a)
+      .def(py::pickle(
+          [](const Model& model) { return py::make_tuple(model.scene(), model.folder().string()); },
+          [](const py::tuple& state) {
+            const auto text = state[0].cast<std::string>();
+            const auto folder = state[1].cast<std::string>();
+            return KernelCall()(
+                [&](const Progress& hook) { return parse(text, folder, {}, hook); });
+          }));
+}
+
 }  // namespace
 
 void bind_models(py::module_& m) {
-  py::class_<Model, std::shared_ptr<Model>>(m, "Model",
-                                            "Curves and the surface through them. Immutable.")
-      .def_property_readonly("name", [](const Model& model) { return model.scene().name; })
+  bind_points(m);
+  py::class_<Model> c(m, "Model",
+                      R"(Curves, the surface through them, and what acts on it. Immutable.
+
+Models can be copied and pickled.)");
+  c.def_property_readonly("name", &Model::name)
+      .def_property_readonly("unit", &Model::unit, "Length unit.")
+      .def_property_readonly("faces", &Model::faces, "Names of the faces that have a surface.")
+      .def_property_readonly("curves", &Model::curves, "Names of the curves.")
       .def_property_readonly(
-          "unit", [](const Model& model) { return model.scene().unit; }, "Length unit.")
-      .def_property_readonly("faces", &face_names, "Names of the faces that have a surface.")
-      .def_property_readonly("curves", &curve_names, "Names of the curves.")
-      .def_property_readonly(
-          "fit_tolerance", [](const Model& model) { return model.made()->fit_tolerance; },
+          "fit_tolerance", &Model::fit_tolerance,
           "Maximum distance of the fitted curves from the input curves, model units.")
-      .def_property_readonly("parameters", &parameters_of,
+      .def_property_readonly("parameters", &Model::parameters,
                              "Values of the scene's parameters, {name: value}.")
       .def_property_readonly("points", &points_of,
                              "Points of the surface's triangles, n×3 float64, model units. A view.")
@@ -356,28 +305,46 @@ void bind_models(py::module_& m) {
           "Point indices of the triangles, m×3 int32, counter-clockwise. A view.")
       .def_property_readonly("triangle_faces", &triangle_faces_of,
                              "Index into `faces` of each triangle, m int32. A view.")
-      .def("curve", &curve_points, "name"_a, "count"_a = 97,
-           "Points along a curve, uniform in its parameter, count×3, model units.")
+      .def(
+          "curve",
+          [](const Model& model, const std::string& name, int count) {
+            return array_of_points(model.curve(name, count));
+          },
+          "name"_a, "count"_a = 97,
+          "Points along a curve, uniform in its parameter, count×3, model units.")
       .def_property_readonly("report", &report_of,
                              "All measured values, as in report.json (docs/scenes.md).")
       .def_property_readonly(
-          "failed_checks", &failed_checks_of,
+          "failed_checks",
+          [](const Model& model) {
+            return KernelCall()([&](const Progress& hook) { return model.failed_checks(hook); });
+          },
           "The failed checks, as sentences with the amount; [] if all checks passed.")
       .def(
           "with_values",
           [](const Model& model, const py::dict& values, const py::object& progress) {
-            const auto numbers = values_from(values);
+            const auto given = values_by_name(values);
             return KernelCall(progress)(
-                [&](const Progress& hook) { return model.with_values(numbers, hook); });
+                [&](const Progress& hook) { return model.with_values(given, hook); });
           },
           "values"_a, py::kw_only(), "progress"_a = py::none(),
           "The shape of the same curves for other parameter values. Raises the exceptions of "
           "load().")
+      .def_property_readonly(
+          "scene", &Model::scene,
+          "The scene of the model as text (docs/scenes.md), with everything that acts on it; "
+          "parse(scene) is the same model.")
       .def(
-          "save", &save, "path"_a, py::kw_only(), "progress"_a = py::none(),
+          "save",
+          [](const Model& model, const py::object& path, const py::object& progress) {
+            const std::string file = path_from(path);
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return model.save(file, hook); });
+          },
+          "path"_a, py::kw_only(), "progress"_a = py::none(),
           R"(Writes the surface to a file; the extension selects the format. The file is complete or absent.
 
-.step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp. Returns the failed checks, as sentences.
+.step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp, and .toml for the scene. Returns the failed checks, as sentences.
 Raises InputError for another extension, FileError if the file cannot be written.)")
       .def(
           "picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
@@ -388,6 +355,8 @@ Raises InputError for another extension, FileError if the file cannot be written
 `width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, faces.
 `contours`: number of height contours. `zebra`: number of zebra stripes.)")
       .def("__repr__", &model_repr);
+  bind_evaluation(c);
+  bind_copies(c);
   bind_making(m);
 }
 

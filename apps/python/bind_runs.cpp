@@ -1,15 +1,21 @@
 // Binds complete runs of scenes, like the commands of the program, with the report as a dict.
-#include "batten/apps/commands/commands.h"
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
-#include "batten/apps/python/model.h"
 #include "batten/core/errors.h"
 #include "batten/io/scene/scene.h"
+#include "batten/scenes/commands.h"
 
 namespace batten::python {
 namespace {
 
 using namespace py::literals;
+
+/// Reads a scene file, or makes a scene of the curves in a curve file.
+Scene scene_of_file(const std::string& file) {
+  const FileKind kind = file_kind(file);
+  if (kind == FileKind::Cad || kind == FileKind::Lines) return scene_of_lines({file}, {}, "mm");
+  return read_scene(file);
+}
 
 /// Runs a scene with the given parameter values and returns its report.
 template <class AnyScene>
@@ -32,17 +38,6 @@ py::object run_scene_file(const py::object& path, const py::object& out, const p
     return visit_scene(file, [&](auto& scene) { return report_of(scene, out, values, progress); });
   Scene scene = scene_of_file(file);
   return report_of(scene, out, values, progress);
-}
-
-py::object run_shell(const py::object& path, const py::object& out, const py::object& values,
-                     double accuracy, const py::object& progress) {
-  Scene scene = scene_of_file(path_from(path));
-  set_values(scene, values);
-  const std::string folder = path_from(out);
-  StressTask task;
-  task.accuracy = accuracy;
-  return json_object(KernelCall(progress)(
-      [&](const Progress& hook) { return to_json(run_stress(scene, folder, task, hook)); }));
 }
 
 py::object run_mesh(const py::object& path, const py::object& out, const py::object& values,
@@ -75,17 +70,22 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
 
 }  // namespace
 
+py::object run_stress_file(const py::object& path, const py::object& out, const py::object& values,
+                           double accuracy, const py::object& progress) {
+  Scene scene = scene_of_file(path_from(path));
+  set_values(scene, values);
+  const std::string folder = path_from(out);
+  StressTask task;
+  task.accuracy = accuracy;
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_stress(scene, folder, task, hook)); }));
+}
+
 void bind_runs(py::module_& m) {
   m.def("run", &run_scene_file, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
         "progress"_a = py::none(),
         "Same as `batten run`: writes all outputs of a scene into a folder. Returns the report. "
         "Raises the exceptions of load().");
-  m.def(
-      "stress", &run_shell, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
-      "accuracy"_a = 0.0, "progress"_a = py::none(),
-      R"(Same as `batten stress`: run(), and a stress analysis of the shell of [stress]. Returns the report.
-
-`accuracy`: relative error of the displacements below which the mesh is refined; 0: no refinement.)");
   m.def(
       "deform", &run_mesh, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
       "progress"_a = py::none(),

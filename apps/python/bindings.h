@@ -19,6 +19,15 @@ void bind_meshes(py::module_& module);
 void bind_deformers(py::module_& module);
 void bind_edits(py::module_& module);
 void bind_sequences(py::module_& module);
+void bind_stress(py::module_& module);
 void bind_runs(py::module_& module);
+
+/// Same as `batten stress` of a scene or curve file; the result is the report (bind_runs.cpp).
+py::object run_stress_file(const py::object& path, const py::object& out, const py::object& values,
+                           double accuracy, const py::object& progress);
+
+/// Gives all functions and methods of a module or class the signature that inspect.signature() reads
+/// (__text_signature__). Call it last.
+void give_signatures(py::handle scope);
 
 }  // namespace batten::python

@@ -116,18 +116,48 @@ std::vector<int> indices_from(py::handle given, const std::string& what, int cou
   return indices;
 }
 
-std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what) {
-  const std::string expected = "m×3 whole numbers, one triangle per row";
+namespace {
+
+/// One face from a list of at least three vertices.
+std::vector<int> face_from(py::handle given, const std::string& what, const std::string& expected) {
+  constexpr py::ssize_t fewest = 3;
   const py::array_t<long long> array = integers_from(given, what, expected);
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
-  std::vector<std::array<int, 3>> triangles(static_cast<size_t>(array.shape(0)));
-  const auto at = array.unchecked<2>();
+  if (array.ndim() != 1 || array.shape(0) < fewest)
+    throw InputError(what + ": found " + format_shape(array) + " for one face, expected " +
+                     expected);
+  std::vector<int> face;
+  const auto at = array.unchecked<1>();
   for (py::ssize_t i = 0; i < array.shape(0); ++i)
-    for (py::ssize_t j = 0; j < 3; ++j)
-      triangles[static_cast<size_t>(i)][static_cast<size_t>(j)] =
+    face.push_back(integer_in_range(at(i), what, 1LL << 31));
+  return face;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> faces_from(py::handle given, const std::string& what) {
+  const std::string expected =
+      "m×3 or m×4 whole numbers, or a list of faces, each a list of 3 or more whole numbers";
+  constexpr py::ssize_t triangle = 3, quad = 4;
+  const auto is_regular = [](const py::array& array) {
+    return array && array.ndim() == 2 && (array.shape(1) == triangle || array.shape(1) == quad);
+  };
+  std::vector<std::vector<int>> faces;
+  const bool is_list = py::isinstance<py::list>(given) || py::isinstance<py::tuple>(given);
+  if (is_list && !is_regular(py::array::ensure(given))) {
+    for (const py::handle one : given) faces.push_back(face_from(one, what, expected));
+    return faces;
+  }
+  const py::array_t<long long> array = integers_from(given, what, expected);
+  if (!is_regular(array))
+    throw InputError(what + ": found " + format_shape(array) + ", expected " + expected);
+  const auto at = array.unchecked<2>();
+  faces.assign(static_cast<size_t>(array.shape(0)),
+               std::vector<int>(static_cast<size_t>(array.shape(1))));
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    for (py::ssize_t j = 0; j < array.shape(1); ++j)
+      faces[static_cast<size_t>(i)][static_cast<size_t>(j)] =
           integer_in_range(at(i, j), what, 1LL << 31);
-  return triangles;
+  return faces;
 }
 
 std::optional<bool> optional_bool_from(const py::object& given, const std::string& what) {
@@ -146,6 +176,10 @@ py::array array_of(Points points) {
   const auto owner = std::make_shared<const Points>(std::move(points));
   const auto size = static_cast<py::ssize_t>(sizeof(double));
   return array_view(owner, owner->data(), {owner->rows(), 3}, {size, owner->rows() * size});
+}
+
+py::array array_of(const Vec3& vector) {
+  return array_of(std::vector<double>{vector.x(), vector.y(), vector.z()});
 }
 
 py::array array_of(std::vector<double> numbers) { return list_view(std::move(numbers)); }

@@ -21,13 +21,13 @@ namespace batten::python {
 ///     vector_from          three such numbers
 ///     numbers_from         n such numbers
 ///     indices_from         n integers from 0 to count - 1, or a mask of `count` booleans
-///     triangles_from       m×3 integers, not negative
+///     faces_from           m×3 or m×4 integers, or m lists of 3 or more integers, not negative
 ///     optional_bool_from   True or False, or None: no value
 Points points_from(py::handle given, const std::string& what);
 Vec3 vector_from(py::handle given, const std::string& what);
 std::vector<double> numbers_from(py::handle given, const std::string& what);
 std::vector<int> indices_from(py::handle given, const std::string& what, int count);
-std::vector<std::array<int, 3>> triangles_from(py::handle given, const std::string& what);
+std::vector<std::vector<int>> faces_from(py::handle given, const std::string& what);
 
 std::optional<bool> optional_bool_from(const py::object& given, const std::string& what);
 
@@ -57,6 +57,8 @@ py::array rows_view(std::shared_ptr<const void> owner, const Number* data, py::s
 
 /// An n×3 array that takes ownership of a (column-major) point matrix.
 py::array array_of(Points points);
+/// An array of the three coordinates.
+py::array array_of(const Vec3& vector);
 /// One-dimensional arrays that take ownership of the numbers.
 py::array array_of(std::vector<double> numbers);
 py::array array_of(std::vector<int> numbers);

@@ -4,10 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <mutex>
-#include <thread>
 
 #include "batten/apps/python/bindings.h"
+#include "batten/core/call_serializer.h"
 #include "batten/core/progress.h"
 
 namespace batten::python {
@@ -47,34 +46,6 @@ class KernelCall {
   Progress progress_;
   std::exception_ptr python_error_;  // exception raised by Python code; access with the GIL
   std::atomic<std::chrono::steady_clock::rep> asked_{0};
-};
-
-/// Serialises the calls of several threads on one object. The calls run without the GIL.
-class CallSerializer {
- public:
-  /// Calls function() while no other thread is in a call. Use it without the GIL. Throws Error if
-  /// this thread is in a call already, as when a progress callback uses its own object.
-  template <class Function>
-  auto operator()(const Function& function) {
-    if (owner_.load() == std::this_thread::get_id())
-      throw Error(
-          "found a call from inside of another call of the same object, expected it after that");
-    const std::lock_guard lock(mutex_);
-    const OwnerScope mine(owner_);
-    return function();
-  }
-
- private:
-  struct OwnerScope {
-    explicit OwnerScope(std::atomic<std::thread::id>& of) : owner(of) {
-      owner = std::this_thread::get_id();
-    }
-    ~OwnerScope() { owner = std::thread::id(); }
-    OwnerScope(const OwnerScope&) = delete;
-    std::atomic<std::thread::id>& owner;
-  };
-  std::mutex mutex_;
-  std::atomic<std::thread::id> owner_{};
 };
 
 }  // namespace batten::python

@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
-#include "batten/apps/commands/runs/plugins.h"
 #include "batten/apps/python/bindings.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
+#include "batten/scenes/runs/plugins.h"
 
 namespace batten::python {
 namespace {
@@ -38,10 +38,12 @@ PYBIND11_MODULE(_batten, m) {
   bind_deformers(m);
   bind_edits(m);
   bind_sequences(m);
+  bind_stress(m);
   bind_runs(m);
   m.def("_find_modules", &find_plugins, py::arg("package"));
   m.def("set_threads", &set_threads, py::arg("count"),
         "Sets the number of threads of the kernel; 0: all cores. Results do not depend on it.");
+  give_signatures(m);
 }
 
 // The kernel's errors as Python exceptions.

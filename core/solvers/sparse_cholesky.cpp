@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/core/op_counter.h"
 #include "batten/core/solvers/supernodal_solve.h"
@@ -15,6 +16,7 @@ std::uint64_t pattern_hash(const SparseMatrix& A) {
   std::uint64_t hash = 14695981039346656037u;  // FNV-1a applied to integers
   const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
   for (int c = 0; c < A.outerSize(); ++c) {
+    poll_every<4096>(c);
     for (SparseMatrix::InnerIterator e(A, c); e; ++e) add(static_cast<std::uint64_t>(e.row()));
     add(~std::uint64_t{0});
   }
@@ -41,9 +43,11 @@ struct SparseCholesky::Data {
     factored = false;
     solve = {};  // invalid until there is a new factor
     count(OpCounter::Analysis);
+    update_progress("ordering", 0);
     if (A.rows() > 0) factor->analyze(A, order, factor_reuse);
-    n = A.rows();
     pattern = pattern_hash(A);
+    n = A.rows();
+    update_progress("ordering", 1);
   }
   void require_solvable(const Eigen::Ref<const MatX>& b) const {
     if (!factored) throw NoSolutionError("solve() without a factor: call factorize() first");
@@ -93,10 +97,12 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   d.factored = d.n == 0;
   if (d.factored) return true;
   count(OpCounter::Factorization);
+  update_progress("factorization", 0);
   d.message = d.factor->factorize(A);
   if (!d.message.empty()) return false;
   if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor->pattern(), d.factor->order());
   d.solve.pack(d.factor->values());
+  update_progress("factorization", 1);
   d.factored = true;
   return true;
 }
@@ -127,11 +133,13 @@ void SparseCholesky::solve_in_place(const SolveSubset& subset, Eigen::Ref<MatX> 
 }
 
 std::vector<int> SparseCholesky::order() const {
-  if (!data_->factored)
-    throw NoSolutionError("elimination order without a factor: call factorize() first");
+  if (data_->n < 0)
+    throw NoSolutionError("elimination order without a symbolic analysis: call analyze() first");
   if (data_->n == 0) return {};
   return {data_->factor->order(), data_->factor->order() + data_->n};
 }
+
+bool SparseCholesky::is_factored() const { return data_->factored; }
 
 const std::string& SparseCholesky::message() const { return data_->message; }
 

@@ -29,6 +29,11 @@ namespace batten {
 /// has branches. Factors and solutions are bit-identical for any number of threads
 /// (docs/theory/solver.md).
 ///
+/// analyze(), factorize() and the solves poll the current ProgressScope (cancellation.h) and report
+/// the stages "ordering" and "factorization" to it. After CancelledError, the object is as it would
+/// be after a call that failed: it needs analyze() or factorize() again, and solutions in place are
+/// undefined.
+///
 /// Memory: 8 bytes per entry of the factor and 8 per entry of A; with Eigen, 20 bytes per entry of
 /// the factor. Movable, not copyable; a moved-from object can only be assigned to or destroyed. Not
 /// thread-safe, not even for solves; different objects may be used in different threads.
@@ -54,7 +59,7 @@ class SparseCholesky final : public LinearSolverBackend {
   bool has_pattern_of(const SparseMatrix& A) const override;
   /// Elimination order used by the last symbolic analysis, computed or given: lists the unknowns,
   /// first eliminated first. It can be reused for another matrix with the same pattern. Throws
-  /// NoSolutionError before a successful factorize().
+  /// NoSolutionError before a symbolic analysis.
   std::vector<int> order() const;
 
   /// Numeric factorization of the matrix A. Calls analyze(A) first if no matrix was analysed yet.
@@ -62,6 +67,8 @@ class SparseCholesky final : public LinearSolverBackend {
   /// it uses several cores, and later calls allocate next to nothing. Returns false if A is not
   /// positive definite; message() names the unknown and the probable cause.
   bool factorize(const SparseMatrix& A) override;
+  /// Whether the last factorize() has succeeded, so that systems can be solved.
+  bool is_factored() const;
 
   /// Solves A x = b in place for the factorized n×n matrix A: b (n×k) is overwritten by x. Throws
   /// NoSolutionError without a successful factorize(), InputError if b does not have n rows.

@@ -1,7 +1,10 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <memory>
 
+#include "batten/core/cancellation.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/memory.h"
 #include "batten/core/solvers/supernodal_factor.h"
@@ -17,6 +20,7 @@ long singular_unknown(const SupernodalPattern& L, const int* order, const double
                       const SparseMatrix& A) {
   const VecX diagonal = A.diagonal();
   for (int s = 0; s < L.count; ++s) {
+    poll_every<4096>(s);
     const long rows = L.row_starts[s + 1] - L.row_starts[s];
     for (long c = L.columns[s]; c < L.columns[s + 1]; ++c) {
       const double pivot = values[L.value_starts[s] + (c - L.columns[s]) * (rows + 1)];
@@ -26,68 +30,112 @@ long singular_unknown(const SupernodalPattern& L, const int* order, const double
   return -1;
 }
 
-cholmod_sparse view(const SparseMatrix& A) {
-  cholmod_sparse v{};
-  v.nrow = static_cast<size_t>(A.rows());
-  v.ncol = static_cast<size_t>(A.cols());
-  v.nzmax = static_cast<size_t>(A.nonZeros());
-  v.p = const_cast<int*>(A.outerIndexPtr());
-  v.nz = const_cast<int*>(A.innerNonZeroPtr());
-  static int no_index = 0;  // CHOLMOD rejects null pointers even if there are no entries
-  static double no_value = 0;
-  v.i = v.nzmax > 0 ? const_cast<int*>(A.innerIndexPtr()) : &no_index;
-  v.x = v.nzmax > 0 ? const_cast<double*>(A.valuePtr()) : &no_value;
-  v.stype = -1;
-  v.itype = CHOLMOD_INT;
-  v.xtype = CHOLMOD_REAL;
-  v.dtype = CHOLMOD_DOUBLE;
-  v.sorted = 1;
-  v.packed = A.isCompressed();
-  return v;
+// The sparsity pattern of a symmetric matrix, of which the lower triangle is stored.
+struct Pattern {
+  std::vector<int> starts, sizes, rows;  // sizes: only if the storage is not compressed
+
+  Pattern() = default;
+  explicit Pattern(const SparseMatrix& A) {
+    copy(A.outerIndexPtr(), A.cols() + 1, starts);
+    if (!A.isCompressed()) copy(A.innerNonZeroPtr(), A.cols(), sizes);
+    copy(A.innerIndexPtr(), A.outerIndexPtr()[A.cols()], rows);
+  }
+  cholmod_sparse view() {
+    cholmod_sparse v{};
+    v.nrow = v.ncol = starts.size() - 1;
+    v.nzmax = rows.size();
+    v.p = starts.data();
+    v.nz = sizes.empty() ? nullptr : sizes.data();
+    static int no_index = 0;  // CHOLMOD rejects null pointers even if there are no entries
+    v.i = v.nzmax > 0 ? rows.data() : &no_index;
+    v.stype = -1;
+    v.itype = CHOLMOD_INT;
+    v.xtype = CHOLMOD_PATTERN;
+    v.dtype = CHOLMOD_DOUBLE;
+    v.sorted = 1;
+    v.packed = sizes.empty();
+    return v;
+  }
+
+ private:
+  static void copy(const int* from, long count, std::vector<int>& to) {
+    constexpr long block = 1 << 20;
+    to.reserve(count);
+    for (long i = 0; i < count; i += block) {
+      throw_if_cancelled();
+      to.insert(to.end(), from + i, from + std::min(i + block, count));
+    }
+  }
+};
+
+// Analyses with fewer rows take less than 5 ms and are not worth a thread.
+constexpr long kMinRowsForThread = 4000;
+
+// A symbolic analysis by CHOLMOD, which cannot poll. It owns all of its data, because it continues
+// after a cancellation.
+struct CholmodAnalysis {
+  Pattern pattern;
+  std::vector<int> given;  // elimination order; empty: automatic
+  cholmod_common common;
+  cholmod_factor* factor = nullptr;  // symbolic only
+
+  CholmodAnalysis(const SparseMatrix& A, std::vector<int> order)
+      : pattern(A), given(std::move(order)) {
+    cholmod_start(&common);
+    common.print = 0;
+  }
+  ~CholmodAnalysis() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  CholmodAnalysis(const CholmodAnalysis&) = delete;
+  CholmodAnalysis& operator=(const CholmodAnalysis&) = delete;
+
+  void run() {
+    cholmod_sparse a = pattern.view();
+    factor = cholmod_analyze_p(&a, given.empty() ? nullptr : given.data(), nullptr, 0, &common);
+  }
+};
+
+void run(const std::shared_ptr<CholmodAnalysis>& analysis) {
+  if (isize(analysis->pattern.starts) < kMinRowsForThread)
+    analysis->run();
+  else
+    call_without_polls([analysis] { analysis->run(); });
 }
 
 // CHOLMOD computes the pattern, SupernodalFactorization the values.
 class CholmodFactor final : public SupernodalFactor {
  public:
-  CholmodFactor() {
-    cholmod_start(&common_);
-    common_.print = 0;
-    common_.postorder = 1;
-    common_.supernodal = CHOLMOD_SUPERNODAL;
-  }
-  ~CholmodFactor() override {
-    cholmod_free_factor(&factor_, &common_);
-    cholmod_finish(&common_);
-  }
-  CholmodFactor(const CholmodFactor&) = delete;
-  CholmodFactor& operator=(const CholmodFactor&) = delete;
-
   void analyze(const SparseMatrix& A, const std::vector<int>& order,
                FactorReuse factor_reuse) override;
   std::string factorize(const SparseMatrix& A) override;
   SupernodalPattern pattern() const override;
-  const int* order() const override { return static_cast<const int*>(factor_->Perm); }
+  const int* order() const override {
+    return static_cast<const int*>(analysis_->factor->Perm);
+  }
   double* values() override { return numbers_.values(); }
 
  private:
-  std::string failure() const {
-    const char* why = common_.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
-                      : common_.status == CHOLMOD_TOO_LARGE
-                          ? "the matrix is too large"
-                          : "the ordering or the matrix is invalid";
-    return std::string("the symbolic factorization failed: ") + why;
-  }
-
-  cholmod_common common_;
-  cholmod_factor* factor_ = nullptr;  // symbolic only
+  std::shared_ptr<CholmodAnalysis> analysis_;
   SupernodalFactorization numbers_;
 };
+
+std::string failure_of(const cholmod_common& common) {
+  const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
+                    : common.status == CHOLMOD_TOO_LARGE   ? "the matrix is too large"
+                                                           : "the ordering or the matrix is invalid";
+  return std::string("the symbolic factorization failed: ") + why;
+}
 
 void CholmodFactor::analyze(const SparseMatrix& A, const std::vector<int>& order,
                             FactorReuse factor_reuse) {
   numbers_ = {};
-  cholmod_free_factor(&factor_, &common_);
-  cholmod_sparse a = view(A);
+  analysis_.reset();
+  const auto analysis = std::make_shared<CholmodAnalysis>(A, order);
+  cholmod_common& common = analysis->common;
+  common.postorder = 1;
+  common.supernodal = CHOLMOD_SUPERNODAL;
   // Small factors are faster with fewer, fuller supernodes: by a third at 3,000 unknowns, by a
   // tenth at 100,000. At 100,000, however, the zeros that they store cost more in every solve than
   // they save.
@@ -95,24 +143,25 @@ void CholmodFactor::analyze(const SparseMatrix& A, const std::vector<int>& order
   constexpr size_t columns[2][3] = {{4, 16, 48}, {16, 32, 64}};  // first row: CHOLMOD's defaults
   constexpr double zeros[2][3] = {{0.8, 0.1, 0.05}, {0.9, 0.2, 0.1}};
   const int merge = A.rows() < small ? 1 : 0;
-  std::copy_n(columns[merge], 3, common_.nrelax);
-  std::copy_n(zeros[merge], 3, common_.zrelax);
-  auto* given = order.empty() ? nullptr : const_cast<int*>(order.data());
-  common_.nmethods = 1;
-  common_.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  std::copy_n(columns[merge], 3, common.nrelax);
+  std::copy_n(zeros[merge], 3, common.zrelax);
+  common.nmethods = 1;
+  common.method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
   constexpr long kMinUnknownsForMetis = 10000;
-  if (!given && factor_reuse == FactorReuse::many && A.rows() >= kMinUnknownsForMetis) {
+  if (order.empty() && factor_reuse == FactorReuse::many && A.rows() >= kMinUnknownsForMetis) {
     // CHOLMOD tries both and keeps the factor with fewer entries.
-    common_.nmethods = 2;
-    common_.method[1].ordering = CHOLMOD_METIS;
+    common.nmethods = 2;
+    common.method[1].ordering = CHOLMOD_METIS;
   }
-  factor_ = cholmod_analyze_p(&a, given, nullptr, 0, &common_);
-  if (!factor_) throw NoSolutionError(failure());
+  run(analysis);
+  if (!analysis->factor) throw NoSolutionError(failure_of(common));
+  analysis->pattern = {};  // only needed during the analysis
   // Check memory before the numeric factorization: otherwise the system might kill the program.
   constexpr size_t large = size_t{1} << 24;
-  if (factor_->xsize > large)
-    require_memory(8.0 * static_cast<double>(factor_->xsize),
+  if (analysis->factor->xsize > large)
+    require_memory(8.0 * static_cast<double>(analysis->factor->xsize),
                    "the Cholesky factor of " + std::to_string(A.rows()) + " unknowns");
+  analysis_ = analysis;
   numbers_ = SupernodalFactorization(pattern(), this->order(), A);
 }
 
@@ -124,7 +173,7 @@ std::string CholmodFactor::factorize(const SparseMatrix& A) {
 }
 
 SupernodalPattern CholmodFactor::pattern() const {
-  const cholmod_factor& L = *factor_;
+  const cholmod_factor& L = *analysis_->factor;
   return {static_cast<int>(L.nsuper), static_cast<const int*>(L.super),
           static_cast<const int*>(L.pi), static_cast<const int*>(L.s),
           static_cast<const int*>(L.px)};
@@ -137,29 +186,21 @@ std::unique_ptr<SupernodalFactor> make_cholmod_factor() {
 }
 
 std::vector<int> cholmod_elimination_order(const SparseMatrix& graph, FactorReuse factor_reuse) {
-  cholmod_common common;
-  cholmod_start(&common);
-  common.print = 0;
+  const auto analysis = std::make_shared<CholmodAnalysis>(graph, std::vector<int>());
+  cholmod_common& common = analysis->common;
   common.supernodal = CHOLMOD_SIMPLICIAL;  // the cheapest analysis: only the order is used
   constexpr long kMinNodesForDissection = 1000;
   const bool dissect = factor_reuse == FactorReuse::many && graph.rows() >= kMinNodesForDissection;
   common.nmethods = 1;
   common.method[0].ordering = dissect ? CHOLMOD_NESDIS : CHOLMOD_AMD;
-  cholmod_sparse a = view(graph);
-  cholmod_factor* factor = cholmod_analyze(&a, &common);
-  if (!factor && dissect) {  // CHOLMOD was built without METIS
+  run(analysis);
+  if (!analysis->factor && dissect) {  // CHOLMOD was built without METIS
     common.method[0].ordering = CHOLMOD_AMD;
-    factor = cholmod_analyze(&a, &common);
+    run(analysis);
   }
-  std::vector<int> order;
-  if (factor) {
-    const auto* first = static_cast<const int*>(factor->Perm);
-    order.assign(first, first + graph.rows());
-  }
-  cholmod_free_factor(&factor, &common);
-  cholmod_finish(&common);
-  if (order.empty()) throw NoSolutionError("out of memory while ordering the unknowns");
-  return order;
+  if (!analysis->factor) throw NoSolutionError("out of memory while ordering the unknowns");
+  const auto* first = static_cast<const int*>(analysis->factor->Perm);
+  return {first, first + graph.rows()};
 }
 
 }  // namespace batten

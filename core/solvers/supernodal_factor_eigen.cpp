@@ -2,8 +2,10 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/solvers/supernodal_factor.h"
@@ -18,13 +20,15 @@ std::vector<int> elimination_tree(const SparseMatrix& lower) {
   const auto n = static_cast<int>(lower.rows());
   const SparseMatrix upper = lower.transpose();  // its columns are the rows of `lower`
   std::vector<int> parent(n, -1), ancestor(n, -1);
-  for (int row = 0; row < n; ++row)
+  for (int row = 0; row < n; ++row) {
+    poll_every<4096>(row);
     for (SparseMatrix::InnerIterator e(upper, row); e && e.row() < row; ++e)
       for (int node = static_cast<int>(e.row()); node >= 0 && node != row;) {
         const int next = std::exchange(ancestor[node], row);
         if (next < 0) parent[node] = row;
         node = next;
       }
+  }
   return parent;
 }
 
@@ -51,6 +55,18 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return order;
 }
 
+// Calls with fewer rows take some milliseconds and are not worth a thread.
+constexpr long kMinRowsForThread = 4000;
+
+// Calls a function of Eigen, which cannot poll.
+template <class Work>
+void call_eigen(long rows, const Work& work) {
+  if (rows < kMinRowsForThread)
+    work();
+  else
+    call_without_polls(work);
+}
+
 class EigenFactor final : public SupernodalFactor {
  public:
   void analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) override;
@@ -73,7 +89,8 @@ class EigenFactor final : public SupernodalFactor {
   void find_supernodes();
   void fill_blocks();
 
-  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+  using Factor = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+  std::shared_ptr<Factor> ldlt_;  // null: not analysed, or left to a thread by a cancellation
   std::vector<int> order_;  // unknown of each row of L
   std::vector<int> columns_, row_starts_, rows_, value_starts_;
   std::vector<double> values_;
@@ -81,17 +98,21 @@ class EigenFactor final : public SupernodalFactor {
 
 void EigenFactor::analyze(const SparseMatrix& A, const std::vector<int>& order, FactorReuse) {
   columns_.clear();
+  ldlt_.reset();
   order_ = order.empty() ? eigen_elimination_order(A, FactorReuse::once) : order;
   const std::vector<int> post = postorder(elimination_tree(permuted(A)));
   std::vector<int> given = std::exchange(order_, {});
   for (const int node : post) order_.push_back(given[node]);
-  ldlt_.analyzePattern(permuted(A));
+  const auto ldlt = std::make_shared<Factor>();
+  const auto matrix = std::make_shared<const SparseMatrix>(permuted(A));
+  call_eigen(A.rows(), [ldlt, matrix] { ldlt->analyzePattern(*matrix); });
+  ldlt_ = ldlt;
 }
 
 // Merges neighbouring columns of L into supernodes: the rows of the first must be the next column
 // and its rows.
 void EigenFactor::find_supernodes() {
-  const SparseMatrix& L = ldlt_.matrixL().nestedExpression();
+  const SparseMatrix& L = ldlt_->matrixL().nestedExpression();
   const int* start = L.outerIndexPtr();
   const int* row = L.innerIndexPtr();
   std::vector<int> first_columns = {0};
@@ -117,8 +138,8 @@ void EigenFactor::find_supernodes() {
 }
 
 void EigenFactor::fill_blocks() {
-  const SparseMatrix& L = ldlt_.matrixL().nestedExpression();
-  const VecX D = ldlt_.vectorD();
+  const SparseMatrix& L = ldlt_->matrixL().nestedExpression();
+  const VecX D = ldlt_->vectorD();
   values_.resize(value_starts_.back());
   for (size_t s = 0; s + 1 < columns_.size(); ++s) {
     const int height = row_starts_[s + 1] - row_starts_[s];
@@ -133,11 +154,20 @@ void EigenFactor::fill_blocks() {
 }
 
 std::string EigenFactor::factorize(const SparseMatrix& A) {
-  ldlt_.factorize(permuted(A));
-  const VecX D = ldlt_.vectorD(), diagonal = A.diagonal();
+  const auto matrix = std::make_shared<const SparseMatrix>(permuted(A));
+  // Not in use by a thread that continues after a cancellation.
+  auto ldlt = std::exchange(ldlt_, nullptr);
+  const bool anew = !ldlt;
+  if (anew) ldlt = std::make_shared<Factor>();
+  call_eigen(A.rows(), [ldlt, matrix, anew] {
+    if (anew) ldlt->analyzePattern(*matrix);
+    ldlt->factorize(*matrix);
+  });
+  ldlt_ = std::move(ldlt);
+  const VecX D = ldlt_->vectorD(), diagonal = A.diagonal();
   for (int i = 0; i < D.size(); ++i)
     if (!(D[i] > kSingularPivot * diagonal[order_[i]])) return not_positive_definite(order_[i]);
-  if (ldlt_.info() != Eigen::Success) return "the numeric factorization failed";
+  if (ldlt_->info() != Eigen::Success) return "the numeric factorization failed";
   if (columns_.empty()) find_supernodes();
   fill_blocks();
   return "";
@@ -148,10 +178,10 @@ std::string EigenFactor::factorize(const SparseMatrix& A) {
 std::unique_ptr<SupernodalFactor> make_eigen_factor() { return std::make_unique<EigenFactor>(); }
 
 std::vector<int> eigen_elimination_order(const SparseMatrix& graph, FactorReuse) {
-  SparseMatrix full = graph.selfadjointView<Eigen::Lower>();
-  Permutation amd;
-  Eigen::AMDOrdering<int>()(full, amd);
-  return {amd.indices().data(), amd.indices().data() + amd.size()};
+  const auto full = std::make_shared<SparseMatrix>(graph.selfadjointView<Eigen::Lower>());
+  const auto amd = std::make_shared<Permutation>();
+  call_eigen(graph.rows(), [full, amd] { Eigen::AMDOrdering<int>()(*full, *amd); });
+  return {amd->indices().data(), amd->indices().data() + amd->size()};
 }
 
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/parallel.h"
 #include "batten/core/solvers/supernodal_kernels.h"
@@ -14,13 +15,20 @@
 namespace batten {
 namespace {
 
-constexpr int kNoColumn = std::numeric_limits<int>::max();
+constexpr int kNoColumn = std::numeric_limits<int>::max(), kCancelled = -1;
+// Operations between two polls of a thread: 1 ms in large supernodes, 20 ms in small ones.
+constexpr long kPollOperations = 20'000'000;
+// Operations of one call of a kernel: 5 ms. The rows are a multiple of all tiles.
+constexpr long kMaxKernelOperations = 100'000'000;
+constexpr int kMaxKernelRows = 480;
 
 }  // namespace
 
 SupernodalFactorization::SupernodalFactorization(const SupernodalPattern& pattern, const int* order,
                                                  const SparseMatrix& A)
-    : pattern_(pattern), failed_(std::make_unique<std::atomic<int>>(kNoColumn)) {
+    : pattern_(pattern),
+      failed_(std::make_unique<std::atomic<int>>(kNoColumn)),
+      done_(std::make_unique<std::atomic<long>>(0)) {
   for (int s = 0; s < pattern.count; ++s) {
     max_rows_ = std::max(max_rows_, rows(s));
     max_columns_ = std::max(max_columns_, width(s));
@@ -44,12 +52,14 @@ void SupernodalFactorization::find_entries(const int* order, const SparseMatrix&
               supernode_of.begin() + pattern_.columns[s + 1], s);
   const auto for_entries = [&](const auto& call) {
     int number = 0;
-    for (int c = 0; c < n; ++c)
+    for (int c = 0; c < n; ++c) {
+      poll_every<4096>(c);
       for (SparseMatrix::InnerIterator e(A, c); e; ++e, ++number)
         if (e.row() >= c) {
           const auto [column, row] = std::minmax(row_of[c], row_of[e.row()]);
           call(supernode_of[column], row, column, number);
         }
+    }
   };
   entry_starts_.assign(pattern_.count + 1, 0);
   for_entries([&](int s, int, int, int) { ++entry_starts_[s + 1]; });
@@ -63,6 +73,7 @@ void SupernodalFactorization::find_entries(const int* order, const SparseMatrix&
   });
   targets_.resize(entries_.size());
   for (int s = 0; s < pattern_.count; ++s) {
+    poll_every<1024>(s);
     for (int i = pattern_.row_starts[s]; i < pattern_.row_starts[s + 1]; ++i)
       local_row[pattern_.rows[i]] = i - pattern_.row_starts[s];
     for (int e = entry_starts_[s]; e < entry_starts_[s + 1]; ++e)
@@ -81,6 +92,7 @@ void SupernodalFactorization::find_updates() {
               supernode_of.begin() + pattern_.columns[s + 1], s);
   const auto for_updates = [&](const auto& call) {
     for (int d = 0; d < pattern_.count; ++d) {
+      poll_every<4096>(d);
       const int* row = pattern_.rows + pattern_.row_starts[d];
       for (int first = width(d), end; first < rows(d); first = end) {
         const int s = supernode_of[row[first]];
@@ -99,6 +111,7 @@ void SupernodalFactorization::find_updates() {
 
 std::vector<int> SupernodalFactorization::parents() const {
   std::vector<int> result(pattern_.count, -1);
+  throw_if_cancelled();
   for (int s = 0; s < pattern_.count; ++s)
     for (int u = update_starts_[s]; u < update_starts_[s + 1]; ++u)
       if (updates_[u].first == width(updates_[u].from)) result[updates_[u].from] = s;
@@ -108,6 +121,7 @@ std::vector<int> SupernodalFactorization::parents() const {
 std::vector<long> SupernodalFactorization::flops() const {
   std::vector<long> result;
   for (int s = 0; s < pattern_.count; ++s) {
+    poll_every<4096>(s);
     const long w = width(s);
     long sum = w * w * rows(s);
     for (int u = update_starts_[s]; u < update_starts_[s + 1]; ++u) {
@@ -129,11 +143,13 @@ int SupernodalFactorization::factorize(const SparseMatrix& A) {
   constexpr long kMinWorkPerThread = 10000000;
   const int threads = flops_ < kMinWorkPerThread ? 1 : std::min(thread_count(), core_count());
   *failed_ = kNoColumn;
+  *done_ = 0;
   allocate_workspace(threads);
   if (threads > 1)
     factor_in_parallel(A.valuePtr(), threads);
   else
     for (int s = 0; s < pattern_.count; ++s) factor_supernode(s, A.valuePtr(), work_[0]);
+  throw_if_cancelled();
   return *failed_ == kNoColumn ? -1 : failed_->load();
 }
 
@@ -144,6 +160,7 @@ void SupernodalFactorization::allocate_workspace(int threads) {
     work.local_rows.resize(max_rows_);
     work.scratch.resize(scratch_size(max_columns_));
   }
+  for (Workspace& work : work_) work.unpolled = work.percent = 0;
 }
 
 void SupernodalFactorization::factor_in_parallel(const double* a, int threads) {
@@ -153,7 +170,7 @@ void SupernodalFactorization::factor_in_parallel(const double* a, int threads) {
   std::atomic<int> next{0};
   const auto process_tasks = [&](int thread) {
     for (int t = next++; t < count; t = next++) {
-      for (SpinWait spin; pending_[t].load(std::memory_order_acquire) > 0;) spin.wait();
+      for (SpinWait spin; pending_[t].load(std::memory_order_acquire) > 0;) spin.wait_and_poll();
       execute(tasks_[t], a, work_[thread]);
       for (const int n : tasks_[t].next) pending_[n].fetch_sub(1, std::memory_order_acq_rel);
     }
@@ -164,7 +181,7 @@ void SupernodalFactorization::factor_in_parallel(const double* a, int threads) {
 void SupernodalFactorization::execute(const FactorTask& task, const double* a, Workspace& work) {
   using Step = FactorTask::Step;
   const int s = task.supernode;
-  if (*failed_ < pattern_.columns[s]) return;
+  if (is_useless(s)) return;
   switch (task.step) {
     case Step::factor_supernode:
       for (int i = s; i < task.end_supernode; ++i) factor_supernode(i, a, work);
@@ -179,8 +196,7 @@ void SupernodalFactorization::execute(const FactorTask& task, const double* a, W
       triangle(s, task.first_column, task.end_column, work);
       break;
     case Step::rows:
-      solve_rows(block(s), rows(s), task.first_row, task.end_row, task.first_column,
-                 task.end_column, work.scratch.data());
+      solve_rows_of(s, task.first_row, task.end_row, task.first_column, task.end_column, work);
       break;
     case Step::done:
       break;
@@ -188,16 +204,30 @@ void SupernodalFactorization::execute(const FactorTask& task, const double* a, W
 }
 
 void SupernodalFactorization::factor_supernode(int s, const double* a, Workspace& work) {
-  // If the factorization fails, the lowest failing column counts, and later supernodes cannot
-  // change it.
-  if (*failed_ < pattern_.columns[s]) return;
+  if (is_useless(s)) return;
   assemble(s, a);
+  poll_after(4L * rows(s) * width(s), work);
   update(s, 0, rows(s), work);
   for (int first = 0; first < width(s); first += kBlockColumns) {
     const int end = std::min(first + kBlockColumns, width(s));
     triangle(s, first, end, work);
-    solve_rows(block(s), rows(s), end, rows(s), first, end, work.scratch.data());
+    solve_rows_of(s, end, rows(s), first, end, work);
   }
+}
+
+// If a pivot fails, the lowest failing column counts, and later supernodes cannot change it.
+bool SupernodalFactorization::is_useless(int s) const { return *failed_ < pattern_.columns[s]; }
+
+void SupernodalFactorization::poll_after(long operations, Workspace& work) {
+  work.unpolled += operations;
+  if (work.unpolled < kPollOperations) return;
+  const long done = *done_ += std::exchange(work.unpolled, 0);
+  // Other threads wait for this one, so that it must not throw.
+  if (is_cancelled()) *failed_ = kCancelled;
+  const int percent = static_cast<int>(std::min(99.0, 100.0 * static_cast<double>(done) /
+                                                          static_cast<double>(flops_)));
+  if (percent > work.percent) report_progress("factorization", 0.01 * percent);
+  work.percent = percent;
 }
 
 void SupernodalFactorization::assemble(int s, const double* a) {
@@ -223,15 +253,40 @@ void SupernodalFactorization::update(int s, int first_row, int end_row, Workspac
     for (int j = first; j < end; ++j) local_rows[j] = row[j] - pattern_.columns[s];
     for (int i = std::max(begin, end); i < stop; ++i) local_rows[i] = work.local_row[row[i]];
     const double* L = block(from);
-    subtract_product({L + begin, L + first, rows(from), width(from), stop - begin, end - first,
-                      local_rows + begin, local_rows + first, block(s), rows(s)},
-                     work.scratch.data());
+    // In parts, if the product is large. An entry does not depend on the part that it is in.
+    const long all = 2L * width(from) * (stop - begin) * (end - first);
+    const int rows_at_once = all > kMaxKernelOperations ? kMaxKernelRows : stop - begin;
+    const long columns_at_once =
+        all > kMaxKernelOperations
+            ? std::max(8L, kMaxKernelOperations / (2L * width(from) * rows_at_once) / 8 * 8)
+            : end - first;
+    for (int i = begin; i < stop; i += rows_at_once)
+      for (int j = first; j < end; j += static_cast<int>(columns_at_once)) {
+        if (is_useless(s)) return;
+        const int row_count = std::min(rows_at_once, stop - i),
+                  column_count = static_cast<int>(std::min<long>(columns_at_once, end - j));
+        subtract_product({L + i, L + j, rows(from), width(from), row_count, column_count,
+                          local_rows + i, local_rows + j, block(s), rows(s)},
+                         work.scratch.data());
+        poll_after(2L * width(from) * row_count * column_count, work);
+      }
+  }
+}
+
+void SupernodalFactorization::solve_rows_of(int s, int first_row, int end_row, int first_column,
+                                            int end_column, Workspace& work) {
+  for (int i = first_row; i < end_row && !is_useless(s); i += kMaxKernelRows) {
+    const int end = std::min(i + kMaxKernelRows, end_row);
+    solve_rows(block(s), rows(s), i, end, first_column, end_column, work.scratch.data());
+    poll_after(2L * (end - i) * (end_column - first_column) * end_column, work);
   }
 }
 
 void SupernodalFactorization::triangle(int s, int first_column, int end_column, Workspace& work) {
   const int column =
       factor_triangle(block(s), rows(s), first_column, end_column, work.scratch.data());
+  const long columns = end_column - first_column;
+  poll_after(2 * columns * columns * end_column, work);
   if (column < 0) return;
   const int failed = pattern_.columns[s] + column;
   for (int known = *failed_; failed < known && !failed_->compare_exchange_weak(known, failed);) {

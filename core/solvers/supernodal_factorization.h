@@ -47,6 +47,9 @@ std::vector<FactorTask> plan_factorization(const SupernodalPattern& pattern,
 /// updates in ascending order of d, each summed over the columns of d in their order: results are
 /// bit-identical for any number of threads.
 ///
+/// Polls the current ProgressScope after some milliseconds of work, on each thread, and reports the
+/// fraction of the operations to it.
+///
 /// Cost: Σ (rows of a column of L)² operations. Memory: 8 bytes per entry of L and 8 per entry of
 /// A. Reference: [NgPeyton1993]; tasks: [Hogg2010].
 class SupernodalFactorization {
@@ -60,7 +63,7 @@ class SupernodalFactorization {
                           const SparseMatrix& A);
 
   /// Computes the values for A. Returns the first column whose pivot is not positive (or NaN), or
-  /// -1 on success.
+  /// -1 on success. Throws CancelledError; the values are then undefined.
   int factorize(const SparseMatrix& A);
 
   /// Values of L, in the layout of the pattern.
@@ -76,6 +79,8 @@ class SupernodalFactorization {
     std::vector<int> local_row;   // index of a row of L in the current supernode
     std::vector<int> local_rows;  // rows of one supernode as indices in another
     std::vector<double> scratch;
+    long unpolled = 0;  // operations since the last poll
+    int percent = 0;    // last progress reported
   };
 
   void find_entries(const int* order, const SparseMatrix& A);
@@ -93,6 +98,13 @@ class SupernodalFactorization {
   void assemble(int s, const double* a);
   void update(int s, int first_row, int end_row, Workspace& work);
   void triangle(int s, int first_column, int end_column, Workspace& work);
+  void solve_rows_of(int s, int first_row, int end_row, int first_column, int end_column,
+                     Workspace& work);
+  // Whether the computation of supernode s is of no use, because of a failed pivot or because the
+  // computation was cancelled.
+  bool is_useless(int s) const;
+  // Polls if the operations since the last poll, with the given ones, are enough.
+  void poll_after(long operations, Workspace& work);
 
   SupernodalPattern pattern_;
   // Entries of A that belong to each supernode, and their positions in its block.
@@ -105,7 +117,8 @@ class SupernodalFactorization {
   std::unique_ptr<double[]> values_;
   std::vector<Workspace> work_;                  // one per thread
   std::unique_ptr<std::atomic<int>[]> pending_;  // unfinished predecessors of each task
-  std::unique_ptr<std::atomic<int>> failed_;     // lowest column known to fail
+  std::unique_ptr<std::atomic<int>> failed_;     // lowest column known to fail; -1: cancelled
+  std::unique_ptr<std::atomic<long>> done_;      // operations done, for reports
 };
 
 }  // namespace batten

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
@@ -54,6 +55,7 @@ SupernodalSolve::SupernodalSolve(const SupernodalPattern& L, const int* order)
   for (int s = 0; s < L.count; ++s)
     std::fill(supernode_of.begin() + columns_[s], supernode_of.begin() + columns_[s + 1], s);
   for (int s = 0; s < L.count; ++s) {
+    poll_every<4096>(s);
     const int first_below = row_starts_[s] + columns_[s + 1] - columns_[s];
     if (first_below < row_starts_[s + 1]) parents_[s] = supernode_of[L.rows[first_below]];
     entries_ += block_entries(s);
@@ -121,6 +123,7 @@ void SupernodalSolve::find_boundaries(const int* rows) {
   targets_.resize(row_starts_.back());
   std::vector<int> place(n_, -1), boundary, all;
   for (Chunk& chunk : chunks_) {
+    throw_if_cancelled();
     boundary.clear();
     const int first = row_starts_[chunk.first_supernode], end = row_starts_[chunk.end_supernode];
     for (int i = first; i < end; ++i)
@@ -142,6 +145,7 @@ void SupernodalSolve::find_boundaries(const int* rows) {
   // A boundary row of a child is either a column of the parent or in the parent's own boundary.
   boundary_targets_.resize(all.size());
   for (const Chunk& chunk : chunks_) {
+    throw_if_cancelled();
     for (int e = chunk.first_boundary; e < chunk.end_boundary; ++e) place[all[e]] = n_ + e;
     for (int c = chunk.first_child; c < chunk.end_child; ++c) {
       const Chunk& child = chunks_[children_[c]];
@@ -158,6 +162,8 @@ void SupernodalSolve::pack(double* values) {
   const auto pack_chunk = [&](int c) {
     const Chunk& chunk = chunks_[c];
     std::vector<double> block;
+    constexpr long kPollEntries = 2'000'000;  // 10 ms
+    long unpolled = 0;
     // In-place packing: the write position never overtakes the values that are still to be read.
     double* to = values + value_starts_[chunk.first_supernode];
     for (int s = chunk.first_supernode; s < chunk.end_supernode; ++s) {
@@ -165,6 +171,10 @@ void SupernodalSolve::pack(double* values) {
       block.assign(values + value_starts_[s], values + value_starts_[s] + r * w);
       packed_starts_[s] = to - values;
       to = pack_supernode(block.data(), r, w, to);
+      unpolled += r * w;
+      if (unpolled < kPollEntries) continue;
+      throw_if_cancelled();
+      unpolled = 0;
     }
   };
   parallel_for(chunk_count(), pack_chunk);
@@ -212,7 +222,9 @@ class SupernodalSolve::GroupSolve {
  private:
   static constexpr int kForwardDone = -1, kBackwardDone = -2;  // states of a chunk, below 0
 
+  // After a cancellation, chunks do nothing: they cannot throw, because others wait for them.
   void forward(int c) const {
+    if (is_cancelled()) return;
     const Chunk& chunk = all_.chunks_[c];
     Row* const work = work_;
     if (subset_ && !subset_->chunk_forward[c]) {
@@ -237,7 +249,7 @@ class SupernodalSolve::GroupSolve {
 
   void backward(int c) const {
     const Chunk& chunk = all_.chunks_[c];
-    if (subset_ && !subset_->chunk_backward[c]) return;
+    if ((subset_ && !subset_->chunk_backward[c]) || is_cancelled()) return;
     Row* const work = work_;
     const int n = all_.n_;
     const int* const targets = all_.boundary_targets_.data();
@@ -268,7 +280,8 @@ class SupernodalSolve::GroupSolve {
   }
 
   void wait_for(int c, int state) const {
-    for (SpinWait spin; all_.pending_[c].load(std::memory_order_acquire) != state;) spin.wait();
+    for (SpinWait spin; all_.pending_[c].load(std::memory_order_acquire) != state;)
+      spin.wait_and_poll();
   }
 
   const SupernodalSolve& all_;
@@ -301,6 +314,7 @@ void SupernodalSolve::solve_subset(const SolveSubset* subset, Eigen::Ref<MatX> x
     } else {
       solve_group<Row4>(subset, first, x.outerStride(), columns);
     }
+    throw_if_cancelled();
     c += columns;
   }
 }

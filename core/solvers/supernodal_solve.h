@@ -29,6 +29,9 @@ namespace batten {
 ///   a fixed order. Chunks of different subtrees can run on different threads, and results are
 ///   bit-identical for any number of threads.
 ///
+/// Solves poll the current ProgressScope in each chunk and throw CancelledError after the sweeps; x
+/// is then undefined.
+///
 /// Not thread-safe: an object owns the work vectors of one solve. References: supernodes and
 /// elimination tree [NgPeyton1993], [Davis2006] chapter 4; accumulation in the parent
 /// (multifrontal method) [DuffReid1983].

@@ -11,15 +11,18 @@ Usage: glass.py [OUTPUT FOLDER]
 
 import os
 import sys
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import batten
 
+Array = NDArray[Any]
 FOOT, RIM, HEIGHT, WANTED = 22.0, 34.0, 110.0, 330.0  # mm, mm, mm, ml
 
 
-def circle(radius, z, count=72):
+def circle(radius: float, z: float, count: int = 72) -> Array:
     """Points of a circle about the z axis, (count + 1) × 3. The last point equals the first."""
     angle = np.linspace(0, 2 * np.pi, count + 1)
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count + 1, z)])
@@ -27,13 +30,13 @@ def circle(radius, z, count=72):
     return points
 
 
-def millilitres(session):
+def millilitres(session: batten.Session) -> float:
     """Volume between foot and rim, ml: ⅓ ∬ x·n over the wall and a lid. The floor at z = 0 contributes nothing."""
     lid = HEIGHT * np.pi * RIM**2 / 3
     return (abs(session.volume) + lid) / 1000
 
 
-def main(out):
+def main(out: str) -> int:
     os.makedirs(out, exist_ok=True)
 
     # 1. and 2. Curves and surface.
@@ -45,7 +48,7 @@ def main(out):
     outwards = 1 if (model.normals * model.points)[:, :2].sum() > 0 else -1
     session.add_pressure("blow")
 
-    def filled(pressure):
+    def filled(pressure: float) -> float:
         session["blow"] = outwards * pressure
         session.solve()
         return millilitres(session)

@@ -22,16 +22,19 @@ double curvature_functional(const Surface& surface, Points* gradient = nullptr);
 
 /// Options of fair_curvature() for surfaces.
 struct SurfaceCurvatureOptions {
-  /// Weight, above 0, of ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv per round,
-  /// made dimensionless by the areas of the domain and the starting surface. The minimised
-  /// functional does not depend on the parametrisation; this term keeps the parametrisation close
-  /// to that of the start. Use 0.1 to 0.001: larger values take more rounds, smaller ones more
-  /// iterations.
+  /// Weight, above 0, of the penalty ∬ |tangential part of the change of X_uu, X_uv, X_vv|² du dv,
+  /// made dimensionless by the areas of the domain and the starting surface. The change is measured
+  /// from the beginning of each round (outer iteration). The minimised functional does not depend
+  /// on the parametrisation; the penalty keeps the parametrisation close to that of the start. Use
+  /// 0.1 to 0.001: larger values require more rounds, smaller values more Levenberg-Marquardt
+  /// iterations per round.
   double parametrization_weight = 1e-2;
-  /// Relative decrease of curvature_functional() per round below which the iteration has converged.
+  /// The minimisation has converged if a round decreases curvature_functional() by less than this
+  /// fraction.
   double tolerance = 1e-6;
-  int max_rounds = 20;
-  int max_iterations = 300;  ///< maximum number of iterations of all rounds together
+  int max_rounds = 20;  ///< maximum number of rounds
+  /// Maximum number of Levenberg-Marquardt iterations, summed over all rounds.
+  int max_iterations = 300;
 };
 
 /// Result of fair_curvature() for surfaces.
@@ -40,8 +43,8 @@ struct SurfaceCurvatureResult {
   double functional = 0;  ///< curvature_functional() of the result
   /// Value of curvature_functional() for the start projected onto the constraints.
   double start_functional = 0;
-  double max_residual = 0;  ///< maximum violation of a constraint, model units
-  int iterations = 0, rounds = 0;
+  double max_residual = 0;         ///< maximum violation of a constraint, model units
+  int iterations = 0, rounds = 0;  ///< number of iterations of all rounds together, and of rounds
   bool converged = false;
 };
 
@@ -52,11 +55,12 @@ struct SurfaceCurvatureResult {
 /// and normals are imposed by SurfaceConstraints. A good start is the surface of least linear
 /// bending under the same constraints.
 ///
-/// Each round uses Levenberg-Marquardt on the residuals √dA (S11, √2 S12, S22), with the shape
-/// operator S in an orthonormal frame at the quadrature points. The linear bending energy serves as
-/// damping; the solver is sparse Cholesky. Each round penalises tangential change relative to the
-/// surface at the beginning of the round. At convergence, this term is zero and does not affect the
-/// shape. Does not need Ceres.
+/// The minimisation consists of rounds (outer iterations). Each round uses Levenberg-Marquardt
+/// iterations on the residuals √dA (S11, √2 S12, S22), with the shape operator S in an orthonormal
+/// frame at the quadrature points. The linear bending energy serves as damping; the solver is
+/// sparse Cholesky. Each round penalises tangential change relative to the surface at the beginning
+/// of the round. At convergence, this term is zero and does not affect the shape. Does not need
+/// Ceres.
 ///
 /// Throws InputError for options that are not above 0, for constraints on another mesh, and for a
 /// start of zero area or without a normal at some point. Throws ConflictError for contradictory

@@ -90,10 +90,11 @@ Eigen::Vector4d SplineAxis::basis(int interval, double s, int derivative) const 
 
 namespace {
 
-// One segment, and its interval on the parameter line of the smooth piece.
+// One segment, and its interval on the parameter line of the spline.
 struct SmoothPiece {
   double begin = 0, end = 0;
   BezierCubic<Vec3> bezier;
+  bool after_corner = false;
 
   double length() const { return end - begin; }
   Vec3 blossom(double u0, double u1, double u2) const {
@@ -105,11 +106,12 @@ struct SmoothPiece {
 
 SmoothPiece piece_of(const HermiteCurve& curve, int segment, double shift) {
   return {curve.parameters()[segment] + shift, curve.parameters()[segment + 1] + shift,
-          curve.bezier(segment)};
+          curve.bezier(segment), false};
 }
 
 // Required multiplicity of the knot between two segments.
 int multiplicity(const SmoothPiece& before, const SmoothPiece& after, double size) {
+  if (after.after_corner) return 3;
   const double h = std::max(before.length(), after.length());
   const Vec3 jump = after.second(0) - before.second(1);
   return jump.norm() * h * h <= 1e-13 * size ? 1 : 2;
@@ -166,6 +168,18 @@ std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCur
   }
   splines.front().closed = curve.closed() && corners.empty();
   return splines;
+}
+
+CubicSpline whole_spline(const std::string& name, const HermiteCurve& curve) {
+  std::vector<SmoothPiece> pieces;
+  for (int segment = 0; segment < curve.segment_count(); ++segment) {
+    pieces.push_back(piece_of(curve, segment, 0));
+    pieces.back().after_corner = curve.mesh().is_corner(segment);
+  }
+  CubicSpline spline = spline_of(pieces);
+  spline.name = name;
+  spline.closed = curve.closed() && !curve.mesh().is_corner(0);
+  return spline;
 }
 
 }  // namespace batten

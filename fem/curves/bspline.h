@@ -48,9 +48,9 @@ class SplineAxis {
 
 // Exact conversion of Hermite curves to B-splines.
 
-/// Clamped cubic B-spline. The first and last knots have multiplicity four. Inner knots are double
-/// if the curve is only C1 there, and simple if it is C2 up to rounding (1e-13 of the size of the
-/// curve).
+/// Clamped cubic B-spline. The first and last knots have multiplicity four. Inner knots are triple
+/// at corners, double if the curve is only C1 there, and simple if it is C2 up to rounding (1e-13
+/// of the size of the curve).
 struct CubicSpline {
   std::string name;
   std::vector<double> knots;  ///< distinct knots, ascending, in the parameter u of the curve
@@ -64,5 +64,9 @@ struct CubicSpline {
 /// curve. A single spline is named `name`; several are named name.1, name.2, …. A closed curve with
 /// corners begins at its first corner. Cost: O(segments).
 std::vector<CubicSpline> cubic_splines(const std::string& name, const HermiteCurve& curve);
+
+/// Converts a curve to a single B-spline over the same parameter range, whose inner knots are
+/// triple at corners. Cost: O(segments).
+CubicSpline whole_spline(const std::string& name, const HermiteCurve& curve);
 
 }  // namespace batten

@@ -35,10 +35,11 @@ class CurveMesh {
   int node_count() const { return segment_count() + (closed_ ? 0 : 1); }
   int dof_count() const { return 2 * node_count() + isize(corners_); }
   bool closed() const { return closed_; }
-  /// Curve parameters of the nodes, ascending. On a closed curve, there is one more parameter than
-  /// nodes, because the last one belongs to node 0 again.
+  /// Curve parameters of the nodes, ascending. On a closed curve, there is one parameter more than
+  /// there are nodes, because the last parameter belongs to node 0 again.
   const std::vector<double>& parameters() const { return parameters_; }
-  /// Indices of the nodes that are corners, where the derivative of the curve may jump, ascending.
+  /// Indices of the corners, ascending. Corners are nodes at which the derivative of the curve may
+  /// jump.
   const std::vector<int>& corners() const { return corners_; }
   bool is_corner(int node) const {
     const size_t k = corners_before(node);

@@ -1,6 +1,9 @@
 #include "batten/io/files/text.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -26,6 +29,53 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 std::string format_count(long count, const std::string& noun, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? noun : many.empty() ? noun + "s" : many);
+}
+
+std::string exact_number(double value) {
+  std::array<char, 32> digits;
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+}
+
+std::string single_row(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  return text;
+}
+
+std::u32string code_points(std::string_view text) {
+  std::u32string points;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
+    const auto first = byte(i);
+    const size_t more = first < 0xC2   ? 0
+                        : first < 0xE0 ? 1
+                        : first < 0xF0 ? 2
+                        : first < 0xF5 ? 3
+                                       : 0;
+    char32_t point = more > 0 ? first & (0x3Fu >> more) : first;
+    bool valid = i + more < text.size();
+    for (size_t k = i + 1; valid && k <= i + more; ++k) {
+      valid = (byte(k) & 0xC0) == 0x80;
+      point = point << 6 | (byte(k) & 0x3Fu);
+    }
+    // Sequences that are too long, surrogates, and numbers beyond Unicode are not valid either.
+    constexpr std::array<char32_t, 4> least = {0, 0x80, 0x800, 0x10000};
+    valid = valid && point >= least[more] && point < 0x110000 && (point & ~0x7FFu) != 0xD800;
+    points.push_back(valid ? point : first);
+    if (valid) i += more;
+  }
+  return points;
+}
+
+std::string utf8(std::u32string_view points) {
+  std::string text;
+  for (const char32_t point : points) {
+    const int more = point < 0x80 ? 0 : point < 0x800 ? 1 : point < 0x10000 ? 2 : 3;
+    constexpr std::array<unsigned, 4> lead = {0, 0xC0, 0xE0, 0xF0};
+    text += static_cast<char>(lead[static_cast<size_t>(more)] | point >> (6 * more));
+    for (int k = more - 1; k >= 0; --k) text += static_cast<char>(0x80 | (point >> (6 * k) & 0x3F));
+  }
+  return text;
 }
 
 namespace {

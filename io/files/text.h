@@ -22,6 +22,19 @@ std::string lower_extension(const std::filesystem::path& path);
 /// tori".
 std::string format_count(long count, const std::string& noun, const std::string& many = "");
 
+// Functions for writers of text files.
+
+/// The shortest decimal representation that reads back as the same number, with a decimal point in
+/// every locale.
+std::string exact_number(double value);
+/// The text in one row: control characters are replaced by blanks.
+std::string single_row(std::string text);
+/// The code points of a UTF-8 text. Each byte that is not valid UTF-8 is interpreted as a character
+/// of Latin-1.
+std::u32string code_points(std::string_view text);
+/// Encodes code points as UTF-8. utf8(code_points(text)) makes any text valid UTF-8.
+std::string utf8(std::u32string_view points);
+
 // Units of length, as named in scenes and on the command line.
 
 /// The names of the supported length units: mm, cm, m, in, ft.

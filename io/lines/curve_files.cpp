@@ -12,9 +12,8 @@
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
+#include <functional>
 #include <ostream>
 
 #include "batten/core/errors.h"
@@ -22,43 +21,41 @@
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/cad_plugin.h"
+#include "batten/io/lines/drawing.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// The shortest decimal representation that reads back as the same number.
-std::string exact(double value) {
-  std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
-}
-
 std::string row_of(const Vec3& p, const char* between) {
-  return exact(p.x()) + between + exact(p.y()) + between + exact(p.z()) + "\n";
-}
-
-/// Replaces control characters by blanks: a name must fit on one line of a text file.
-std::string one_row(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-  return name;
+  return exact_number(p.x()) + between + exact_number(p.y()) + between + exact_number(p.z());
 }
 
 void write_curves_text(std::ostream& out, const std::vector<NamedCurve>& lines) {
   for (const NamedCurve& line : lines) {
     const auto points = line.written_points();
     out << "v " << points.size() << "\n";
-    for (const Vec3& p : points) out << row_of(p, " ");
+    for (const Vec3& p : points) out << row_of(p, " ") << "\n";
   }
 }
 
+/// A field of a table, in quotes if it contains separators, quotes, or characters that start a
+/// comment.
+std::string table_field(const std::string& text) {
+  if (text.find_first_of("\",;#/") == text.npos && trimmed(text) == text) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c);
+  return field + "\"";
+}
+
 void write_csv(std::ostream& out, const std::vector<NamedCurve>& lines) {
-  out << "x,y,z\n";
+  out << "x,y,z,curve\n";
   for (const NamedCurve& line : lines) {
-    out << (&line == &lines.front() ? "" : "\n") << "# " << one_row(line.name) << "\n";
-    for (const Vec3& p : line.written_points()) out << row_of(p, ",");
+    // A blank row separates curves that have the same name.
+    if (&line != &lines.front()) out << "\n";
+    const std::string name = "," + table_field(line.name) + "\n";
+    for (const Vec3& p : line.written_points()) out << row_of(p, ",") << name;
   }
 }
 
@@ -66,8 +63,8 @@ void write_obj(std::ostream& out, const std::vector<NamedCurve>& lines) {
   size_t number = 0;
   for (const NamedCurve& line : lines) {
     const auto points = line.written_points();
-    out << "o " << one_row(line.name) << "\n";
-    for (const Vec3& p : points) out << "v " << row_of(p, " ");
+    out << "o " << line.name << "\n";
+    for (const Vec3& p : points) out << "v " << row_of(p, " ") << "\n";
     out << "l";
     for (size_t i = 0; i < points.size(); ++i) out << " " << ++number;
     out << "\n";
@@ -186,49 +183,125 @@ std::vector<std::string> leave_out(const fs::path& path, std::vector<NamedCurve>
   return notes;
 }
 
+/// True if not all points of a curve coincide.
+bool has_length(const NamedCurve& line) {
+  return line.has_curve() || std::any_of(line.points.begin(), line.points.end(),
+                                         [&](const Vec3& p) { return p != line.points[0]; });
+}
+
+/// True if the names are those that a reader gives to curves without names: NAME_1, NAME_2, ….
+bool are_numbered(const std::vector<NamedCurve>& lines) {
+  const std::string& first = lines.front().name;
+  if (lines.size() == 1) return first.empty();
+  const std::string stem = first.substr(0, first.rfind('_') + 1);
+  for (size_t i = 0; i < lines.size(); ++i)
+    if (lines[i].name != stem + std::to_string(i + 1)) return false;
+  return true;
+}
+
+using Format = std::function<std::vector<std::string>(
+    const fs::path& path, const std::vector<NamedCurve>& lines, const CurveFileOptions& options)>;
+
+Format text_format(void (*write)(std::ostream&, const std::vector<NamedCurve>&)) {
+  return [write](const fs::path& path, const std::vector<NamedCurve>& lines, const auto&) {
+    write_file_atomically(path, [&](std::ostream& out) { write(out, lines); });
+    return std::vector<std::string>();
+  };
+}
+
+std::vector<std::string> write_strokes(const fs::path& path, const std::vector<NamedCurve>& lines,
+                                       const CurveFileOptions& options) {
+  text_format(write_curves_text)(path, lines, options);
+  if (are_numbered(lines)) return {};
+  return {path.filename().string() +
+          ": the names of the curves are not written, because files of this type contain none"};
+}
+
+std::vector<std::string> write_vtp(const fs::path& path, const std::vector<NamedCurve>& lines,
+                                   const CurveFileOptions&) {
+  PolylineTable table;
+  for (const NamedCurve& line : lines) table.add(line);
+  table.write(path);
+  return {};
+}
+
+std::vector<std::string> write_cad(const fs::path& path, const std::vector<NamedCurve>& lines,
+                                   const CurveFileOptions& options) {
+  cad_plugin().write_cad_curves(path, lines, options);
+  return {};
+}
+
+/// A file format for curves.
+struct CurveFormat {
+  std::vector<std::string> endings;
+  bool (*fits)(const NamedCurve& line);  ///< whether the format can store a curve
+  std::string expected;                  ///< the curves for which `fits` is true
+  Format write;
+};
+
+const std::vector<CurveFormat>& curve_formats() {
+  const auto any = [](const NamedCurve&) { return true; };
+  const auto several = [](const NamedCurve& line) { return line.written_points().size() > 1; };
+  const auto parametric = [](const NamedCurve& line) { return line.has_curve(); };
+  const std::string with_points = "curves with points",
+                    with_several_points = "curves with two or more points",
+                    with_length = "curves of positive length";
+  static const std::vector<CurveFormat> formats = {
+      {{".curves"},
+       [](const NamedCurve& line) { return !line.written_points().empty(); },
+       with_points,
+       write_strokes},
+      {{".csv"}, several, with_several_points, text_format(write_csv)},
+      {{".obj"}, several, with_several_points, text_format(write_obj)},
+      {{".vtp"}, any, "curves", write_vtp},
+      {{".dxf"},
+       has_length,
+       with_length,
+       [](const fs::path& path, const std::vector<NamedCurve>& lines,
+          const CurveFileOptions& options) {
+         write_dxf(path, lines, options.unit_in_metres);
+         return std::vector<std::string>();
+       }},
+      {{".svg"},
+       has_length,
+       with_length,
+       [](const fs::path& path, const std::vector<NamedCurve>& lines,
+          const CurveFileOptions& options) {
+         return write_svg(path, lines, options.unit_in_metres);
+       }},
+      {{".step", ".stp", ".iges", ".igs"}, parametric, with_length, write_cad}};
+  return formats;
+}
+
 }  // namespace
 
 const std::vector<std::string>& curve_file_extensions() {
-  static const std::vector<std::string> endings = {".curves", ".csv", ".obj",  ".vtp",
-                                                   ".step",   ".stp", ".iges", ".igs"};
+  static const std::vector<std::string> endings = [] {
+    std::vector<std::string> all;
+    for (const CurveFormat& format : curve_formats())
+      all.insert(all.end(), format.endings.begin(), format.endings.end());
+    return all;
+  }();
   return endings;
 }
 
 std::vector<std::string> write_curves(const fs::path& path, const std::vector<NamedCurve>& curves,
                                       const CurveFileOptions& options) {
   const std::string ending = lower_extension(path);
-  const auto& endings = curve_file_extensions();
-  if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+  const auto& formats = curve_formats();
+  const auto format = std::find_if(formats.begin(), formats.end(), [&](const CurveFormat& f) {
+    return std::find(f.endings.begin(), f.endings.end(), ending) != f.endings.end();
+  });
+  if (format == formats.end())
     throw InputError(path.string() + ": found " +
                      (ending.empty() ? "no extension" : "the extension '" + ending + "'") +
-                     ", expected " + expected_one_of(ending, endings));
+                     ", expected " + expected_one_of(ending, curve_file_extensions()));
   for (const NamedCurve& line : curves) check(path, line);
   std::vector<NamedCurve> lines = curves;
-  if (ending == ".vtp") {
-    leave_out(
-        path, lines, [](const auto&) { return true; }, "curves");
-    PolylineTable table;
-    for (const NamedCurve& line : lines) table.add(line);
-    table.write(path);
-    return {};
-  }
-  const bool cad = ending.starts_with(".st") || ending.starts_with(".ig");
-  const size_t least = cad || ending == ".curves" ? 1 : 2;
-  const auto fits = [&](const NamedCurve& line) {
-    return cad ? line.has_curve() : line.written_points().size() >= least;
-  };
-  const auto notes = leave_out(path, lines, fits,
-                               cad          ? "curves of positive length"
-                               : least == 2 ? "curves with two or more points"
-                                            : "curves with points");
-  if (cad)
-    cad_plugin().write_cad_curves(path, lines, options);
-  else
-    write_file_atomically(path, [&](std::ostream& out) {
-      ending == ".csv"   ? write_csv(out, lines)
-      : ending == ".obj" ? write_obj(out, lines)
-                         : write_curves_text(out, lines);
-    });
+  for (NamedCurve& line : lines) line.name = single_row(utf8(code_points(line.name)));
+  std::vector<std::string> notes = leave_out(path, lines, format->fits, format->expected);
+  const std::vector<std::string> more = format->write(path, lines, options);
+  notes.insert(notes.end(), more.begin(), more.end());
   return notes;
 }
 

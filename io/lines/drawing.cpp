@@ -20,6 +20,41 @@ DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform) {
   return result;
 }
 
+bool is_straight(const BezierCubic<Vec3>& cubic) {
+  const auto& b = cubic.b;
+  const Vec3 chord = b[3] - b[0];
+  const double length = chord.norm();
+  if (!(length > 0)) return false;
+  const double rounding = 1e-12 * std::max(b[0].norm(), b[3].norm());
+  const auto between = [&](const Vec3& p) {
+    const double along = (p - b[0]).dot(chord) / length;
+    return along >= -rounding && along <= length + rounding &&
+           (p - b[0]).cross(chord).norm() <= rounding * length;
+  };
+  return between(b[1]) && between(b[2]);
+}
+
+std::vector<Vec3> polyline_vertices(const NamedCurve& curve) {
+  if (!curve.has_curve()) return curve.points;
+  std::vector<Vec3> vertices = {curve.curve.bezier(0).b[0]};
+  for (int s = 0; s < curve.curve.segment_count(); ++s) {
+    const BezierCubic<Vec3> cubic = curve.curve.bezier(s);
+    if (!is_straight(cubic)) return {};
+    vertices.push_back(cubic.b[3]);
+  }
+  return vertices;
+}
+
+Box3 drawing_box(const std::vector<NamedCurve>& curves) {
+  Box3 box;
+  for (const NamedCurve& curve : curves) {
+    for (const Vec3& p : curve.has_curve() ? std::vector<Vec3>{} : curve.points) box.extend(p);
+    for (int s = 0; s < curve.curve.segment_count(); ++s)
+      for (const Vec3& p : curve.curve.bezier(s).b) box.extend(p);
+  }
+  return box;
+}
+
 void SkippedEntities::report_to(Drawing& drawing) const {
   std::string text;
   for (const auto& [kind, count] : count_)

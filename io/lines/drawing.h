@@ -1,4 +1,4 @@
-// Reads curves from drawings (DXF and SVG files) and from sketches of connected strokes.
+// Reads and writes curves of drawings (DXF and SVG files), and reads sketches of connected strokes.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/geometry.h"
 #include "batten/fairing/curves/input_curve.h"
 #include "batten/fairing/curves/primitive_curves.h"
+#include "batten/io/lines/named_lines.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten {
@@ -34,18 +36,49 @@ struct Drawing {
 ///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (bulges become arcs) and SPLINE
 ///          entities, in space or in their own plane (extrusion), and the contents of blocks that
 ///          are inserted by INSERT. A curve is named after its layer (in layer 0, after the file),
-///          with _1, _2, … if several curves have the same name. The unit is $INSUNITS. Only text
-///          files are supported. Read with dxflib.
+///          with _1, _2, … if several curves have the same name. Names that are not valid as names
+///          of layers are read from the extended data that write_dxf() adds, unless the curve was
+///          moved to another layer. The unit is $INSUNITS. Only text files are supported. Read with
+///          dxflib.
 ///   .svg   path, line, polyline, polygon, rect, circle and ellipse elements, with all transforms,
 ///          in the plane z = 0 with y upwards. A curve is named after its Inkscape label, else its
 ///          id, else the file. The unit follows from width and viewBox; the default is pixels of
-///          1/96 inch. Paths are read with lib2geom.
+///          1/96 inch. The origin is the lower left corner of the page, or the point in the
+///          attribute `data-batten-origin` of the root element, which write_svg() sets. Paths are
+///          read with lib2geom.
 ///
 /// Polylines without arcs are returned as points, in which corners are detected as in point tables.
 /// Curved entities are converted exactly. Text, hatches, dimensions, images and clones are skipped
 /// and listed in `notes`. Throws InputError if the file cannot be read, is damaged or truncated, or
 /// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);
+
+// Writes DXF and SVG drawings.
+
+/// Writes curves to a DXF file (AutoCAD 2000), atomically; called by write_curves().
+///
+/// Each curve is one entity: LINE, LWPOLYLINE (in a plane z = const) or POLYLINE (in space) if all
+/// its segments are straight, otherwise an exact SPLINE of degree 3 with the parameter u of the
+/// curve and triple knots at corners. Each name gets its own layer; layer 0 contains the curves
+/// without a name. The layer has the name of its curves, without characters that DXF does not allow
+/// in names of layers. If the names differ, the name of the curve is added as extended data of the
+/// application BATTEN. `curves`: as checked by write_curves(), each of positive length. Throws
+/// InputError if DXF files cannot declare the unit ($INSUNITS) or the file cannot be written.
+void write_dxf(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
+               double unit_in_metres);
+
+/// Writes curves to an SVG file, atomically; called by write_curves().
+///
+/// Each curve is one path of straight lines and cubic Bézier segments, with its name as Inkscape
+/// label and a similar id. Coordinates are those of the curves, with y downwards; the page is the
+/// bounding box with a margin of 5 %. The curves must lie in a common plane z = const, or else
+/// y = const (drawn as x, z) or x = const (drawn as y, z), within 1e-9 of their size.
+///
+/// `curves`: as for write_dxf(). Returns a sentence about the plane unless it is z = 0, because the
+/// file does not contain its position. Throws InputError if the curves do not lie in such a plane
+/// or the file cannot be written.
+std::vector<std::string> write_svg(const std::filesystem::path& path,
+                                   const std::vector<NamedCurve>& curves, double unit_in_metres);
 
 // Reads sketches.
 
@@ -67,7 +100,7 @@ Drawing read_drawing(const std::filesystem::path& path);
 /// stroke.
 std::vector<CharacterLine> read_sketch_graph(const std::filesystem::path& path);
 
-// Functions shared by the readers of DXF and SVG files.
+// Functions shared by the readers and writers of DXF and SVG files.
 
 /// Read the curves of a DXF or SVG drawing; called by read_drawing().
 Drawing read_dxf(const std::filesystem::path& path);
@@ -77,6 +110,15 @@ Drawing read_svg(const std::filesystem::path& path);
 std::shared_ptr<const InputCurve> straight_segment(const Vec3& a, const Vec3& b);
 /// The image of a curve under an affine transformation.
 DrawnLine transformed(const DrawnLine& line, const AffineTransform& transform);
+
+/// The vertices of a curve that is a polyline: given by points, or with straight segments only
+/// (within 1e-12 of the coordinates). The first vertex of a closed polyline is repeated at its end.
+/// Empty for a curve with a curved segment.
+std::vector<Vec3> polyline_vertices(const NamedCurve& curve);
+/// True if the cubic is a straight line from its first to its last Bézier point, without reversals.
+bool is_straight(const BezierCubic<Vec3>& cubic);
+/// The bounding box of the curves' Bézier points, or of their points.
+Box3 drawing_box(const std::vector<NamedCurve>& curves);
 
 /// Counts the entities of a drawing that cannot be converted to curves, by kind.
 class SkippedEntities {

@@ -1,14 +1,24 @@
+// Reads and writes DXF files.
 #include <dl_creationadapter.h>
 #include <dl_dxf.h>
+#include <dl_writer_ascii.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <ostream>
+#include <set>
 #include <sstream>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/fem/curves/bspline.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/text_rows.h"
@@ -17,6 +27,51 @@ namespace batten {
 namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+// Lengths in metres of the units that $INSUNITS declares by a number.
+constexpr std::pair<int, double> kInsUnits[] = {
+    {1, 0.0254}, {2, 0.3048},  {3, 1609.344}, {4, 1e-3},    {5, 0.01},   {6, 1},
+    {7, 1e3},    {8, 2.54e-8}, {9, 2.54e-5},  {10, 0.9144}, {11, 1e-10}, {12, 1e-9},
+    {13, 1e-6},  {14, 0.1},    {15, 10},      {16, 100}};
+
+// Extended data (XDATA) of this application contain the names of curves that are not valid as names
+// of layers: the layer, followed by the name in one or more parts.
+constexpr const char* kXDataApplication = "BATTEN";
+
+// The value of a code \U+XXXX at position i of a text; -1 if there is none.
+long unicode_escape(std::u32string_view text, size_t i) {
+  if (text.substr(std::min(i, text.size()), 3) != U"\\U+" || i + 7 > text.size()) return -1;
+  long value = 0;
+  for (const char32_t c : text.substr(i + 3, 4)) {
+    const bool digit = c >= '0' && c <= '9', letter = (c | 32) >= 'a' && (c | 32) <= 'f';
+    if (!digit && !letter) return -1;
+    value = 16 * value + static_cast<long>(digit ? c - '0' : (c | 32) - 'a' + 10);
+  }
+  return value;
+}
+
+// The text of a DXF string in UTF-8. Characters that are not in the code page of the file are
+// written as \U+XXXX, in UTF-16.
+std::string dxf_decoded(const std::string& text) {
+  const std::u32string given = code_points(text);
+  std::u32string result;
+  for (size_t i = 0; i < given.size(); ++i) {
+    const long first = unicode_escape(given, i);
+    if (first < 0) {
+      result += given[i];
+      continue;
+    }
+    i += 6;
+    const long second = unicode_escape(given, i + 1);
+    if (first >= 0xD800 && first < 0xDC00 && second >= 0xDC00 && second < 0xE000) {
+      result += static_cast<char32_t>(0x10000 + ((first - 0xD800) << 10) + (second - 0xDC00));
+      i += 7;
+    } else {
+      result += first >= 0xD800 && first < 0xE000 ? U'\uFFFD' : static_cast<char32_t>(first);
+    }
+  }
+  return utf8(result);
+}
 
 // The x axis of a plane given by its normal only: AutoCAD's arbitrary axis algorithm.
 CurvePlane plane_with_normal(const Vec3& given) {
@@ -64,10 +119,9 @@ class Collector : public DL_CreationAdapter {
   }
 
   void setVariableInt(const std::string& key, int value, int) override {
-    static const std::map<int, double> units = {{1, 0.0254}, {2, 0.3048}, {4, 0.001},
-                                                {5, 0.01},   {6, 1},      {14, 0.1}};
-    const auto unit = key == "$INSUNITS" ? units.find(value) : units.end();
-    if (unit != units.end()) unit_in_metres = unit->second;
+    if (key != "$INSUNITS") return;
+    for (const auto& [number, metres] : kInsUnits)
+      if (number == value) unit_in_metres = metres;
   }
 
   void addBlock(const DL_BlockData& b) override {
@@ -149,6 +203,18 @@ class Collector : public DL_CreationAdapter {
     if (i.cols > 1 || i.rows > 1) passed_over.add("INSERT in rows and columns, except the first");
   }
 
+  // The extended data of an entity precede the call for the entity. endSection() follows it.
+  void addXDataApp(const std::string& application) override {
+    in_own_data_ = application == kXDataApplication;
+  }
+  void addXDataString(int code, const std::string& text) override {
+    if (in_own_data_ && code == 1000) own_data_.push_back(dxf_decoded(text));
+  }
+  void endSection() override {
+    in_own_data_ = false;
+    own_data_.clear();
+  }
+
   void addText(const DL_TextData&) override { passed("TEXT"); }
   void addMText(const DL_MTextData&) override { passed("MTEXT"); }
   void addHatch(const DL_HatchData&) override { passed("HATCH"); }
@@ -166,8 +232,14 @@ class Collector : public DL_CreationAdapter {
     finish();
     passed_over.add(kind);
   }
+  // The name of the present entity.
   std::string layer() {
-    const std::string name = getAttributes().getLayer();
+    const std::string name = dxf_decoded(getAttributes().getLayer());
+    if (own_data_.size() > 1 && own_data_[0] == name) {
+      std::string whole;
+      for (size_t i = 1; i < own_data_.size(); ++i) whole += own_data_[i];
+      return whole;
+    }
     return name == "0" ? "" : name;
   }
   CurvePlane own_plane() {
@@ -232,6 +304,8 @@ class Collector : public DL_CreationAdapter {
 
   Block* block_ = &model;
   bool polyline_ = false, spline_ = false, closed_ = false, in_space_ = false;
+  bool in_own_data_ = false;
+  std::vector<std::string> own_data_;
   double elevation_ = 0;
   int degree_ = 3;
   AffineTransform plane_;
@@ -305,6 +379,281 @@ Drawing read_dxf(const std::filesystem::path& path) {
   drawing.unit_in_metres = all.unit_in_metres;
   all.passed_over.report_to(drawing);
   return drawing;
+}
+
+// Writes DXF files.
+
+namespace {
+
+// dxflib's writer, with output to a stream and with all digits of numbers.
+class DxfStream final : public DL_WriterA {
+ public:
+  explicit DxfStream(std::ostream& out) : DL_WriterA("", DL_VERSION_2000), out_(out) {}
+
+  void dxfString(int code, const char* value) const override {
+    out_ << code << '\n' << value << '\n';
+  }
+  void dxfString(int code, const std::string& value) const override {
+    dxfString(code, value.c_str());
+  }
+  void dxfInt(int code, int value) const override { dxfString(code, std::to_string(value)); }
+  void dxfHex(int code, int value) const override {
+    std::array<char, 16> digits;
+    std::snprintf(digits.data(), digits.size(), "%X", static_cast<unsigned>(value));
+    dxfString(code, digits.data());
+  }
+  void dxfReal(int code, double value) const override {
+    const std::string digits = exact_number(value);
+    dxfString(code, digits.find_first_of(".e") == digits.npos ? digits + ".0" : digits);
+  }
+  void point(int code, const Vec3& p) const {
+    for (int i = 0; i < 3; ++i) dxfReal(code + 10 * i, p[i]);
+  }
+
+ private:
+  std::ostream& out_;
+};
+
+std::string unicode_escapes(char32_t c) {
+  const auto escape = [](unsigned value) {
+    std::array<char, 16> text;
+    std::snprintf(text.data(), text.size(), "\\U+%04X", value);
+    return std::string(text.data());
+  };
+  if (c < 0x10000) return escape(c);
+  return escape(0xD800 + ((c - 0x10000) >> 10)) + escape(0xDC00 + ((c - 0x10000) & 0x3FF));
+}
+
+// A character of a DXF string in ASCII. The escape codes and '^', which starts the code of a
+// control character, are escaped too.
+std::string dxf_character(char32_t c) {
+  return c >= 32 && c < 127 && c != '\\' && c != '^' ? std::string(1, static_cast<char>(c))
+                                                     : unicode_escapes(c);
+}
+
+// Names of layers. Curves with the same name have the same layer.
+class Layers {
+ public:
+  // The layer, as written to the file, of the curves with this name.
+  const std::string& layer(const std::string& name) {
+    const auto [at, added] = layers_.try_emplace(name);
+    if (!added) return at->second;
+    const std::string valid = valid_layer(name);
+    at->second = valid;
+    // CAD programs do not distinguish between upper and lower case.
+    for (int k = 2; !taken_.insert(lower_case(at->second)).second; ++k)
+      at->second = valid + "_" + std::to_string(k);
+    return at->second;
+  }
+  const std::map<std::string, std::string>& all() const { return layers_; }
+
+ private:
+  static std::string valid_layer(const std::string& name) {
+    constexpr std::string_view forbidden = "<>/\\\":;?*|=,`'";
+    constexpr size_t most = 240;  // characters, of the 255 that DXF permits
+    std::string layer;
+    for (const char32_t c : code_points(trimmed(name))) {
+      const bool valid =
+          c >= 32 && c != 127 &&
+          (c > 127 || forbidden.find(static_cast<char>(c)) == std::string_view::npos);
+      const std::string text = valid ? dxf_character(c) : "_";
+      if (layer.size() + text.size() > most) break;
+      layer += text;
+    }
+    const std::string_view kept = trimmed(layer);  // without a blank where the name was cut
+    return kept.empty() ? "_" : std::string(kept);
+  }
+
+  // Layer 0 has the curves without a name. Curves in the layer "defpoints" are not printed.
+  std::map<std::string, std::string> layers_ = {{"", "0"}};
+  std::set<std::string> taken_ = {"0", "defpoints"};
+};
+
+class DxfWriter {
+ public:
+  DxfWriter(std::ostream& out, const std::vector<NamedCurve>& curves, int unit)
+      : out_(out), curves_(curves), unit_(unit) {
+    for (const NamedCurve& curve : curves) layers_.layer(curve.name);
+  }
+
+  void write() {
+    header();
+    tables();
+    out_.sectionBlocks();
+    for (const char* block : {"*Model_Space", "*Paper_Space", "*Paper_Space0"}) {
+      dxf_.writeBlock(out_, DL_BlockData(block, 0, 0, 0, 0));
+      dxf_.writeEndBlock(out_, block);
+    }
+    out_.sectionEnd();
+    out_.sectionEntities();
+    for (const NamedCurve& curve : curves_) entity_of(curve);
+    out_.sectionEnd();
+    dxf_.writeObjects(out_);
+    dxf_.writeObjectsEnd(out_);
+    out_.dxfEOF();
+  }
+
+ private:
+  void variable(const char* name, int code, const char* value) const {
+    out_.dxfString(9, name);
+    out_.dxfString(code, value);
+  }
+
+  void header() const {
+    const Box3 box = drawing_box(curves_);
+    out_.sectionHeader();
+    variable("$ACADVER", 1, "AC1015");
+    variable("$DWGCODEPAGE", 3, "ANSI_1252");
+    variable("$HANDSEED", 5, "FFFFFFF");  // above the handles of all entities
+    variable("$INSUNITS", 70, std::to_string(unit_).c_str());
+    out_.dxfString(9, "$EXTMIN");
+    out_.point(10, box.min());
+    out_.dxfString(9, "$EXTMAX");
+    out_.point(10, box.max());
+    out_.sectionEnd();
+  }
+
+  void tables() {
+    out_.sectionTables();
+    dxf_.writeVPort(out_);
+    out_.tableLinetypes(3);
+    for (const char* type : {"BYBLOCK", "BYLAYER", "CONTINUOUS"})
+      dxf_.writeLinetype(out_, DL_LinetypeData(type, "", 0, 0, 0));
+    out_.tableEnd();
+    constexpr int black = 7;  // or white, whichever differs from the background
+    const DL_Attributes attributes("", black, -1, "CONTINUOUS", 1);
+    out_.tableLayers(isize(layers_.all()));
+    for (const auto& [name, layer] : layers_.all())
+      dxf_.writeLayer(out_, DL_LayerData(layer, 0), attributes);
+    out_.tableEnd();
+    out_.tableStyle(1);
+    dxf_.writeStyle(out_, DL_StyleData("Standard", 0, 0, 1, 0, 0, 2.5, "txt", ""));
+    out_.tableEnd();
+    dxf_.writeView(out_);
+    dxf_.writeUcs(out_);
+    out_.tableAppid(2);
+    dxf_.writeAppid(out_, "ACAD");
+    dxf_.writeAppid(out_, kXDataApplication);
+    out_.tableEnd();
+    dxf_.writeDimStyle(out_, 1, 1, 1, 1, 1);
+    dxf_.writeBlockRecord(out_);
+    out_.tableEnd();
+    out_.sectionEnd();
+  }
+
+  void entity_of(const NamedCurve& curve) {
+    const std::string& layer = layers_.layer(curve.name);
+    std::vector<Vec3> vertices = polyline_vertices(curve);
+    if (vertices.empty())
+      spline(layer, whole_spline(curve.name, curve.curve));
+    else if (vertices.size() == 2)
+      line(layer, vertices[0], vertices[1]);
+    else
+      polyline(layer, vertices);
+    if (dxf_decoded(layer) != curve.name && !curve.name.empty()) own_data(layer, curve.name);
+    // The vertices of a POLYLINE are entities of their own.
+    if (in_space_) space_vertices(layer, vertices);
+    in_space_ = false;
+  }
+
+  void begin(const char* type, const std::string& layer, const char* subclass) const {
+    out_.entity(type);
+    out_.subClass("AcDbEntity");
+    out_.dxfString(8, layer);
+    if (subclass) out_.subClass(subclass);
+  }
+
+  void line(const std::string& layer, const Vec3& a, const Vec3& b) const {
+    begin("LINE", layer, "AcDbLine");
+    out_.point(10, a);
+    out_.point(11, b);
+  }
+
+  // Removes the last of the `vertices` of a closed polyline.
+  void polyline(const std::string& layer, std::vector<Vec3>& vertices) {
+    const bool closed = vertices.front() == vertices.back();
+    if (closed) vertices.pop_back();
+    const double z = vertices[0].z();
+    in_space_ =
+        !std::all_of(vertices.begin(), vertices.end(), [&](const Vec3& p) { return p.z() == z; });
+    if (in_space_) {
+      begin("POLYLINE", layer, "AcDb3dPolyline");
+      out_.dxfInt(66, 1);
+      out_.point(10, Vec3::Zero());
+      out_.dxfInt(70, closed + 8);
+      return;
+    }
+    begin("LWPOLYLINE", layer, "AcDbPolyline");
+    out_.dxfInt(90, isize(vertices));
+    out_.dxfInt(70, closed);
+    out_.dxfReal(38, z);
+    for (const Vec3& p : vertices) {
+      out_.dxfReal(10, p.x());
+      out_.dxfReal(20, p.y());
+    }
+  }
+
+  void space_vertices(const std::string& layer, const std::vector<Vec3>& vertices) const {
+    for (const Vec3& p : vertices) {
+      begin("VERTEX", layer, "AcDbVertex");
+      out_.subClass("AcDb3dPolylineVertex");
+      out_.point(10, p);
+      out_.dxfInt(70, 32);
+    }
+    begin("SEQEND", layer, nullptr);
+  }
+
+  // The flag of closed splines is not set: readers would repeat the first poles.
+  void spline(const std::string& layer, const CubicSpline& spline) const {
+    begin("SPLINE", layer, "AcDbSpline");
+    out_.dxfInt(70, 0);
+    out_.dxfInt(71, 3);
+    out_.dxfInt(72, isize(spline.poles) + 4);
+    out_.dxfInt(73, isize(spline.poles));
+    out_.dxfInt(74, 0);
+    for (size_t k = 0; k < spline.knots.size(); ++k)
+      for (int i = 0; i < spline.multiplicities[k]; ++i) out_.dxfReal(40, spline.knots[k]);
+    for (const Vec3& p : spline.poles) out_.point(10, p);
+  }
+
+  void own_data(const std::string& layer, const std::string& name) const {
+    constexpr size_t most = 240;  // characters, of the 255 that DXF permits
+    out_.dxfString(1001, kXDataApplication);
+    out_.dxfString(1000, layer);
+    std::string part;
+    for (const char32_t c : code_points(name)) {
+      // Readers remove blanks at the ends.
+      const std::string text = c == ' ' ? unicode_escapes(c) : dxf_character(c);
+      if (part.size() + text.size() > most) {
+        out_.dxfString(1000, part);
+        part.clear();
+      }
+      part += text;
+    }
+    out_.dxfString(1000, part);
+  }
+
+  DxfStream out_;
+  DL_Dxf dxf_;
+  const std::vector<NamedCurve>& curves_;
+  int unit_;
+  Layers layers_;
+  bool in_space_ = false;
+};
+
+int ins_unit(const std::filesystem::path& path, double unit_in_metres) {
+  for (const auto& [number, metres] : kInsUnits)
+    if (std::abs(unit_in_metres - metres) <= 1e-9 * metres) return number;
+  throw InputError(path.string() + ": found the length unit " + format_unit(unit_in_metres) +
+                   ", which DXF files cannot declare; expected a unit such as mm, cm, m, in or ft");
+}
+
+}  // namespace
+
+void write_dxf(const std::filesystem::path& path, const std::vector<NamedCurve>& curves,
+               double unit_in_metres) {
+  const int unit = ins_unit(path, unit_in_metres);
+  write_file_atomically(path, [&](std::ostream& out) { DxfWriter(out, curves, unit).write(); });
 }
 
 }  // namespace batten

@@ -37,9 +37,10 @@ struct NamedPoints {
   std::string format_note = {};
 };
 
-// Options for writing curves to CAD files.
+// Options for writing curves to CAD files and drawings.
 
-/// Header data for writing curves to STEP and IGES files. Other formats ignore these options.
+/// Header data for writing curves to STEP, IGES, DXF and SVG files. Other formats ignore these
+/// options.
 struct CurveFileOptions {
   /// Length unit of the curves in metres; the file declares this unit.
   double unit_in_metres = 1e-3;

@@ -44,10 +44,6 @@ class ObjTokens {
     rest_.remove_prefix(length);
     return token;
   }
-  std::string_view rest() {
-    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
-    return rest_;
-  }
 
  private:
   TextRows& rows_;
@@ -64,7 +60,7 @@ std::vector<NamedPoints> read_obj(TextRows& rows, double scale) {
     const std::string_view record = tokens.next();
     const auto end_of_row = [&] { return rows.row().data() + rows.row().size(); };
     if (record == "o" || record == "g") {
-      name = tokens.rest();
+      name = trimmed(trimmed(rows.row()).substr(1));  // with '#', which is no comment here
     } else if (record == "v") {
       Vec3 point;
       for (int i = 0; i < 3; ++i) {
@@ -363,7 +359,7 @@ class PointTable {
       if (const int column = columns_.named.axes[static_cast<size_t>(i)]; column >= 0)
         p[i] = scale_ * value(fields_[static_cast<size_t>(column)]);
     if (columns_.named.name >= 0) {
-      const std::string name(without_quotes(fields_[static_cast<size_t>(columns_.named.name)]));
+      const std::string name = unquoted(fields_[static_cast<size_t>(columns_.named.name)]);
       new_line_ = new_line_ || lines_.empty() || lines_.back().name != name;
       next_name_ = name;
     }

@@ -51,10 +51,30 @@ double TextRows::number_in(std::string_view field, const std::string& expected) 
   return value;
 }
 
+namespace {
+
+/// Length of the double-quoted field with which a text begins, with its quotes; 0 if there is none.
+size_t quoted_length(std::string_view text) {
+  if (!text.starts_with('"')) return 0;
+  for (size_t i = text.find('"', 1); i != text.npos; i = text.find('"', i + 2))
+    if (i + 1 == text.size() || text[i + 1] != '"') return i + 1;
+  return 0;
+}
+
+}  // namespace
+
 std::string_view without_comment(std::string_view row) {
-  for (size_t i = 0; i < row.size(); ++i)
+  bool starts_field = true;
+  for (size_t i = 0; i < row.size(); ++i) {
+    if (const size_t quoted = starts_field ? quoted_length(row.substr(i)) : 0; quoted > 0) {
+      i += quoted - 1;
+      starts_field = false;
+      continue;
+    }
     if (row[i] == '#' || (row[i] == '/' && i + 1 < row.size() && row[i + 1] == '/'))
       return trimmed(row.substr(0, i));
+    starts_field = is_blank(row[i]) || row[i] == ',' || row[i] == ';';
+  }
   return trimmed(row);
 }
 
@@ -101,7 +121,10 @@ void split_at(std::string_view row, char separator, std::vector<std::string_view
   }
   fields.clear();
   for (size_t start = 0; start <= row.size();) {
-    const size_t end = std::min(row.find(separator, start), row.size());
+    size_t first = start;
+    while (first < row.size() && is_blank(row[first]) && row[first] != separator) ++first;
+    const size_t quoted = quoted_length(row.substr(first));
+    const size_t end = std::min(row.find(separator, first + quoted), row.size());
     fields.push_back(trimmed(row.substr(start, end - start)));
     start = end + 1;
   }
@@ -292,6 +315,18 @@ std::string_view without_quotes(std::string_view field) {
   if (field.size() > 1 && field.front() == '"' && field.back() == '"')
     field = trimmed(field.substr(1, field.size() - 2));
   return field;
+}
+
+std::string unquoted(std::string_view field) {
+  field = trimmed(field);
+  if (field.empty() || quoted_length(field) != field.size())
+    return std::string(without_quotes(field));
+  std::string text;
+  for (size_t i = 1; i + 1 < field.size(); ++i) {
+    text += field[i];
+    i += field[i] == '"';
+  }
+  return text;
 }
 
 bool is_digits(std::string_view field) {

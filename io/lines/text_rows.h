@@ -40,11 +40,12 @@ class TextRows {
   int line_ = 0;
 };
 
-/// The row without '#' and '//' comments, trimmed.
+/// The row without '#' and '//' comments, trimmed. Fields in double quotes contain no comments.
 std::string_view without_comment(std::string_view row);
 /// Splits a row into fields separated by blanks, with at most one comma or semicolon among them.
 void split_fields(std::string_view row, std::vector<std::string_view>& fields);
-/// Splits a row at `separator` and trims the fields. ' ': any number of blanks.
+/// Splits a row at `separator` and trims the fields. ' ': any number of blanks. With other
+/// separators, a field in double quotes may contain the separator.
 void split_at(std::string_view row, char separator, std::vector<std::string_view>& fields);
 /// True if the field begins like a number, or is "nan" or "inf".
 bool starts_like_number(std::string_view field);
@@ -107,6 +108,8 @@ void join_lednicer(std::vector<NamedPoints>& lines, double scale);
 
 /// The field without surrounding quotes and blanks.
 std::string_view without_quotes(std::string_view field);
+/// The text of a field; in a field in double quotes, two quotes stand for one.
+std::string unquoted(std::string_view field);
 bool is_digits(std::string_view field);  ///< true for a non-empty field of digits only
 
 }  // namespace batten

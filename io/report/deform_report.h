@@ -13,9 +13,9 @@
 
 namespace batten {
 
-/// Results of `batten deform`. Lengths are in model units. Numbers with the suffix _error are
-/// relative to the size of the feature, numbers with _residual to the size of the mesh; _deg stands
-/// for degrees, _s for seconds.
+/// Results of `batten deform`. Lengths are in model units. Numbers with the suffix _residual are
+/// divided by the size of the mesh, and Feature::max_rigid_error by the size of the feature;
+/// Attached::max_rigid_error is in model units. The suffix _deg stands for degrees, _s for seconds.
 struct DeformReport : RunReport {
   std::string mesh_file, format;
   int nodes = 0, faces = 0;

@@ -393,6 +393,11 @@ std::vector<FailedCheck> non_finite_numbers(const Report& report) {
   return replace_non_finite_numbers(json);
 }
 
+std::vector<FailedCheck> non_finite_numbers(const StressReport& stress) {
+  Json json = {{"stress", json_of(stress)}};
+  return replace_non_finite_numbers(json);
+}
+
 namespace {
 
 // Amount by which loads and moves may increase the angle of a smooth join, which is reduced below
@@ -490,6 +495,12 @@ std::vector<FailedCheck> failed_checks(const Report& report, double tolerance) {
 }
 
 std::string to_json(const Report& report) { return report_text(contents(report), report); }
+
+std::string to_json(const StressReport& stress) {
+  Json json = json_of(stress);
+  replace_non_finite_numbers(json);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 namespace {
 

@@ -321,6 +321,9 @@ std::vector<FailedCheck> failed_checks(const Report& report, double tolerance);
 /// become the strings "nan" and "inf". Before the call, append the result of non_finite_numbers()
 /// to `report.failed_checks`.
 std::string to_json(const Report& report);
+/// The section "stress" of a report as JSON text, and its numbers that are NaN or infinite.
+std::string to_json(const StressReport& stress);
+std::vector<FailedCheck> non_finite_numbers(const StressReport& stress);
 
 // Contents of report.json for faired curves, measured on the curves that are written.
 

@@ -38,8 +38,9 @@ FairScene fair_scene(const toml::table& root_table, const std::filesystem::path&
   scene.stages = read_fair_stages(root);
   UniqueNames files("file name");
   const std::vector<std::pair<std::string, std::vector<std::string>>> kinds = {
-      {"curves", {".curves"}}, {"csv", {".csv"}},           {"obj", {".obj"}},
-      {"vtp", {".vtp"}},       {"step", {".step", ".stp"}}, {"iges", {".iges", ".igs"}}};
+      {"curves", {".curves"}},     {"csv", {".csv"}},          {"obj", {".obj"}},
+      {"vtp", {".vtp"}},           {"dxf", {".dxf"}},          {"svg", {".svg"}},
+      {"step", {".step", ".stp"}}, {"iges", {".iges", ".igs"}}};
   std::vector<std::string> keys;
   for (const auto& kind : kinds) keys.push_back(kind.first);
   for (const TomlTable& t : root.table("output", keys))

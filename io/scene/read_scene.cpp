@@ -284,6 +284,15 @@ void check_lines(const Scene& scene) {
   for (const auto& move : scene.moves) check(move.line);
 }
 
+/// Reads the key `drives` of the table of the parameter `of`.
+void read_drives(const TomlTable& table, const std::string& of, std::vector<SceneRule>& rules) {
+  for (const TomlTable& t : table.tables("drives", {"name", "factor", "offset"})) {
+    SceneRule rule{of, t.text("name"), t.location("name"), t.number("factor"), {}};
+    if (t.has("offset")) rule.offset = t.number("offset");
+    rules.push_back(rule);
+  }
+}
+
 /// Checks that each rule drives an existing parameter, without duplicates and cycles.
 void check_rules(const Scene& scene) {
   std::vector<std::string> names;
@@ -347,30 +356,29 @@ void read_sculpting(const TomlTable& root, const std::filesystem::path& folder, 
   for (const TomlTable& t :
        root.tables("load", {"name", "type", "value", "min", "max", "direction", "at", "near",
                             "radius", "paint", "faces", "file", "unit", "to", "curve", "plane",
-                            "rest_length", "falloff"})) {
+                            "rest_length", "falloff", "drives"})) {
     scene.loads.push_back(read_load(t, folder));
     add_name(t, "load", scene.loads.back().name);
+    read_drives(t, scene.loads.back().name, scene.rules);
   }
   for (const TomlTable& t :
        root.tables("stiffness", {"name", "type", "value", "min", "max", "near", "radius", "paint",
-                                 "faces", "parametric_direction", "along"})) {
+                                 "faces", "parametric_direction", "along", "drives"})) {
     scene.weights.push_back(read_weight(t));
     add_name(t, "stiffness field", scene.weights.back().name);
+    read_drives(t, scene.weights.back().name, scene.rules);
   }
-  for (const TomlTable& t :
-       root.tables("offset", {"name", "curve", "value", "min", "max", "direction", "fade"})) {
+  for (const TomlTable& t : root.tables(
+           "offset", {"name", "curve", "value", "min", "max", "direction", "fade", "drives"})) {
     scene.moves.push_back(read_move(t));
     add_name(t, "offset", scene.moves.back().name);
+    read_drives(t, scene.moves.back().name, scene.rules);
   }
   for (const TomlTable& t : root.tables("parameter", {"name", "value", "min", "max", "drives"})) {
     ScalarParameter& slider = scene.sliders.emplace_back();
     read_named_value(t, slider);
     add_name(t, "parameter", slider.name);
-    for (const TomlTable& d : t.tables("drives", {"name", "factor", "offset"})) {
-      SceneRule rule{slider.name, d.text("name"), d.location("name"), d.number("factor"), {}};
-      if (d.has("offset")) rule.offset = d.number("offset");
-      scene.rules.push_back(rule);
-    }
+    read_drives(t, slider.name, scene.rules);
   }
   for (const TomlTable& t : root.table("motion", {"density", "damping", "theta"}))
     scene.motion = read_motion(t);

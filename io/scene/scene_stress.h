@@ -61,8 +61,10 @@ struct SceneStress {
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
     bool rotation = false;
-    LocatedString region;         ///< name of the supported face; empty: all faces
-    Vec3 springs = Vec3::Zero();  ///< Elastic only: spring stiffness along x, y, z
+    LocatedString region;  ///< name of the supported face; empty: all faces
+    /// Elastic only: spring stiffness along x, y, z. Force per displacement at a `point`, per unit
+    /// length of a `line`, otherwise per unit area.
+    Vec3 springs = Vec3::Zero();
     /// Elastic only: stiffness along the normal per unit area (Winkler foundation).
     double foundation = 0;
     SourceLocation location;
@@ -71,13 +73,14 @@ struct SceneStress {
   /// A load on the shell in one load case.
   struct Load {
     enum class Type {
-      Pressure,     ///< pressure Load::value, force per unit area along the normal
-      AreaForce,    ///< surface traction Load::vector, force per unit area
+      Pressure,     ///< pressure (Load::value), a force per unit area along the normal
+      AreaForce,    ///< surface traction (Load::vector), a force per unit area
       Gravity,      ///< acceleration Load::vector
-      Hydrostatic,  ///< pressure Load::value · (level − z) at points below z = Load::level
+      Hydrostatic,  ///< pressure Load::value · (Load::level − z) at points below z = Load::level
       Point,        ///< concentrated force Load::vector
       LineForce,    ///< force Load::vector per unit length of the curve
-      LineMoment    ///< moment Load::value per unit length of the curve
+      /// Moment Load::value per unit length of the curve, about its tangent (right-handed).
+      LineMoment
     };
     Type type = Type::Pressure;
     std::string load_case;      ///< name of the load case to which the load belongs

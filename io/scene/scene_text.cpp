@@ -141,7 +141,8 @@ struct SceneText::Parsed {
       at = std::max(at, span_of(node).to);
       if (const toml::table* inner = node.as_table()) at = content_end(*inner, at);
       if (const toml::array* list = tables_in(node))
-        for (const toml::node& one : *list) at = content_end(*one.as_table(), span_of(one).to);
+        for (const toml::node& one : *list)
+          at = std::max(at, content_end(*one.as_table(), span_of(one).to));
     }
     return at;
   }

@@ -1,4 +1,4 @@
-// Editor for a mesh with form features: one edit, factored once and solved repeatedly.
+// Editor for a mesh with form features, whose linear system is factored once for many solutions.
 #pragma once
 
 #include <memory>
@@ -34,9 +34,11 @@ struct MeshEditStatistics {
   double setup_seconds = 0, edit_seconds = 0;
 };
 
-/// Editor for one edit of a mesh. It combines a FormFeatureDeformer with estimated feature
-/// rotations, feature centres that do not move when features are scaled, and attached nodes. The
-/// system is factored once. There are two kinds of solution:
+/// Editor for one edit of a mesh: its features, handles and fixed vertices are given to the
+/// constructor, and only the values of the edit (DeformEdit) change. The linear system is therefore
+/// factored once. The editor combines a FormFeatureDeformer with estimated feature rotations,
+/// feature centres that do not move when features are scaled, and attached nodes. There are two
+/// kinds of solution:
 ///
 ///     solve_preview()          costs a pair of triangular solves and O(n) work. Features rotate
 ///                              like the adjacent faces in the previous solution. Repeated calls
@@ -55,21 +57,22 @@ struct MeshEditStatistics {
 ///     const Points& after = editor.solve_to_equilibrium();
 class MeshEditor {
  public:
-  /// Creates an editor for one edit, and factors its linear system. Keeps references to `prepared`
-  /// and `attached`. `before`: positions of all vertices before the edit (n×3), for example the
-  /// result of the previous edit. `attached`: nodes of non-shell elements; nullptr: none. Call
-  /// attached->add_to(problem) after all other features have been added, so that the connections
-  /// are the last features. Throws InputError if check() rejects the problem (deform_problem.h) or
-  /// the number of centres is wrong, and NoSolutionError if a factorization fails.
+  /// Creates an editor for the deformation problem `problem`, and factors its linear system. Keeps
+  /// references to `prepared` and `attached`. `before`: positions of all vertices before the edit
+  /// (n×3), for example the result of the previous edit. `attached`: nodes of non-shell elements;
+  /// nullptr: none. Call attached->add_to(problem) after all other features have been added, so
+  /// that the connections are the last features. Throws InputError if check() rejects the problem
+  /// (deform_problem.h) or the number of centres is wrong, and NoSolutionError if a factorization
+  /// fails.
   MeshEditor(const PreparedMesh& prepared, const Points& before, DeformProblem problem,
              MeshEditorOptions options = {}, const AttachedNodes* attached = nullptr);
   ~MeshEditor();
   MeshEditor(const MeshEditor&) = delete;
   MeshEditor& operator=(const MeshEditor&) = delete;
 
-  /// Sets the edit and the prescribed rotations of features. Call this function before the first
-  /// solution. Throws NoSolutionError if a factorization fails. Invalid values are detected by the
-  /// next solution, which throws InputError.
+  /// Sets the values of the edit and the prescribed rotations of features. Call this function
+  /// before the first solution. Throws NoSolutionError if a factorization fails. Invalid values are
+  /// detected by the next solution, which throws InputError.
   void set(DeformEdit edit, std::vector<PrescribedRotation> prescribed = {});
 
   /// Computes the positions of all vertices quickly, for display during a drag. Attached nodes

@@ -27,8 +27,11 @@ struct FeatureRegion {
 /// Options of FeatureRegionDeformer.
 struct FeatureRegionOptions {
   enum class Kind {
-    Soft,  ///< regions keep their shape approximately, by a penalty term
-    Hard   ///< regions keep their shape exactly, with three unknowns (the translation) per region
+    /// Regions keep their shape approximately, by a penalty term.
+    Soft,
+    /// Regions keep their shape exactly. The rotation of each region follows from the estimate (see
+    /// FeatureRegionDeformer), so that only its translation is unknown in the linear system.
+    Hard
   } kind = Kind::Hard;
   enum class Rhs {
     Estimate,  ///< Laplacian vectors of the estimated shape, which the surface keeps

@@ -57,11 +57,11 @@ struct RefinementReport {
   /// Largest displacement of the surface by the transfer to the new mesh, before the new
   /// equilibrium is computed, divided by the model size.
   double max_displacement = 0;
-  double energy_before = 0, energy_transferred = 0,
-         energy_at_equilibrium = 0;  ///< elastic (stretching + bending) energy at each stage
+  /// Elastic energy before the refinement, after the transfer, and at the new equilibrium.
+  double energy_before = 0, energy_transferred = 0, energy_at_equilibrium = 0;
 };
 
-/// One operation on a session, with all data that replay() needs.
+/// One operation on a SculptingSession, with all data that its replay() needs.
 struct Operation {
   using Item = std::variant<Load, StiffnessField, Constraint, LineOffset, CharacterLine>;
   struct Add {
@@ -69,7 +69,7 @@ struct Operation {
     /// Initial values and ranges of the parameters of the item.
     std::vector<ScalarParameter> parameters;
   };
-  /// Replaces the constraint of the same name.
+  /// Replaces the constraint that has the name of `constraint`.
   struct Change {
     Constraint constraint;
   };

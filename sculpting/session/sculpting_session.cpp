@@ -1,8 +1,10 @@
 #include "batten/sculpting/session/sculpting_session.h"
 
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/session_data.h"
@@ -18,6 +20,8 @@ SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& opt
     : data_(std::make_unique<SessionData>()) {
   SessionData& d = *data_;
   d.options = options;
+  d.progress = progress;
+  const ProgressScope scope(d.progress);
   if (!(options.tolerance > 0) || options.max_iterations < 1 || options.facets_per_edge < 1)
     throw InputError(
         "a session needs a tolerance above 0, and 1 or more iterations and facets per edge");
@@ -41,15 +45,51 @@ SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& opt
   def.units = options.units;
   def.fix_corners_only = options.fix_corners_only;
   def.factor_reuse = options.factor_reuse;
-  progress.update("solving", 0);
   d.now.system = detail::build(std::move(def), p, nullptr);
   d.engine.bind(*d.now.system);
   d.update_value_names();
   d.now.shape.x = d.now.shape.v = Points::Zero(d.now.system->dofs(), 3);
   d.now.converged_x = d.now.shape.x;
   d.solve_to_equilibrium();
+}
+
+namespace {
+
+/// A copy of a system that shares only immutable parts with it, and has no factors.
+std::shared_ptr<detail::SessionSystem> without_factors(const detail::SessionSystem& system) {
+  auto copy = std::make_shared<detail::SessionSystem>(system);
+  copy->statics.reset();
+  copy->dynamics.reset();
+  copy->coupling.reset();
+  copy->dynamics_coupling.reset();
+  copy->coupled_rows.reset();
+  copy->dynamics_constraints.reset();
+  copy->matrix_values.clear();
+  return copy;
+}
+
+}  // namespace
+
+SculptingSession::SculptingSession(const SessionSnapshot& state, const Progress& progress)
+    : data_(std::make_unique<SessionData>()) {
+  SessionData& d = *data_;
+  d.options = state.options;
+  d.now = state.state;
+  d.now.system = without_factors(*state.state.system);
   d.progress = progress;
-  progress.update("solving", 1);
+  const ProgressScope scope(d.progress);
+  // Working storage of its own, so that sessions in different threads do not share it.
+  d.now.system->parts = std::make_shared<const detail::MeshData>(d.layout());
+  d.engine.bind(d.system());
+  d.update_value_names();
+  d.read_values();
+  d.engine.prepare_matrix(d.system(), d.values);
+}
+
+std::shared_ptr<const SessionSnapshot> SculptingSession::snapshot() const {
+  auto copy = std::make_shared<SessionSnapshot>(SessionSnapshot{data_->options, data_->now});
+  copy->state.system = without_factors(*data_->now.system);
+  return copy;
 }
 
 SculptingSession::~SculptingSession() = default;
@@ -99,27 +139,61 @@ HermiteCurve SculptingSession::line(const std::string& name) const { return data
 
 std::vector<std::string> SculptingSession::names() const { return data_->names(); }
 
+std::vector<SculptingSession::ActingItem> SculptingSession::items() const {
+  const SessionDefinition& def = data_->system().def;
+  std::vector<ActingItem> all;
+  for (const auto& p : def.loads) all.push_back({p->load, p->foot_points, p});
+  for (const auto& p : def.weights) all.push_back({p->weight, {}, p});
+  for (const auto& p : def.constraints) {
+    const bool line = std::holds_alternative<Constraint::LineNormal>(p->constraint.kind);
+    all.push_back(
+        {p->constraint, line ? std::vector<ModelPoint>() : std::vector{p->foot_point}, p});
+  }
+  for (const auto& p : def.moves) all.push_back({p->move, {}, p});
+  return all;
+}
+
 SolveReport SculptingSession::solve_to_equilibrium() {
-  data_->record_operation({});
-  return data_->solve_to_equilibrium();
+  SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
+  return d.recorded({}, [&] { return d.solve_to_equilibrium_or_keep(); });
 }
 
 SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance) {
   SessionData& d = *data_;
-  d.record_operation({.kind = Kind::SolvePreview, .index = max_iterations, .value = tolerance});
-  if (d.now.in_motion)
-    throw InputError(
-        "no preview during a simulation: call step() to continue or stop_motion() to end it");
-  return d.solve_preview(max_iterations, tolerance);
+  const ProgressScope scope(d.progress);
+  return d.recorded({.kind = Kind::SolvePreview, .index = max_iterations, .value = tolerance}, [&] {
+    if (d.now.in_motion)
+      throw InputError(
+          "no preview during a simulation: call step() to continue or stop_motion() to end it");
+    return d.solve_preview(max_iterations, tolerance);
+  });
 }
 
 void SculptingSession::start_motion(const Motion& motion) { apply(edit_of(motion)); }
 
 SolveReport SculptingSession::step() {
   SessionData& d = *data_;
-  d.record_operation({.kind = Kind::Step});
-  if (d.now.in_motion) d.push_history_once();
-  return d.step();
+  const ProgressScope scope(d.progress);
+  return d.recorded({.kind = Kind::Step}, [&] {
+    // All consecutive steps of a motion are one step of the history.
+    std::optional<detail::SessionState> before;
+    if (d.now.in_motion && !d.coalesces) before = d.snapshot();
+    const auto add_to_history = [&] {
+      if (before) d.push_history(*std::move(before));
+      d.coalesces = d.coalesces || d.now.in_motion;
+    };
+    try {
+      const SolveReport report = d.step();
+      add_to_history();
+      return report;
+    } catch (const CancelledError&) {
+      throw;
+    } catch (...) {
+      add_to_history();
+      throw;
+    }
+  });
 }
 
 void SculptingSession::stop_motion() { apply({.kind = Kind::StopMotion}); }
@@ -192,16 +266,18 @@ void SculptingSession::apply(const Operation& op) {
     refine(*refinement);
     return;
   }
-  d.record_operation(op);
-  // The previous state is added to the history only if the edit succeeds.
-  detail::SessionState before = d.snapshot();
-  try {
-    d.edit(*op.edit);
-  } catch (...) {
-    d.restore_state(std::move(before));
-    throw;
-  }
-  d.push_history(std::move(before));
+  const ProgressScope scope(d.progress);
+  d.recorded(op, [&] {
+    // The previous state is added to the history only if the edit succeeds.
+    detail::SessionState before = d.snapshot();
+    try {
+      d.edit(*op.edit);
+    } catch (...) {
+      d.restore_state(std::move(before));
+      throw;
+    }
+    d.push_history(std::move(before));
+  });
 }
 
 int SculptingSession::replay(const std::vector<Operation>& operations) {
@@ -211,6 +287,8 @@ int SculptingSession::replay(const std::vector<Operation>& operations) {
   for (const Operation& op : all) {
     try {
       apply(op);
+    } catch (const CancelledError&) {
+      throw;
     } catch (const Error&) {  // it threw when it was recorded, too
       ++refused;
     }
@@ -220,17 +298,19 @@ int SculptingSession::replay(const std::vector<Operation>& operations) {
 
 RefinementReport SculptingSession::refine(const Refinement& refinement) {
   SessionData& d = *data_;
-  d.record_operation(edit_of(refinement));
-  detail::SessionState before = d.snapshot();
-  RefinementReport report;
-  try {
-    report = d.refine(refinement);
-  } catch (...) {
-    d.restore_state(std::move(before));
-    throw;
-  }
-  if (report.triangles != report.triangles_before) d.push_history(std::move(before));
-  return report;
+  const ProgressScope scope(d.progress);
+  return d.recorded(edit_of(refinement), [&] {
+    detail::SessionState before = d.snapshot();
+    RefinementReport report;
+    try {
+      report = d.refine(refinement);
+    } catch (...) {
+      d.restore_state(std::move(before));
+      throw;
+    }
+    if (report.triangles != report.triangles_before) d.push_history(std::move(before));
+    return report;
+  });
 }
 
 const ModelLayout& SculptingSession::layout() const { return data_->layout(); }
@@ -259,6 +339,7 @@ double SculptingSession::residual() const {
 
 SurfaceEnergy SculptingSession::energy() const {
   SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
   d.read_values();
   SurfaceEnergy energy = d.engine.elastic_energy(d.system(), d.values, d.now.shape.x);
   energy.bending *= d.system().def.scale().energy_factor();
@@ -268,6 +349,8 @@ SurfaceEnergy SculptingSession::energy() const {
 
 double SculptingSession::total_energy() const {
   SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
+  d.require_matrix();
   d.read_values();
   return d.engine.total_energy(d.system(), d.values, d.now.shape, d.now.in_motion) *
          d.system().def.scale().energy_factor();
@@ -275,17 +358,21 @@ double SculptingSession::total_energy() const {
 
 std::vector<Reaction> SculptingSession::reactions() const {
   SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
+  d.require_matrix();
   auto all = d.engine.reactions(d.system(), d.now.shape_values, d.now.shape.x);
   for (auto& reaction : all) reaction.force *= d.system().def.scale().reaction_factor();
   return all;
 }
 
 std::vector<PointCloudDistances> SculptingSession::scan_distances(const Points& before) const {
+  const ProgressScope scope(data_->progress);
   return data_->engine.scan_distances(data_->system(), before, dofs());
 }
 
 double SculptingSession::enclosed_volume() const {
   SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
   return d.system().parts->pressure().volume(dofs(), {});
 }
 
@@ -314,13 +401,6 @@ void SessionData::push_history(detail::SessionState before) {
     undo_stack.pop_front();
 }
 
-// Adds a step to the history, unless an ongoing drag or motion already has one.
-void SessionData::push_history_once() {
-  if (coalesces) return;
-  push_history(snapshot());
-  coalesces = true;
-}
-
 size_t SessionData::bytes() const {
   std::set<const void*> seen;
   size_t sum = 0;
@@ -332,6 +412,7 @@ size_t SessionData::bytes() const {
 }
 
 void SessionData::restore_state(detail::SessionState state) {
+  const UncancellableScope scope;
   now = std::move(state);
   engine.bind(*now.system);
   update_value_names();
@@ -381,9 +462,11 @@ SkinnedRegion SessionData::skinned_region(int r) {
 
 void SessionData::draw(Frame& to) {
   if (display.mesh != layout().mesh()) {
+    const ProgressScope scope(progress);
     auto pattern = std::make_shared<DisplayTopology>();
     std::vector<Location>& locations = pattern->locations;
     for (int r = 0; r < layout().region_count(); ++r) {
+      throw_if_cancelled();
       DisplayFacets own = facets(skinned_region(r), options.facets_per_edge);
       const int first = isize(locations);
       pattern->first_facet.push_back(isize(pattern->facets));
@@ -402,9 +485,9 @@ void SessionData::draw(Frame& to) {
     }
     pattern->first_facet.push_back(isize(pattern->facets));
     pattern->first_line.push_back(isize(pattern->lines));
-    display.pattern = pattern;
     display.points =
         std::make_unique<DisplayPoints>(*layout().mesh(), layout().element(), locations);
+    display.pattern = pattern;
     display.mesh = layout().mesh();
   }
   to.remeshed = to.pattern != display.pattern;

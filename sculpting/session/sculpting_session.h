@@ -16,6 +16,7 @@
 namespace batten {
 
 struct SessionData;
+struct SessionSnapshot;
 
 /// An interactive sculpting session on a region or a whole model.
 ///
@@ -67,6 +68,10 @@ class SculptingSession {
   /// constraints do not support the surface.
   SculptingSession(ModelLayout layout, const SessionOptions& options,
                    const Progress& progress = {});
+  /// Creates a session in the state of a snapshot: the same shape, to the last bit, with the same
+  /// loads, constraints and parameter values. The history is empty. Sessions of one snapshot may be
+  /// used by different threads. Cost: a factorization.
+  explicit SculptingSession(const SessionSnapshot& state, const Progress& progress = {});
   ~SculptingSession();
   SculptingSession(SculptingSession&&) noexcept;
   SculptingSession& operator=(SculptingSession&&) noexcept;
@@ -110,6 +115,17 @@ class SculptingSession {
   /// Current shape of a curve: the curve of the layout, displaced by its offsets.
   HermiteCurve line(const std::string& name) const;
   std::vector<std::string> names() const;  ///< names of all items that remove() accepts
+  /// A load, stiffness field, constraint or curve offset that acts on the session.
+  struct ActingItem {
+    Operation::Item what;
+    /// Locations of the item on the surface, as for a point load; empty for other items.
+    std::vector<ModelPoint> foot_points;
+    /// Identity: equal to that of an item listed before if the item is the same and unchanged.
+    std::shared_ptr<const void> id;
+  };
+  /// All items that act on the session, in the order in which they were added, by kind: loads,
+  /// stiffness fields, constraints, offsets.
+  std::vector<ActingItem> items() const;
 
   // -- solves -------------------------------------------------------------------------------------
   /// Computes the equilibrium shape under all loads, to the session's tolerance.
@@ -147,13 +163,16 @@ class SculptingSession {
   /// grows by pages of 4,096 operations. Operations that throw are recorded as well.
   void record(bool on);
   const std::vector<Operation>& recorded() const;
-  /// Executes one operation, like the function that it represents.
+  /// Executes one operation by calling the member function that it represents.
   void apply(const Operation& operation);
   /// Executes a recorded sequence of operations, and returns the number of operations that threw.
   ///
   /// Operations that throw are skipped, as they were when they were recorded. On a session that was
   /// created from the same input, the result is bit-identical.
   int replay(const std::vector<Operation>& operations);
+
+  /// The current state of the session, without its history and factors, for a second session.
+  std::shared_ptr<const SessionSnapshot> snapshot() const;
 
   // -- refinement ---------------------------------------------------------------------------------
   /// Refines triangles by bisection, transfers the shape and all loads and constraints to the new
@@ -176,7 +195,7 @@ class SculptingSession {
   /// model size.
   double residual() const;
   /// Elastic energy of the current shape, on the domain scaled to size 1. In relative units, it is
-  /// divided by size².
+  /// divided by the square of the model size.
   SurfaceEnergy energy() const;
   /// Total energy for the current parameter values, in the units of energy(): the elastic energy,
   /// minus the work Fᵀx of the loads, plus the energy of springs and, during a motion, the kinetic
@@ -209,9 +228,9 @@ struct AppliedLoad {
 /// One load case: loads, constraints, material, and solver settings.
 struct StaticTask {
   std::vector<AppliedLoad> loads;
-  /// The goal of a point constraint is Constraint::Point::goal.
+  /// Constraints besides the curves of the model. Point constraints use Constraint::Point::goal.
   std::vector<Constraint> constraints;
-  SurfaceStiffness material;  ///< alpha and beta, in the units of `units`
+  SurfaceStiffness material;  ///< stretching and bending stiffness alpha, beta, in `units`
   LoadUnits units = LoadUnits::Relative;
   bool fix_corners_only = false;  ///< true: constrains only the corners, not the whole curves
   double tolerance = 1e-12;       ///< convergence tolerance, see SessionOptions
@@ -221,7 +240,7 @@ struct StaticTask {
 /// Result of sculpt(): the equilibrium shape and measurements.
 struct SculptResult {
   Points dofs;
-  /// Elastic energy, on the domain scaled to size 1. In relative units, it is divided by size².
+  /// Elastic energy on the domain scaled to size 1; in relative units, divided by model size².
   SurfaceEnergy energy;
   int iterations = 0;
   /// Change of the shape in the last iteration, relative to the model size.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/sculpting/loads/loads.h"
@@ -85,6 +86,7 @@ AttachedLoad attach(const Load& load, const SessionDefinition& def, const Surfac
   const std::string& name = load.name;
   std::optional<ModelProjector> projector;
   const auto put = [&](const Vec3& at) {
+    throw_if_cancelled();
     if (!projector) projector.emplace(*def.layout, surface.dofs());
     placed.foot_points.push_back(foot_point(name, at, *projector, size));
   };

@@ -288,6 +288,7 @@ SurfaceTransfer SessionData::transferred(const ModelLayout& layout, const Points
 void SessionData::transfer_reference_shapes(const ModelLayout& layout, SessionDefinition& def) {
   std::vector<std::pair<detail::SharedPoints, detail::SharedPoints>> moved;
   const auto along = [&](detail::SharedPoints& on) {
+    throw_if_cancelled();
     if (!on) return;
     for (const auto& [old, made] : moved)
       if (old == on) {
@@ -413,6 +414,7 @@ std::vector<char> marks(const Refinement& refinement, const ModelLayout& layout,
       if (!stroke.at.allFinite() || !(stroke.radius > 0) || !std::isfinite(stroke.radius))
         throw InputError("a refinement stroke needs a finite point and a radius above 0");
       for (int t = 0; t < mesh.triangle_count(); ++t) {
+        poll_every<1024>(t);
         double nearest = std::numeric_limits<double>::infinity();
         for (const Vec3& L : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(.5, .5, 0),
                               Vec3(0, .5, .5), Vec3(.5, 0, .5), Vec3(1. / 3, 1. / 3, 1. / 3)})
@@ -440,6 +442,7 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
     throw InputError("refinement: found the smallest edge length " +
                      format_number(wanted.smallest) + ", expected 0 or more");
   if (wanted.smallest == 0) wanted.smallest = size() / 2000;
+  update_progress("refining", 0);
   const Surface surface = this->surface();
   std::vector<double> jumps;
   if (std::holds_alternative<Refinement::JumpIndicator>(wanted.where)) {
@@ -464,6 +467,7 @@ RefinementReport SessionData::refine(const Refinement& refinement) {
                      std::to_string(layout.mesh()->triangle_count()) + " triangles, more than " +
                      std::to_string(wanted.max_triangles));
   report.triangles = layout.mesh()->triangle_count();
+  update_progress("refining", 1);
   const SurfaceTransfer transferred = change_layout(std::move(layout));
   report.max_displacement = transferred.max_displacement / size();
   report.energy_at_equilibrium = elastic_energy(now.shape.x);
@@ -496,10 +500,21 @@ void SessionData::restore_converged() {
   now.shape_values = now.converged_values;
   now.shape.x = now.converged_x;
   engine.reset_acceleration();
-  if (system().rest != now.converged_rest) engine.set_rest_shape(system(), now.converged_rest);
   ++version;
   read_values();
-  engine.prepare_matrix(system(), values);
+  try {
+    if (system().rest != now.converged_rest) engine.set_rest_shape(system(), now.converged_rest);
+    engine.prepare_matrix(system(), values);
+  } catch (const CancelledError&) {
+    engine.invalidate_matrix(system());
+    throw;
+  }
+}
+
+// Computes the matrix again if a cancelled solve has left it to other values than those of the
+// shape.
+void SessionData::require_matrix() {
+  if (system().matrix_values.empty()) engine.prepare_matrix(system(), now.shape_values);
 }
 
 // Load stepping from the last converged values to `goal`. Steps are halved if the solve does not
@@ -512,7 +527,7 @@ detail::SessionEngine::SolveStatus SessionData::step_loads(const std::vector<dou
   constexpr double smallest = 1.0 / 256, nothing = 1e-9;  // minimum step: fraction of the value
                                                           // reached; fraction of the total
   while (reached < 1) {
-    if (progress.cancelled && progress.cancelled()) throw CancelledError();
+    update_progress("solving", reached);
     const double target = std::min(1.0, reached + step);
     for (size_t p = 0; p < goal.size(); ++p)
       values[p] = target == 1 ? goal[p] : start[p] + target * (goal[p] - start[p]);
@@ -571,6 +586,36 @@ bool SessionData::plan_joins() {
   return true;
 }
 
+// Solves to equilibrium. If the solve is cancelled, the session keeps its state.
+SolveReport SessionData::solve_to_equilibrium_or_keep() {
+  detail::SessionState before = now;  // shares the system, of which a solve changes these members:
+  const auto rest = system().rest;
+  const auto scan_foot_points = system().scan_foot_points;
+  const auto scan_used = system().scan_used;
+  const auto matrix_values = system().matrix_values;
+  try {
+    return solve_to_equilibrium();
+  } catch (const CancelledError&) {
+    const UncancellableScope scope;
+    const bool other_system = now.system != before.system;
+    now = std::move(before);
+    const bool same_matrix = !options.rest && !has_point_clouds() && !other_system &&
+                             system().matrix_values == matrix_values;
+    system().rest = rest;
+    system().scan_foot_points = scan_foot_points;
+    system().scan_used = scan_used;
+    if (!same_matrix) engine.invalidate_matrix(system());
+    if (other_system) {
+      engine.bind(system());
+      update_value_names();
+    } else {
+      engine.reset_acceleration();
+    }
+    ++version;
+    throw;
+  }
+}
+
 SolveReport SessionData::solve_to_equilibrium(bool anew) {
   SolveReport answer = solve_once(anew);
   constexpr int most_plans = 4;
@@ -590,10 +635,11 @@ SolveReport SessionData::solve_once(bool anew) {
     update_rest_shape(anew);
     constexpr int max_rounds = 20;
     for (int round = 0; round < max_rounds; ++round) {
-      if (progress.cancelled && progress.cancelled()) throw CancelledError();
+      throw_if_cancelled();
       const bool scans = has_point_clouds();
       if (scans && !engine.update_scan_foot_points(system(), now.shape.x) && round > 0) break;
       answer.factored |= engine.prepare_matrix(system(), values);
+      update_progress("solving", 0);
       Points from = now.shape.x;
       auto run = engine.solve_preview(system(), values, now.shape.x, options.max_iterations,
                                       options.tolerance, false);
@@ -611,9 +657,12 @@ SolveReport SessionData::solve_once(bool anew) {
         answer.iterations += run.iterations;
       }
       answer.change = run.change;
+      update_progress("solving", 1);
       mark_converged();
       if (!scans) break;
     }
+  } catch (const CancelledError&) {
+    throw;  // the caller restores the state
   } catch (const Error&) {
     restore_converged();
     throw;
@@ -642,6 +691,10 @@ SolveReport SessionData::solve_preview(int most, double tolerance) {
     now.shape_values = values;
     version += run.change != 0;
     if (run.converged) mark_converged();
+  } catch (const CancelledError&) {
+    // The shape is unchanged, and needs the matrix for its own values.
+    if (answer.factored) engine.invalidate_matrix(system());
+    throw;
   } catch (const Error&) {
     restore_converged();
     throw;
@@ -666,6 +719,10 @@ SolveReport SessionData::step() {
         now.shape.x.cwiseAbs().maxCoeff() > 1e6 * (size() + now.converged_x.cwiseAbs().maxCoeff()))
       throw NoSolutionError("load limit exceeded: the solution diverges at time " +
                             format_number(now.parameters.time()));
+  } catch (const CancelledError&) {  // the shape is unchanged
+    now.parameters.set_time(time);
+    if (answer.factored) engine.invalidate_matrix(system());
+    throw;
   } catch (const Error&) {
     now.shape.v.setZero();
     now.parameters.restore(before, time);

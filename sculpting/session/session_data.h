@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/progress.h"
 #include "batten/fem/refinement.h"
 #include "batten/sculpting/session/operation.h"
@@ -59,6 +60,13 @@ int index_of(const Items& things, const std::string& name) {
 
 }  // namespace detail
 
+/// A state of a session that other sessions can start from. Its system has no factors, and nothing
+/// in it is ever changed.
+struct SessionSnapshot {
+  SessionOptions options;
+  detail::SessionState state;
+};
+
 struct SessionData {
   SessionOptions options;
   detail::SessionState now;
@@ -85,12 +93,23 @@ struct SessionData {
   // -- history ------------------------------------------------------------------------------------
   detail::SessionState snapshot() const;
   void push_history(detail::SessionState before);
-  void push_history_once();
   size_t bytes() const;
   void restore_state(detail::SessionState state);
   bool move_in_history(std::deque<detail::SessionState>& from,
                        std::deque<detail::SessionState>& to);
   void record_operation(const Operation& op);
+  // Records an operation and calls run(). A cancelled operation changes nothing, so that it is
+  // removed from the record.
+  template <class Run>
+  auto recorded(const Operation& op, const Run& run) {
+    record_operation(op);
+    try {
+      return run();
+    } catch (const CancelledError&) {
+      if (recording) record.pop_back();
+      throw;
+    }
+  }
   // Changes parameter values; a whole drag is one step of the history. A rejected value leaves no
   // step.
   template <class Change>
@@ -107,6 +126,7 @@ struct SessionData {
 
   // -- solves -----------------------------------------------------------------------------------
   void read_values() { values = now.parameters.values(); }
+  void require_matrix();
   void mark_converged();
   void restore_converged();
   detail::SessionEngine::SolveStatus step_loads(const std::vector<double>& goal);
@@ -114,6 +134,7 @@ struct SessionData {
   bool plan_joins();
   Points deformed_from(std::shared_ptr<const detail::RestConfiguration> rest);
   void update_rest_shape(bool anew);
+  SolveReport solve_to_equilibrium_or_keep();
   SolveReport solve_to_equilibrium(bool anew = true);
   SolveReport solve_once(bool anew);
   SolveReport solve_preview(int most, double tolerance);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "batten/constraints/affine_reduction.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/sculpting/session/session_engine.h"
 #include "batten/skinning/model/model_projector.h"
@@ -32,6 +33,7 @@ bool SessionEngine::prepare_motion(SessionSystem& system, const Motion& motion) 
     SparseMatrix S =
         inertia * system.parts->mass() + (motion.theta * motion.dt) * system.statics->matrix();
     system.dynamics = std::make_shared<ReusableFactorization>(*system.statics, std::move(S));
+    system.dynamics_coupling.reset();  // computed with the previous factor
     system.motion = motion;
   }
   SparseMatrix U = SparseMatrix(system.reduction->D().transpose()) * system.auxiliary->A;
@@ -248,6 +250,7 @@ std::vector<PointCloudDistances> SessionEngine::scan_distances(const SessionSyst
     s.name = system.def.loads[l]->load.name;
     s.points = isize(scan->points);
     for (size_t i = 0; i < scan->points.size(); ++i) {
+      throw_if_cancelled();
       if (i >= system.scan_used[l].size() || !system.scan_used[l][i]) {
         ++s.left_out;
         continue;

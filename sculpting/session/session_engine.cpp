@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/model/model_projector.h"
 
@@ -18,6 +19,7 @@ void multiply_symmetric(const SparseMatrix& S, const Points& x, Points& out) {
     const double* in = x.col(c).data();
     double* to = out.col(c).data();
     for (int j = 0; j < S.cols(); ++j) {
+      poll_every<32768>(j);
       double sum = 0;
       for (int k = starts[j]; k < starts[j + 1]; ++k) {
         const int i = rows[k];
@@ -38,7 +40,11 @@ void SessionEngine::bind(const SessionSystem& system) {
   hd_.setZero(m, 3);
   base_.setZero(m, 3);
   y_.setZero(m, 3);
-  for (Points* p : {&e_, &next_, &F_, &product_}) p->setZero(n, 3);
+  for (Points* p : {&e_, &next_, &F_, &product_}) {
+    throw_if_cancelled();
+    p->setZero(n, 3);
+  }
+  start_.resize(n, 3);
   ae_.setZero(points, 3);
   ax_.setZero(points, 3);
   av_.setZero(points, 3);
@@ -50,9 +56,11 @@ void SessionEngine::bind(const SessionSystem& system) {
   std::vector<int> sample;
   for (int v = 0; v < system.parts->mesh->vertex_count(); ++v)
     sample.push_back(system.parts->assembler.dofs().vertex(v));
+  throw_if_cancelled();
   accelerator_.resize(n, std::move(sample));
+  throw_if_cancelled();
   contraction_ratio_ = 0;
-  dof_weights_ = displacement_weights(*system.parts->mesh, system.parts->trim.get());
+  dof_weights_ = system.parts->displacement_weights;
   responses_.clear();
   responses_.resize(system.loads.size());
   response_is_known_.assign(system.loads.size(), 0);
@@ -87,6 +95,7 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
     const AssembledStiffnessField& assembled = *system.weights[w];
     const bool bends = system.def.weights[w]->weight.kind == StiffnessField::Kind::Bending;
     for (size_t t = 0; t < triangles; ++t) {
+      poll_every<16384>(static_cast<long>(t));
       // Regions without the line have no direction.
       if (!assembled.directions.empty() && assembled.directions[t].isZero(0)) continue;
       const double weight = value * assembled.weights[static_cast<long>(t)];
@@ -124,6 +133,7 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
                        ", expected 0 or more");
     const double k = value / static_cast<double>(scan->points.size());
     for (size_t i = 0; i < scan->points.size(); ++i) {
+      poll_every<256>(static_cast<long>(i));
       if (!system.scan_used[l][i]) continue;
       const Location where = parts.at(system.scan_foot_points[l][i]);
       const Vec12 N =
@@ -163,7 +173,7 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
                                    std::shared_ptr<const RestConfiguration> rest) {
   system.rest = std::move(rest);
   anchored_ = false;
-  if (system.statics && system.point_cloud_load.rows() == 0) {
+  if (system.statics && !system.matrix_values.empty() && system.point_cloud_load.rows() == 0) {
     const SparseMatrix joins = join_stiffness(system, system.matrix_values);
     if (joins.nonZeros() > 0)
       set_rest_load(system, system.statics->matrix() - joins);
@@ -173,8 +183,36 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
     invalidate_matrix(system);
 }
 
+namespace {
+
+// The loads of a system that belong to its matrix. Restores them unless the matrix was replaced.
+class MatrixLoads {
+ public:
+  explicit MatrixLoads(SessionSystem& system) : system_(system) { exchange(); }
+  MatrixLoads(const MatrixLoads&) = delete;
+  ~MatrixLoads() {
+    if (!replaced_) exchange();
+  }
+  void replace() { replaced_ = true; }
+
+ private:
+  void exchange() {
+    system_.rest_load.swap(rest_load_);
+    system_.rest_reduced.swap(rest_reduced_);
+    system_.point_cloud_load.swap(point_cloud_load_);
+    system_.point_cloud_reduced.swap(point_cloud_reduced_);
+  }
+  SessionSystem& system_;
+  Points rest_load_ = Points(0, 3), point_cloud_load_ = Points(0, 3);
+  MatX rest_reduced_, point_cloud_reduced_;
+  bool replaced_ = false;
+};
+
+}  // namespace
+
 // Assembles and factors the matrix for these values.
 void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>& values) {
+  MatrixLoads loads(system);
   const MeshData& parts = *system.parts;
   const auto all = materials(system, values);
   SparseMatrix K = parts.assembler.pattern();
@@ -183,8 +221,10 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
   else
     parts.assembler.stiffness(all, K);
   set_rest_load(system, K);
-  K += join_stiffness(system, values);
+  if (const SparseMatrix joins = join_stiffness(system, values); joins.nonZeros() > 0) K += joins;
+  throw_if_cancelled();
   add_point_clouds(system, values, K);
+  throw_if_cancelled();
   // A factor shared with the history must not change; one that is not shared is refactored in
   // place.
   if (system.statics && system.statics.use_count() == 1)
@@ -195,7 +235,9 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
             ? std::make_shared<ReusableFactorization>(*system.statics, std::move(K))
             : std::make_shared<ReusableFactorization>(system.reduction, std::move(K),
                                                       parts.vertices, system.def.factor_reuse);
+  loads.replace();
   system.matrix_values = values;
+  system.coupling.reset();  // computed with the previous factor
   system.dynamics.reset();
   system.dynamics_coupling.reset();
 }
@@ -226,7 +268,9 @@ void SessionEngine::couple(SessionSystem& system, const SchurComplementConstrain
             other.end_point - other.first_point == block.end_point - block.first_point)
           for (int k = block.first_point; k < block.end_point; ++k)
             known[k] = other.first_point + k - block.first_point;
-  SparseMatrix U = SparseMatrix(system.reduction->D().transpose()) * rows.A;
+  SparseMatrix U(system.reduction->free_count(), rows.A.cols());
+  if (rows.A.cols() > 0) U = SparseMatrix(system.reduction->D().transpose()) * rows.A;
+  throw_if_cancelled();
   system.coupling =
       older ? std::make_shared<SchurComplementConstraints>(system.statics->factor(), std::move(U),
                                                            rows.rows, *older, known,
@@ -239,7 +283,8 @@ void SessionEngine::couple(SessionSystem& system, const SchurComplementConstrain
 }
 
 bool SessionEngine::prepare_matrix(SessionSystem& system, const std::vector<double>& values) {
-  bool fits = system.statics && system.matrix_values.size() == values.size();
+  bool fits = system.statics && system.statics->is_factored() &&
+              system.matrix_values.size() == values.size();
   for (size_t p = 0; fits && p < values.size(); ++p)
     if (system.roles[p] & kMatrix) fits = values[p] == system.matrix_values[p];
   if (fits && system.coupling && system.coupled_rows == system.auxiliary) return false;
@@ -470,10 +515,13 @@ void SessionEngine::map(SessionSystem& system, const std::vector<double>& values
     has_pressure = true;
     system.parts->pressure().add(x, system.loads[l]->weights, v * system.loads[l]->scale, F_);
   }
+  throw_if_cancelled();
   if (has_pressure) system.statics->add_load(F_, y_);
   set_spring_targets(system, values, x);
+  throw_if_cancelled();
   system.statics->solve(y_);
   system.coupling->apply(y_, g_);
+  throw_if_cancelled();
   system.statics->expand(y_, e_, to);
 }
 
@@ -529,11 +577,26 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
                                                         const std::vector<double>& values,
                                                         Points& x, int most, double tolerance,
                                                         bool may_superpose) {
-  const double size = system.layout().size();
   SolveStatus run;
-  const bool linear = is_linear(system, values);
-  if (linear && may_superpose && anchored_ && superpose(system, values, x, run)) return run;
+  if (is_linear(system, values) && may_superpose && anchored_ && superpose(system, values, x, run))
+    return run;
   anchored_ = false;
+  start_moved_ = false;
+  try {
+    return iterate(system, values, x, most, tolerance, may_superpose);
+  } catch (...) {
+    if (start_moved_) x.swap(start_);
+    reset_acceleration();
+    throw;
+  }
+}
+
+SessionEngine::SolveStatus SessionEngine::iterate(SessionSystem& system,
+                                                  const std::vector<double>& values, Points& x,
+                                                  int most, double tolerance, bool may_superpose) {
+  const double size = system.layout().size();
+  const bool linear = is_linear(system, values);
+  SolveStatus run;
   prepare_rhs(system, values);
   accelerator_.begin();
   double least_change = std::numeric_limits<double>::infinity();
@@ -557,10 +620,16 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
     if (run.iterations == 1) first_change = run.change;
     if (run.iterations == 2 && may_superpose)
       contraction_ratio_ = std::max(0.5 * contraction_ratio_, run.change / first_change);
+    throw_if_cancelled();
     // The last pair keeps the Anderson history up to date for the next solve.
     if (!run.converged || run.iterations > 1) accelerator_.add_iterate(x, next_);
+    throw_if_cancelled();
     if (!run.converged) accelerator_.extrapolate(next_);
     x.swap(next_);
+    if (run.iterations == 1) {  // keeps x from before the first iteration
+      next_.swap(start_);
+      start_moved_ = true;
+    }
     if (run.converged) break;
     if (may_superpose)
       accept_first_iterate(first_change, tolerance, run);
@@ -569,6 +638,7 @@ SessionEngine::SolveStatus SessionEngine::solve_preview(SessionSystem& system,
     // An extrapolated iterate satisfies the constraints only as accurately as its differences do.
     if (run.change_is_estimated || run.iterations == most) project_onto_constraints(system, x);
     if (run.change_is_estimated) break;
+    throw_if_cancelled();
   }
   if (linear) {
     anchor_values_ = values;
@@ -608,6 +678,7 @@ bool SessionEngine::update_scan_foot_points(SessionSystem& system, const Points&
     foot_points.resize(scan->points.size());
     used.resize(scan->points.size());
     for (size_t i = 0; i < foot_points.size(); ++i) {
+      throw_if_cancelled();
       const Vec3& p = scan->points[i];
       const auto closest = projector.nearest(p);
       // At the boundary, the vector to a point beyond it is not perpendicular to the surface.
@@ -626,26 +697,3 @@ bool SessionEngine::update_scan_foot_points(SessionSystem& system, const Points&
 }
 
 }  // namespace batten::detail
-
-namespace batten {
-
-VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim) {
-  const DofMap dofs(mesh);
-  VecX weights = VecX::Zero(dofs.count());
-  constexpr double seen = 0.05;
-  for (int t = 0; t < mesh.triangle_count(); ++t) {
-    if (trim && trim->area_fraction(t) < seen) continue;
-    const double h = std::sqrt(2 * mesh.shape(t).area);
-    for (const int v : mesh.triangles()[t]) {
-      weights[dofs.vertex(v)] = 1;
-      for (const int derivative : {1, 2}) {
-        double& w = weights[dofs.vertex(v, derivative)];
-        w = std::max(w, h);
-      }
-    }
-    for (const int e : mesh.edges_of(t)) weights[dofs.edge(e)] = std::max(weights[dofs.edge(e)], h);
-  }
-  return weights;
-}
-
-}  // namespace batten

@@ -25,7 +25,8 @@ inline constexpr double kRhsConflictTolerance = 5e-11;
 /// Solves, time steps and measurements on one system.
 class SessionEngine {
  public:
-  /// Allocates storage for another system and discards what was learnt about the previous one.
+  /// Allocates storage for another system and discards what was learnt about the previous one. After
+  /// CancelledError, only bind() may be called.
   void bind(const SessionSystem& system);
   /// Discards load responses and the Anderson history, because the state was restored.
   void reset_acceleration();
@@ -34,12 +35,15 @@ class SessionEngine {
   /// auxiliary constraints.
   ///
   /// Returns true if something had to be factored. Throws InputError for an invalid material or a
-  /// negative stiffness, and NoSolutionError.
+  /// negative stiffness, NoSolutionError, and CancelledError. After an exception, the system keeps
+  /// its previous matrix and the loads that belong to it; its factor may have to be computed again,
+  /// which the next call does.
   bool prepare_matrix(SessionSystem& system, const std::vector<double>& values);
 
   /// Iterates from x towards the equilibrium shape, which is returned in x.
   ///
   /// SolveStatus tells whether it converged or diverged. x is the last iterate, unless it diverged.
+  /// After an exception, for example CancelledError, x is unchanged.
   struct SolveStatus {
     bool converged = false, diverged = false, superposed = false, change_is_estimated = false;
     int iterations = 0;
@@ -53,7 +57,7 @@ class SessionEngine {
   /// Moves the foot points of point-cloud springs to the closest surface points. Returns true if
   /// one moved by more than 1e-6 in (u, v); prepare_matrix() must then be called again.
   bool update_scan_foot_points(SessionSystem& system, const Points& x);
-  /// Marks the system's matrix as out of date.
+  /// Marks the system's matrix as out of date: prepare_matrix() computes it again.
   static void invalidate_matrix(SessionSystem& system) { system.matrix_values.clear(); }
 
   /// Sets or (null) removes the rest shape of the system; prepare_matrix() must follow.
@@ -93,6 +97,8 @@ class SessionEngine {
                                      const std::vector<double>& values);
   static void set_rest_load(SessionSystem& system, const SparseMatrix& K);
   void couple(SessionSystem& system, const SchurComplementConstraints* older);
+  SolveStatus iterate(SessionSystem& system, const std::vector<double>& values, Points& x, int most,
+                      double tolerance, bool may_superpose);
   bool superpose(SessionSystem& system, const std::vector<double>& values, Points& x,
                  SolveStatus& run);
   bool accept_first_iterate(double first_change, double tolerance, SolveStatus& run);
@@ -121,8 +127,9 @@ class SessionEngine {
   void project_onto_constraints(const SessionSystem& system, Points& x);
   MatX rhs_, rate_, hd_, base_, y_;
   VecX dof_weights_;
-  Points e_, next_, F_, product_;
-  MatX ae_, ax_, av_;  // functionals of the auxiliary constraints on e, x and v: points × 3
+  Points e_, next_, start_, F_, product_;
+  bool start_moved_ = false;  // start_ holds x from before the iteration
+  MatX ae_, ax_, av_;         // functionals of the auxiliary constraints on e, x and v: points × 3
   VecX g_, stiffness_, wanted_stiffness_;
   AndersonAccelerator accelerator_;
   // During drags: largest recent ratio of the change in the second iteration to that in the first;
@@ -145,17 +152,3 @@ class SessionEngine {
 void multiply_symmetric(const SparseMatrix& S, const Points& x, Points& out);
 
 }  // namespace batten::detail
-
-namespace batten {
-
-// Norm for the convergence test.
-
-/// Diagonal weights that turn changes of dofs into lengths: |Δq| times its weight is a length in
-/// model units.
-///
-/// The weight is 1 for positions. For slopes it is √(2 area) of the largest triangle of the domain
-/// that has the dof. It is 0 for dofs that belong only to triangles of which less than a twentieth
-/// lies inside the trim: rounding moves these, and they change nothing visible.
-VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim);
-
-}  // namespace batten

@@ -13,17 +13,17 @@ namespace batten {
 /// Parameters of the motion M (ρ ẍ + μ ẋ) + K x = F; see ThetaIntegrator.
 struct Motion {
   double dt = 0;       ///< time step; > 0
-  double density = 1;  ///< mass density ρ ≥ 0; ρ and μ must not both be 0
-  double damping = 1;  ///< damping coefficient μ ≥ 0
-  double theta = 1;    ///< parameter θ of the implicit scheme, ½ … 1
+  double density = 1;  ///< mass density ρ, ≥ 0; density and damping must not both be 0
+  double damping = 1;  ///< damping coefficient μ, ≥ 0
+  double theta = 1;    ///< parameter of the theta method, ½ … 1; see ThetaIntegrator
 };
 
 /// Options of a SculptingSession.
 struct SessionOptions {
-  /// Initial values of the parameters alpha and beta (or alpha_uu, … beta_vv).
+  /// Initial stretching and bending stiffness: parameters alpha and beta (or alpha_uu, … beta_vv).
   SurfaceStiffness material;
-  /// True: one parameter (isotropic stiffness). False: three parameters, with the suffixes _uu, _uv
-  /// and _vv.
+  /// True: alpha (or beta) is one parameter, an isotropic stiffness. False: three parameters with
+  /// the suffixes _uu, _uv and _vv.
   bool isotropic_alpha = true, isotropic_beta = true;
   LoadUnits units = LoadUnits::Relative;
   bool fix_corners_only = false;  ///< true: constrains only the corners, not the whole curves

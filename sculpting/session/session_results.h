@@ -25,7 +25,8 @@ struct Reaction {
 struct PointCloudDistances {
   std::string name;
   int points = 0, left_out = 0;
-  double before_max = 0, before_rms = 0;  ///< distances from the shape used for comparison
+  /// Largest and RMS distance from the shape used for comparison.
+  double before_max = 0, before_rms = 0;
   double max = 0, rms = 0;
 };
 
@@ -56,16 +57,16 @@ struct Frame {
 /// ever waits, and the reader gets the newest complete frame.
 class FrameExchange {
  public:
-  /// Writer: the frame to fill. Its buffers keep their capacity.
+  /// The frame that the writer thread fills next. Its buffers keep their capacity.
   Frame& writing() { return frames_[write_]; }
-  /// Writer: publishes the filled frame.
+  /// Publishes the frame that the writer thread has filled.
   void publish() {
     // Release: the written data is visible before the reader gets the frame. Acquire: the reader is
     // done with the frame that comes back.
     write_ = middle_.exchange(write_ | kUnread, std::memory_order_acq_rel) & ~kUnread;
   }
-  /// Reader: the newest frame, or null if latest() has already returned it. The frame stays valid
-  /// until the next call.
+  /// The newest published frame, for the reader thread; null if latest() has already returned it.
+  /// The frame stays valid until the next call of latest().
   const Frame* latest() {
     if (!(middle_.load(std::memory_order_relaxed) & kUnread)) return nullptr;
     read_ = middle_.exchange(read_, std::memory_order_acq_rel) & ~kUnread;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -21,7 +22,8 @@ MeshData::MeshData(const ModelLayout& layout)
       assembler(*mesh, kind, trim),
       domain_scale(layout.domain_scale()),
       vertices(dof_vertices(*mesh)),
-      ones(layout.position_dofs()) {
+      ones(layout.position_dofs()),
+      displacement_weights(batten::displacement_weights(*mesh, trim.get())) {
   for (int r = 0; r < layout.region_count(); ++r) {
     region_meshes.push_back(layout.region(r).mesh());
     locators.push_back(std::make_unique<TriangleLocator>(*region_meshes.back()));
@@ -88,8 +90,10 @@ void build_line_constraints(SessionSystem& system, const SessionSystem* older, b
     system.reduction = older->reduction;
     system.base_rhs = older->base_rhs;
   } else {
+    throw_if_cancelled();
     const ConstraintSet set =
         system.def.fix_corners_only ? layout.corner_constraints() : layout.line_constraints();
+    throw_if_cancelled();
     system.line_rows =
         std::make_shared<const ConstraintSet>(set.translated(system.parts->ones, system.origin()));
     system.base_rhs = constraint_rhs(*system.line_rows);
@@ -155,6 +159,7 @@ void build_loads(SessionSystem& system, const SessionSystem* older, bool same_me
     return same_reduction && (same_lines || !std::holds_alternative<Load::Line>(load.load.kind));
   };
   for (size_t i = 0; i < d.loads.size(); ++i) {
+    throw_if_cancelled();
     auto known =
         older ? reused(d.loads, older->def.loads, older->loads, i, keeps(*d.loads[i])) : nullptr;
     system.loads.push_back(
@@ -228,6 +233,7 @@ std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& pa
   auto system = std::make_shared<SessionSystem>();
   system->def = std::move(def);
   const ModelLayout& layout = *system->def.layout;
+  update_progress("constraints", 0);
   const bool same_mesh = older && older->layout().mesh() == layout.mesh();
   const bool same_lines = same_mesh && older->def.layout == system->def.layout;
   system->parts = same_mesh ? older->parts : std::make_shared<const MeshData>(layout);
@@ -295,6 +301,7 @@ MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
             [](const LineSide& a, const LineSide& b) { return a.region < b.region; });
   std::vector<Vec3> own;
   for (const LineSide& side : sides) {
+    throw_if_cancelled();
     const RegionLayout& region = layout.region(side.region);
     const ParametricMesh& mesh = *region.mesh();
     const HermiteCurve along = layout.against(line, side) ? curve.backwards() : curve;
@@ -546,6 +553,7 @@ AuxiliaryConstraints build_auxiliary_constraints(const SessionSystem& system,
   AuxiliaryConstraintsBuilder all(system.dofs());
   const MeshData& parts = *system.parts;
   for (const auto& placed : system.def.constraints) {
+    throw_if_cancelled();
     const Constraint& c = placed->constraint;
     all.begin(placed.get(), c.name);
     if (std::holds_alternative<Constraint::Point>(c.kind)) {
@@ -575,6 +583,7 @@ AuxiliaryConstraints build_auxiliary_constraints(const SessionSystem& system,
     all.begin(&placed, placed.load.name);
     const auto* plane = std::get_if<Load::AttractorSprings::Plane>(&springs->target);
     for (size_t i = 0; i < placed.foot_points.size(); ++i) {
+      poll_every<256>(static_cast<long>(i));
       const auto terms = functional(parts, placed.foot_points[i]);
       const int point = all.point(terms);
       AuxiliaryConstraints::Source source{AuxiliaryConstraints::Source::Spring,
@@ -593,3 +602,27 @@ AuxiliaryConstraints build_auxiliary_constraints(const SessionSystem& system,
 }
 
 }  // namespace batten::detail
+
+namespace batten {
+
+VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim) {
+  const DofMap dofs(mesh);
+  VecX weights = VecX::Zero(dofs.count());
+  constexpr double seen = 0.05;
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<16384>(t);
+    if (trim && trim->area_fraction(t) < seen) continue;
+    const double h = std::sqrt(2 * mesh.shape(t).area);
+    for (const int v : mesh.triangles()[t]) {
+      weights[dofs.vertex(v)] = 1;
+      for (const int derivative : {1, 2}) {
+        double& w = weights[dofs.vertex(v, derivative)];
+        w = std::max(w, h);
+      }
+    }
+    for (const int e : mesh.edges_of(t)) weights[dofs.edge(e)] = std::max(weights[dofs.edge(e)], h);
+  }
+  return weights;
+}
+
+}  // namespace batten

@@ -40,7 +40,8 @@ struct MeshData {
   std::vector<int> first_triangle;  ///< index of the first triangle of each region
   VecX domain_scale;                ///< ModelLayout::domain_scale
   DofVertices vertices;
-  VecX ones;  ///< per dof: 1 for positions, 0 for derivatives
+  VecX ones;                  ///< per dof: 1 for positions, 0 for derivatives
+  VecX displacement_weights;  ///< displacement_weights() of the mesh
  private:
   mutable SparseMatrix mass_;
   mutable std::unique_ptr<PressureOperator> pressure_;
@@ -215,3 +216,17 @@ std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& pa
 size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen);
 
 }  // namespace batten::detail
+
+namespace batten {
+
+// Norm for the convergence test.
+
+/// Diagonal weights that turn changes of dofs into lengths: |Δq| times its weight is a length in
+/// model units.
+///
+/// The weight is 1 for positions. For slopes it is √(2 area) of the largest triangle of the domain
+/// that has the dof. It is 0 for dofs that belong only to triangles of which less than a twentieth
+/// lies inside the trim: rounding moves these, and they change nothing visible.
+VecX displacement_weights(const ParametricMesh& mesh, const Trim* trim);
+
+}  // namespace batten

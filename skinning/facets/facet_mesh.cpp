@@ -536,8 +536,9 @@ QuadraticElements quadratic_elements(const SkinnedRegion& region, double edge_le
   return result;
 }
 
-DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length) {
-  SampledMesh all = sample_mesh(region, n, edge_length);
+DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length,
+                     const SubdivisionRequest& requested) {
+  SampledMesh all = sample_mesh(region, n, edge_length, requested);
   DisplayFacets result;
   for (const auto& links : all.lines) {
     auto& chains = result.lines.emplace_back();

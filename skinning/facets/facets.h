@@ -79,11 +79,13 @@ struct DisplayFacets {
   std::vector<std::vector<std::vector<int>>> lines;
 };
 
-/// Builds facets for display by splitting each triangle into n² facets. Without embedded curves,
-/// these triangles are those of the element mesh (tessellate(mesh, n)). With embedded curves, they
-/// are those of quadratic_elements() for this `edge_length`, and facet vertices on curves have
-/// equidistant parameters within each edge. Throws as quadratic_elements() does.
-DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0);
+/// Builds facets for display by splitting each triangle of quadratic_elements() for this
+/// `edge_length` and this request into n² facets. The corners of these triangles have the same
+/// numbers as facet vertices and as nodes. Without embedded curves and without additional points in
+/// `requested`, the triangles are those of the element mesh (tessellate(mesh, n)). Facet vertices
+/// on curves have equidistant parameters within each edge. Throws as quadratic_elements() does.
+DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0,
+                     const SubdivisionRequest& requested = {});
 
 /// Message that explains why facets() would fail for a face, or "" if it would succeed. O(1)
 /// without embedded curves; otherwise the cost of facets().

@@ -68,6 +68,7 @@ class ModelMesher {
 
   ModelElements make() {
     result_.regions.resize(regions_.size());
+    result_.requests.resize(regions_.size());
     conform_regions();
     for (size_t r = 0; r < regions_.size(); ++r) place_nodes(r);
     join_nodes();
@@ -137,8 +138,8 @@ class ModelMesher {
         if (round >= rounds)
           throw InputError("tessellation of a model: face '" + regions_[r]->name +
                            "' and its neighbours have no matching element edges on their curves");
-        result_.regions[r] =
-            quadratic_elements(*regions_[r], edge_length_, request_for(r, round < halving_rounds));
+        result_.requests[r] = request_for(r, round < halving_rounds);
+        result_.regions[r] = quadratic_elements(*regions_[r], edge_length_, result_.requests[r]);
         made[r] = 1;
         changed = true;
         add_fractions_of(r);

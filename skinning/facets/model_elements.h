@@ -28,6 +28,9 @@ namespace batten {
 struct ModelElements {
   /// Elements of each face, with node numbers that are local to the face.
   std::vector<QuadraticElements> regions;
+  /// For each face, the request with which it was meshed. facets() for the same `edge_length` and
+  /// request gives facets that conform across faces.
+  std::vector<SubdivisionRequest> requests;
   /// For each face and each node of this face: the number of the node in the model, starting at 0,
   /// in the order of first occurrence.
   std::vector<std::vector<int>> node;

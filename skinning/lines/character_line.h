@@ -77,11 +77,11 @@ struct SmoothSegment {
   HermiteCurve prescribed_along(bool flipped) const;
 };
 
-/// Splits an input curve at its corners, unless it has a prescribed curve. `corner_angle`: change
-/// of direction at a corner, degrees. Throws InputError if the curve has zero length or points that
-/// are not finite, or if a prescribed curve has interior corners. Also throws InputError if the
-/// vertices of a prescribed curve do not ascend from start to end, or do not include the ends of
-/// all its cubic pieces.
+/// Splits an input curve at its corners, unless it has a prescribed curve. `corner_angle`: smallest
+/// change of direction that counts as a corner, degrees. Throws InputError if the curve has zero
+/// length or points that are not finite, or if a prescribed curve has interior corners. Also throws
+/// InputError if the vertices of a prescribed curve do not ascend from start to end, or do not
+/// include the ends of all its cubic pieces.
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle);
 
 /// The part of a curve between the parameters `from` < `to`.
@@ -117,15 +117,16 @@ class CurveDistance {
 
 // Samples of curves for fairing.
 
-/// Samples a curve for fair_in_stages(), evenly by arc length in each segment between corners.
+/// Samples a curve for fair_in_stages(), at equal steps of arc length between its corners.
 ///
-/// A segment gets 200 points times its fraction of the arc length, but at least eight, and at least
-/// eight per span between breaks (InputCurve::breaks()). CurveSamples::extra_points contains three
-/// more points between adjacent points. The last point of a closed curve equals the first one.
+/// The curve gets about 200 points, divided among its segments in proportion to their arc lengths,
+/// but each segment gets at least eight points per span between its breaks (InputCurve::breaks()).
+/// CurveSamples::extra_points contains three additional points between any two adjacent points. The
+/// last point of a closed curve equals the first one.
 ///
-/// `corner_angle`: change of direction at a corner, degrees; see corner_angle_of().
-/// CharacterLine::prescribed is ignored. Throws InputError if the curve has zero length or points
-/// that are not finite.
+/// `corner_angle`: smallest change of direction that counts as a corner, degrees; see
+/// corner_angle_of(). CharacterLine::prescribed is ignored. Throws InputError if the curve has zero
+/// length or points that are not finite.
 CurveSamples sample_line(const CharacterLine& line, double corner_angle);
 
 }  // namespace batten

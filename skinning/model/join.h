@@ -65,8 +65,8 @@ struct JoinSide {
 struct JoinLine {
   std::string name;
   std::array<JoinSide, 2> sides;
-  /// True if fairing makes the curvature continuous (G2) across this curve. Unset:
-  /// is_curvature_continuous() decides, by the curves that cross this curve.
+  /// True if fairing makes the curvature continuous (G2) across this curve, false if not. Unset:
+  /// is_curvature_continuous() determines it from the curves that cross this curve.
   std::optional<bool> curvature = {};
 };
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "batten/constraints/constrained_solver.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -183,7 +184,9 @@ ConstraintSet ModelLayout::gather(ConstraintSet (RegionLayout::*rows)() const,
   for (int r = 0; r < region_count(); ++r) {
     if (name_regions && region(r).corners().empty()) continue;
     const ConstraintSet own = (region(r).*rows)();
+    long next = 0;
     for (const auto& row : own.constraints()) {
+      poll_every<4096>(next++);
       std::vector<ConstraintSet::Entry> entries = row.entries;
       for (auto& e : entries) e.dof = dof_offsets(r)(e.dof);
       const std::string& name = own.names()[row.name];

@@ -45,8 +45,8 @@ struct ModelMetadata {
   /// A smooth join ends as a crease at a node at which the tangent planes of both faces differ by
   /// more than this angle, degrees.
   double max_plane_angle_deg = 0.1;
-  /// True: the rest shape of each face is the surface that the boundary curves suggest
-  /// (model_shapes.h). False: the rest state is flat, so that a face has the bending energy of the
+  /// True: the rest shape of each face is computed from its boundary curves (rest_dofs() in
+  /// model_shapes.h). False: the rest state is flat, so that a face has the bending energy of the
   /// shape itself.
   bool rest = true;
 };
@@ -59,11 +59,12 @@ struct ModelMetadata {
 /// one surface. For each coordinate, the 3 dofs of each vertex come first, face after face, and
 /// then the dof of each edge, face after face.
 ///
-/// The domain of each face is scaled by the size s_r of the face. The energy of the model is that
-/// of the model scaled from its size S to size 1, with the parameters U = u s_r/S. In the
-/// parameters u of a face, the bending stiffness therefore has the factor (S/s_r)², the membrane
-/// stiffness the factor 1, and an area of the domain the factor (s_r/S)². See domain_scale() and
-/// scale_to_regions().
+/// The domain of each face r is scaled to size 1: a length in its parameters u is about a length in
+/// space divided by the size s_r of the face. The energy of the model is computed as if the model
+/// were scaled from its size S to size 1, so it is an integral over the parameters U = u s_r/S, in
+/// which all faces have the same scale. Converted to the parameters u of face r, the bending
+/// stiffness has the factor (S/s_r)², the membrane stiffness the factor 1, and an area of the
+/// domain the factor (s_r/S)². See domain_scale() and scale_to_regions().
 ///
 /// Each face has its own constraints for a shared curve. Smooth joins are additional constraints on
 /// the dofs of both faces (join.h). All other shared curves are creases (G0): the faces share only
@@ -107,8 +108,8 @@ class ModelLayout {
   /// The curve called `name` and its representations in the faces. Throws InputError if there is no
   /// such curve; the message suggests the closest name.
   const ModelLine& model_line(const std::string& name) const;
-  /// The curve called `name` in space: its C1 cubic approximation in the first face that contains
-  /// the curve (ModelLine::sides). Throws as model_line() does.
+  /// The geometry in space of the curve called `name`: its C1 cubic approximation in the first face
+  /// that contains the curve (ModelLine::sides). Throws as model_line() does.
   const HermiteCurve& line(const std::string& name) const;
   /// The C1 cubic curve in space that represents a model curve in one face.
   const HermiteCurve& curve(const LineSide& side) const;
@@ -197,9 +198,9 @@ class ModelLayout {
   void plan_joins(const Points& shape);
   /// Turns the smooth join along a curve into a crease. `why`: the reason, a message for the user.
   void reject_join(const std::string& line, const std::string& why);
-  /// Largest relative change of the gluing functions (of the G1 conditions) at the ends of smooth
-  /// joins that plan_joins(shape) would cause. Infinite if a crease at the end of a join would
-  /// appear or disappear, or if a join would be rejected. Call plan_joins() if the value is not
+  /// Largest relative change that a call of plan_joins(shape) would make to the gluing functions
+  /// (of the G1 conditions) at the ends of smooth joins. Infinite if the call would create or
+  /// remove a crease at the end of a join, or reject a join. Call plan_joins() if the value is not
   /// small.
   double gluing_change(const Points& shape) const;
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 
 namespace batten {
@@ -13,7 +14,9 @@ ModelProjector::ModelProjector(const ModelLayout& layout, const Points& dofs)
     const RegionLayout& of = layout.region(r);
     Region region{
         Surface(of.mesh(), of.element(), layout.region_dofs(r, dofs), of.trim()), Box3(), {}};
+    long next = 0;
     for (const auto& corners : of.mesh()->triangles()) {
+      poll_every<16384>(next++);
       Box3 box;
       for (const int v : corners)
         box.extend(region.surface.dofs().row(region.surface.dof_map().vertex(v)).transpose());

@@ -56,8 +56,10 @@ struct NormalSide {
   Rule rule = Rule::None;    ///< first applicable rule, in the order Volume to Moment
   bool agrees = true;        ///< false: normals point opposite to the rule
   Vec3 mean = Vec3::Zero();  ///< area-weighted mean of the unit normals
-  /// Direction of the normals in words, for messages: "outwards", "to the convex side", "along +z",
-  /// … ("inwards" and "to the concave side" if the normals are opposite to the rule).
+  /// Direction of the normals in words, for messages: "outwards" (Volume), "to the convex side"
+  /// (Curvature) or, for example, "along +z" (Axis); "inwards" and "to the concave side" if the
+  /// normals are opposite to the rule; "to one of two equivalent sides" for the rules Moment and
+  /// None.
   std::string text() const;
 };
 

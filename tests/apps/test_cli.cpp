@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "batten/apps/cli/commands.h"
-#include "batten/apps/commands/runs/run_support.h"
+#include "batten/scenes/runs/run_support.h"
 
 using namespace batten_test;
 

@@ -1,10 +1,14 @@
 // batten convert and batten info on CAD files.
 #include <cmath>
 
+#include "batten/io/lines/drawing.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten_test;
+using batten::Drawing;
+using batten::read_drawing;
+using batten::Vec3;
 
 namespace {
 
@@ -158,10 +162,61 @@ TEST_CASE("curves are converted between formats and into CAD files", "[apps][con
   contains_text(c.run({"info", "n.step"}).out, "STEP AP242, in mm: 1 product, 2 curves");
   CHECK(c.run({"convert", "l.step", "l.iges"}).code == 0);
   CHECK(c.run({"convert", "l.iges", "back.csv", "--unit", "cm"}).code == 0);
-  contains_text(contents(c / "back.csv"), "# rib");
+  contains_text(contents(c / "back.csv"), ",rib\n");
   CHECK(c.run({"convert", "l.step", "l.obj"}).code == 0);  // without faces: curves
   contains_text(contents(c / "l.obj"), "\nl 1 2 ");
   CHECK(c.run({"convert", (kSeeds / "drawings/plate.svg").string(), "plate.step"}).code == 0);
+}
+
+TEST_CASE("names, units and cubic curves survive conversions between drawings", "[apps][convert]") {
+  const CliCase c("convert_drawings");
+  c.file("l.csv",
+         "x,y,z,curve\n0,0,0,left <1>\n10,2,0,left <1>\n20,5,0,left <1>\n30,5,0,left <1>\n"
+         "0,0,0,\"Größe, \"\"2\"\"\"\n0,7,0,\"Größe, \"\"2\"\"\"\n9,7,0,\"Größe, \"\"2\"\"\"\n");
+  const auto convert = [&](const std::string& from, const std::string& to) {
+    const CliResult r = c.run({"convert", from, to});
+    INFO(from << " to " << to << "\n" << r.err);
+    CHECK(r.code == 0);
+    CHECK(r.err.empty());
+    return r.out;
+  };
+  CHECK(c.run({"convert", "l.csv", "a.dxf", "--from-unit", "in"}).code == 0);
+  CHECK(convert("a.dxf", "a.svg").find("assumed") == std::string::npos);
+  contains_text(convert("a.svg", "b.dxf"), "2 curves, in in");
+  const Drawing a = read_drawing(c / "a.dxf"), b = read_drawing(c / "b.dxf");
+  CHECK(a.unit_in_metres == 0.0254);
+  CHECK(b.unit_in_metres == 0.0254);
+  REQUIRE(a.lines.size() == 2);
+  REQUIRE(b.lines.size() == 2);
+  for (const Drawing& drawing : {a, b}) {
+    CHECK(drawing.lines[0].name == "left <1>");
+    CHECK(drawing.lines[1].name == "Größe, \"2\"");
+    CHECK(drawing.lines[1].points == std::vector<Vec3>{{0, 0, 0}, {0, 7, 0}, {9, 7, 0}});
+  }
+  // The parameters of the curves differ, but not their cubic pieces.
+  const auto &before = a.lines[0].curve, &after = b.lines[0].curve;
+  REQUIRE(before);
+  REQUIRE(after);
+  const std::vector<double> t = before->breaks(), s = after->breaks();
+  REQUIRE(t.size() == s.size());
+  for (size_t i = 0; i + 1 < t.size(); ++i)
+    for (const double part : {0.0, 0.3, 0.9})
+      CHECK((before->evaluate(t[i] + part * (t[i + 1] - t[i])) -
+             after->evaluate(s[i] + part * (s[i + 1] - s[i])))
+                .norm() < 1e-12 * 30);
+  // Names pass through CAD files, and curves in space do not fit into an SVG file.
+  convert("b.dxf", "c.step");
+  convert("c.step", "d.iges");
+  convert("d.iges", "e.csv");
+  contains_text(contents(c / "e.csv"), ",left <1>\n");
+  contains_text(contents(c / "e.csv"), ",\"Größe, \"\"2\"\".1\"\n");
+  c.file("space.csv", "0,0,0\n10,0,1\n20,5,0\n");
+  const CliResult refused = c.run({"convert", "space.csv", "a.svg"});
+  CHECK(refused.code == 1);
+  contains_text(refused.err, "write a .dxf file");
+  CHECK(read_drawing(c / "a.svg").lines.size() == 2);
+  CHECK(c.run({"fair", "l.csv", "--out", "fair.svg"}).code == 0);
+  contains_text(contents(c / "fair.svg"), "inkscape:label=\"left &lt;1&gt;\"");
 }
 
 TEST_CASE("conversions that are not supported are refused with the reason", "[apps][convert]") {

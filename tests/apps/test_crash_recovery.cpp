@@ -4,7 +4,7 @@
 #include <random>
 #include <thread>
 
-#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/documents/document_worker.h"
 #include "batten/io/scene/scene.h"
 #include "batten/tests/apps/cli_case.h"
 

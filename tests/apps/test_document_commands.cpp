@@ -3,11 +3,11 @@
 #include <numbers>
 #include <thread>
 
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/document_worker.h"
-#include "batten/apps/commands/documents/edited_shape.h"
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/document_worker.h"
+#include "batten/apps/documents/edited_shape.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/apps/inflated_panel.h"
 

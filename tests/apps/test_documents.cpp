@@ -2,14 +2,14 @@
 #include <chrono>
 #include <thread>
 
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/document_worker.h"
-#include "batten/apps/commands/documents/edited_mesh.h"
-#include "batten/apps/commands/documents/edited_shape.h"
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/document_worker.h"
+#include "batten/apps/documents/edited_mesh.h"
+#include "batten/apps/documents/edited_shape.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/io/scene/scene.h"
+#include "batten/scenes/commands.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/apps/inflated_panel.h"
 

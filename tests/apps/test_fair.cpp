@@ -61,7 +61,7 @@ double distance(const std::vector<Vec3>& points, const Vec3& p) {
 TEST_CASE("a drawn file becomes a fair one of any kind, with as many points", "[apps][fair]") {
   const CliCase c("fair_kinds");
   c.file("two.csv", "x,y,z\n" + wave(0.5) + "\n" + ring(0.5));
-  for (const std::string ending : {".curves", ".csv", ".obj", ".vtp", ".step", ".iges"}) {
+  for (const std::string ending : {".curves", ".csv", ".obj", ".vtp", ".dxf", ".step", ".iges"}) {
     const CliResult r = c.run({"fair", "two.csv", "--out", "fair" + ending, "--report", "r.json"});
     INFO(ending << "\n" << r.err);
     REQUIRE(r.code == 0);

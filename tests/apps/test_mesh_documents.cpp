@@ -1,9 +1,9 @@
 // Documents of meshes: successive edits, interactive, with undo, and equal to the results of
 // `batten deform`.
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/edited_mesh.h"
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/edited_mesh.h"
+#include "batten/apps/documents/mesh_edits.h"
+#include "batten/scenes/commands.h"
 #include "batten/tests/apps/cli_case.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // Documents of deforming meshes: results of batten sequence, with editing and undo.
-#include "batten/apps/commands/commands.h"
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/edited_sequence.h"
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/edited_sequence.h"
+#include "batten/apps/documents/mesh_edits.h"
 #include "batten/io/sequences/sequence_files.h"
+#include "batten/scenes/commands.h"
 #include "batten/tests/apps/cli_case.h"
 
 using namespace batten;

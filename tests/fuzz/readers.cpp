@@ -9,9 +9,9 @@
 #include <new>
 #include <string>
 
-#include "batten/apps/commands/commands.h"
 #include "batten/core/errors.h"
 #include "batten/io/sessions/session_log.h"
+#include "batten/scenes/commands.h"
 
 namespace {
 

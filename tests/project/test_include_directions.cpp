@@ -89,7 +89,7 @@ std::vector<File> source_files() {
   const std::regex include_line("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
   std::vector<File> files;
   for (const char* folder : {"core", "elements", "fem", "constraints", "analysis", "fairing",
-                             "skinning", "sculpting", "mesh", "io", "apps"})
+                             "skinning", "sculpting", "mesh", "io", "scenes", "apps"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
       File file{fs::relative(entry.path(), root).string(), {}};
@@ -102,8 +102,14 @@ std::vector<File> source_files() {
   return files;
 }
 
-/// A file's name without its extension: a header and its source count as one.
-std::string stem(const std::string& path) { return path.substr(0, path.rfind('.')); }
+/// A file's name without its extension: a header and its source count as one, and so does the header
+/// of the private data of a class, NAME_data.h beside NAME.h.
+std::string stem(const std::string& path) {
+  const std::string name = path.substr(0, path.rfind('.')), data = "_data";
+  if (!name.ends_with(data)) return name;
+  const std::string owner = name.substr(0, name.size() - data.size());
+  return fs::exists(root / (owner + ".h")) ? owner : name;
+}
 
 }  // namespace
 

@@ -12,8 +12,9 @@ import unittest
 from pathlib import Path
 
 BUILD, SCRATCH = Path(sys.argv[1]), Path(sys.argv[2])
+SOURCE = Path(__file__).resolve().parents[2]
 ROOT = SCRATCH / "root"
-COMPONENTS = {"program": "batten", "studio": "batten-studio", "freecad": "batten-freecad", "python": "python3-batten"}
+COMPONENTS = {"program": "batten", "dev": "libbatten-dev", "studio": "batten-studio", "freecad": "batten-freecad", "python": "python3-batten"}
 
 
 def run(*command, **more):
@@ -52,9 +53,13 @@ class Packages(unittest.TestCase):
         self.assertEqual(set(self.debs), {COMPONENTS[component] for component in built()})
         for name, deb in self.debs.items():
             depends = run("dpkg-deb", "-f", deb, "Depends")
-            self.assertIn("freecad" if name == "batten-freecad" else "libc6", depends, name)
+            self.assertIn({"batten-freecad": "freecad", "libbatten-dev": "libeigen3-dev"}.get(name, "libc6"), depends, name)
 
-    def test_the_program_makes_a_lesson_of_its_package(self):
+    def test_programs_use_the_library_of_its_package(self):
+        run("cmake", "-D", f"BUILD={BUILD}", "-D", f"SOURCE={SOURCE}", "-D", "GENERATOR=Ninja", "-D", f"PREFIX={ROOT / 'usr'}",
+            "-D", "COMPONENTS=io,cad,drawings,scenes", "-P", SOURCE / "tests/project/consumer.cmake")
+
+    def test_the_program_makes_an_example_of_its_package(self):
         if not os.environ.get("DISPLAY"):
             self.skipTest("no display: the example has pictures")
         scene = ROOT / "usr/share/doc/batten/examples/01-pentagon/scene.toml"

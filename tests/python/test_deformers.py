@@ -1,9 +1,12 @@
-"""Deformers: features keep their shape; the same bits as the example in C++."""
+"""Meshes and deformers: features keep their shape; the same bits as the example in C++."""
 
+import copy
 import math
 import os
+import pickle
 import subprocess
 import unittest
+from types import SimpleNamespace
 
 from properties import PropertyTests, batten, example, grid, np, run_program
 
@@ -69,11 +72,11 @@ class Deformers(PropertyTests):
         first = deformer.deform({"end": batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60)})
         self.assertLess(similarity_error(points[feature], first[feature]), 1e-12)
         self.assertGreater(np.abs(first[feature] - points[feature]).max(), 0.1)
-        copy = first.copy()
+        kept = first.copy()
         other = deformer.deform({"end": batten.Move(translate=[0.1, 0, 0])}, scales={"patch": 1.2})
         self.assertLess(similarity_error(1.2 * points[feature], other[feature]), 1e-12)
-        self.same_bits(first, copy)  # results do not change later
-        self.same_bits(deformer.deform({"end": batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60)}), copy)
+        self.same_bits(first, kept)  # results do not change later
+        self.same_bits(deformer.deform({"end": batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60)}), kept)
         np.testing.assert_allclose(deformer.deform({}), points, atol=1e-14)
         np.testing.assert_allclose(deformer.deform({"end": batten.Move()}), points, atol=1e-14)
 
@@ -116,6 +119,9 @@ class Deformers(PropertyTests):
         self.assertTrue(deck)
         name = next(n for n in reversed(edit.parameters) if n.endswith((".x", ".y", ".z")))
         before, number = edit.points, edit[name]
+        self.assertIn(name, edit)
+        self.assertNotIn("no such", edit)
+        self.assertEqual(list(edit), list(edit.parameters))
         edit[name] = number + 1
         edit.update()
         self.assertGreater(np.abs(edit.points - before).max(), 1e-3)
@@ -134,6 +140,118 @@ class Deformers(PropertyTests):
         self.assertEqual([float(frame[0, 2]) for frame in (frames[0], frames[-1])], [0, 2])
         with self.assertRaises(IndexError):
             frames[3]
+
+
+class Meshes(PropertyTests):
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]])
+
+    def refused(self, words, call, *arguments, **named):
+        with self.assertRaises(batten.InputError) as raised:
+            call(*arguments, **named)
+        self.assertIn(words, str(raised.exception))
+
+    def test_faces_are_triangles_quads_or_a_mixture(self):
+        points = self.points
+        quads = batten.Mesh(points, np.array([[0, 1, 2, 3]]))
+        self.assertEqual((quads.faces, quads.triangles.shape), ([(0, 1, 2, 3)], (2, 3)))
+        mixed = batten.Mesh(points, [[0, 1, 2, 3], (1, 4, 2)])
+        self.assertEqual(mixed.faces, [(0, 1, 2, 3), (1, 4, 2)])
+        self.assertEqual(list(mixed.triangle_faces), [0, 0, 1])
+        self.assertEqual([list(loop) for loop in mixed.boundary_loops], [[0, 1, 4, 2, 3]])
+        self.assertEqual(batten.Mesh(points, [[0, 1, 4, 2, 3]]).faces, [(0, 1, 4, 2, 3)])
+        self.assertEqual(batten.Mesh(points, triangles=[[0, 1, 2]]).faces, [(0, 1, 2)])
+        np.testing.assert_array_equal(mixed.bounds, [[0, 0, 0], [2, 1, 0]])
+        self.assertEqual(list(mixed.vertices_in([0, 0, 0], [0, 1, 0])), [0, 3])
+        self.assertEqual(mixed.format, "")
+        self.assertIn("5 nodes, 2 faces", repr(mixed))
+        self.refused("expected 0 to 4", batten.Mesh, points, [[0, 1, 2, 3], [1, 5, 2]])
+        self.refused("found an array of 2 for one face", batten.Mesh, points, [[0, 1, 2], [1, 2]])
+        self.refused("type 'float64'", batten.Mesh, points, [[0, 1, 2, 3], [1, 4, 2.5]])
+        self.refused("m×3 or m×4", batten.Mesh, points, np.array([[0, 1, 4, 2, 3]]))
+        self.refused("found points without triangles", batten.Mesh, points)
+        self.refused("lower corner first", mixed.vertices_in, [0, 0, 1], [1, 1, 0])
+        self.refused("not read from a file", mixed.save_as_read, self.file("x.obj"), points)
+
+    def test_a_mesh_of_meshio(self):
+        cells = [SimpleNamespace(type="triangle", data=np.array([[1, 4, 2]])), ("quad", [[0, 1, 2, 3]])]
+        given = SimpleNamespace(points=self.points, cells=cells)
+        mesh = batten.Mesh(given)
+        self.assertEqual(mesh.faces, [(1, 4, 2), (0, 1, 2, 3)])
+        self.same_bits(np.ascontiguousarray(mesh.points), self.points)
+        self.assertEqual(batten.Deformer(given, fixed=[0]).mesh.faces, mesh.faces)
+        given.cells = [("triangle6", [[0, 1, 2, 3, 4, 0]])]
+        self.refused("the type 'triangle6', expected cells of the types triangle and quad", batten.Mesh, given)
+        given.cells = [5]
+        self.refused("cells: found 5", batten.Mesh, given)
+        try:
+            import meshio
+        except ImportError:
+            self.skipTest("python3-meshio is not there")
+        quad = meshio.Mesh(self.points, [("quad", np.array([[0, 1, 2, 3]]))])
+        self.assertEqual(batten.Mesh(quad).faces, [(0, 1, 2, 3)])
+
+    def test_copies_and_pickles_of_meshes(self):
+        deck = batten.read_mesh(example("11-panel", "panel.bdf"))
+        self.assertIs(copy.copy(deck), deck)
+        self.assertIs(copy.deepcopy({"mesh": deck})["mesh"], deck)
+        again = pickle.loads(pickle.dumps(deck))
+        self.same_bits(again.points, deck.points)
+        self.same_bits(again.triangles, deck.triangles)
+        self.same_bits(again.triangle_faces, deck.triangle_faces)
+        self.assertEqual(again.faces, deck.faces)
+        self.assertEqual({name: (list(s["nodes"]), list(s["faces"])) for name, s in again.sets.items()},
+                         {name: (list(s["nodes"]), list(s["faces"])) for name, s in deck.sets.items()})
+        self.refused("not read from a file", again.save_as_read, self.file("x.bdf"), again.points)
+        moved = deck.with_points(deck.points + [0, 0, 1])
+        self.same_bits(np.ascontiguousarray(moved.points), np.ascontiguousarray(deck.points) + [0, 0, 1])
+        self.assertEqual(moved.faces, deck.faces)
+
+    def plate(self, **named):
+        mesh = batten.read_mesh(example("10-plate-with-holes", "plate.obj"))
+        return mesh, batten.Deformer(
+            mesh, fixed=mesh.vertices_in([0, 0, 0], [0, 300, 0]),
+            handles={"end": mesh.vertices_in([300, 0, 0], [300, 300, 0])},
+            features={hole.name: hole.vertices for hole in mesh.holes()}, **named)
+
+    def test_holes_keep_their_radius(self):
+        mesh, deformer = self.plate()
+        holes = mesh.holes()
+        self.assertEqual([hole.name for hole in holes], [f"hole-{i}" for i in range(1, 6)])
+        np.testing.assert_allclose(holes[2].centre, [150, 150, 0], atol=1e-8)
+        self.assertAlmostEqual(holes[2].radius, 42, places=8)
+        self.assertIn("'hole-3': radius 42", repr(holes[2]))
+        self.assertTrue(set(holes[2].loop) < set(holes[2].vertices))
+        self.assertGreater(len(mesh.holes(flange_width=20)[0].vertices), len(holes[0].vertices))
+        self.refused("flange_width: found -1", mesh.holes, -1)
+        bent = deformer.deform({"end": batten.Move(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75)})
+        for hole in holes:
+            after = batten.measure_hole(bent, hole.loop)
+            self.assertLess(abs(after["radius"] / hole.radius - 1), 1e-12)
+        self.assertLess(deformer.residual, 1e-12)
+
+    def test_a_deformer_is_its_mesh_and_its_settings(self):
+        mesh, deformer = self.plate(region_of_interest=np.ones(2784, bool))
+        moves = {"end": batten.Move(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75)}
+        bent = deformer.deform(moves, scales={"hole-1": 1.1})
+        for again in (pickle.loads(pickle.dumps(deformer)), copy.copy(deformer), copy.deepcopy(deformer)):
+            self.same_bits(np.ascontiguousarray(again.positions), np.ascontiguousarray(mesh.points))
+            self.same_bits(again.deform(moves, scales={"hole-1": 1.1}), bent)
+        self.assertEqual(deformer.mesh.faces, mesh.faces)
+        self.refused("expected a handle's name; did you mean 'end'?", deformer.deform, {"ende": batten.Move()})
+        self.refused("expected a feature's name; did you mean 'hole-1'?", deformer.deform, {}, scales={"hole1": 2})
+        self.same_bits(np.ascontiguousarray(deformer.positions), np.ascontiguousarray(bent))
+
+    def test_a_move_can_be_read_and_pickled(self):
+        move = batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60, about=[1, 0, 0])
+        self.assertEqual(
+            repr(move), "batten.Move(translate=(0.0, 0.0, 0.4), axis=(0.0, 1.0, 0.0), angle=-60.0, "
+            "about=(1.0, 0.0, 0.0))")
+        for again in (eval(repr(move)), pickle.loads(pickle.dumps(move)), copy.deepcopy(move)):
+            self.assertEqual(repr(again), repr(move))
+        self.assertEqual((list(move.translate), list(move.about)), ([0, 0, 0.4], [1, 0, 0]))
+        self.assertEqual((move.angle, move.scale), (-60, 1))
+        self.assertEqual(repr(batten.Move()), "batten.Move()")
+        self.assertIsNone(batten.Move(scale=2).about)
 
 
 if __name__ == "__main__":

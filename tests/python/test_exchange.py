@@ -93,7 +93,7 @@ assert model.save(sys.argv[1]) == []
                 model.picture(self.file("x.png"))
         else:
             self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertIn("1 faces", repr(model))
+        self.assertIn("1 face,", repr(model))
 
     def test_the_import_is_lean(self):
         code = "import sys, batten; print([m for m in ('meshio', 'vtkmodules', 'pyvista', 'json') if m in sys.modules])"

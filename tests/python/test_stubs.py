@@ -1,11 +1,13 @@
 """The stubs match the module: every name, and every argument with its order, kind and default."""
 
 import ast
+import inspect
 import os
-import re
+import subprocess
+import sys
 import unittest
 
-from properties import PropertyTests, batten
+from properties import PropertyTests, batten, example
 
 
 def arguments_of(function):
@@ -16,12 +18,15 @@ def arguments_of(function):
         [(x.arg, True, d is not None) for x, d in zip(a.kwonlyargs, a.kw_defaults)]
 
 
-def signature_in(words):
-    """The signature in the first line of a pybind11 docstring, or None."""
-    line = (words or "").split("\n")[0].replace("inf", "9e9")
-    if not re.match(r"\w+\(.*\) -> ", line):
+def signature_of(function):
+    """(name, keyword only, has a default) of each argument as inspect reads them, or None."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
         return None
-    return arguments_of(ast.parse("def " + line + ": ...").body[0])
+    if any(p.kind == p.VAR_POSITIONAL for p in parameters):  # of a class without constructor
+        return None
+    return [(p.name, p.kind == p.KEYWORD_ONLY, p.default is not p.empty) for p in parameters if p.name != "self"]
 
 
 def members_of_module(owner, names):
@@ -31,7 +36,7 @@ def members_of_module(owner, names):
         if isinstance(thing, property):
             found[name] = "property"
         elif callable(thing):
-            found[name] = signature_in(thing.__doc__) if signature_in(thing.__doc__) is not None else []
+            found[name] = signature_of(thing) or []
     return found
 
 
@@ -39,7 +44,8 @@ def members_of_stub(body):
     found = {}
     for node in body:
         if isinstance(node, ast.FunctionDef):
-            found[node.name] = "property" if node.decorator_list else arguments_of(node)
+            decorators = [d.id for d in node.decorator_list if isinstance(d, ast.Name)]
+            found[node.name] = "property" if "property" in decorators else arguments_of(node)
     return found
 
 
@@ -67,9 +73,18 @@ class Stubs(PropertyTests):
                 continue
             special = {"__getitem__", "__setitem__", "__len__"}
             names = [n for n in vars(cls) if not n.startswith("_") or n in special]
-            if signature_in(cls.__init__.__doc__) is not None:
+            if cls.__init__ is not object.__init__ and signature_of(cls.__init__) is not None:
                 names.append("__init__")
             self.assertEqual(members_of_stub(self.classes[name].body), members_of_module(cls, names), name)
+
+    def test_mypy_accepts_the_stubs_and_the_example(self):
+        if subprocess.run([sys.executable, "-m", "mypy", "--version"], capture_output=True).returncode:
+            self.skipTest("mypy is not there")
+        done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", self.folder,
+                               os.path.join(os.path.dirname(batten.__file__), "_batten.pyi"), example("31-python", "glass.py")],
+                              env={**os.environ, "MYPYPATH": os.path.dirname(os.path.dirname(batten.__file__))},
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_everything_public_is_in_the_package_and_has_words(self):
         public = {n for n in dir(batten._batten) if not n.startswith("_")}

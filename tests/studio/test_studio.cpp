@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/line_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"

@@ -7,9 +7,9 @@
 #include <QTableWidget>
 #include <QTimer>
 
-#include "batten/apps/commands/documents/document.h"
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/document.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 

@@ -2,7 +2,7 @@
 #include <QAction>
 #include <QPushButton>
 
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/mesh_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/meshes/mesh_file.h"

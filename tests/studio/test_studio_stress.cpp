@@ -6,8 +6,8 @@
 #include <QTableWidget>
 #include <QTreeWidgetItemIterator>
 
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/tests/studio/window_case.h"
 

@@ -1,9 +1,9 @@
 // `batten skin curves.csv` in the test process: the same calls, and the resulting shape as facets.
 #pragma once
 
+#include "batten/core/errors.h"
 #include "batten/scenes/commands.h"
 #include "batten/scenes/shapes/shape_files.h"
-#include "batten/core/errors.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/tests/support/expected_shapes.h"
 

@@ -18,10 +18,12 @@ from ._batten import (
     ConflictError,
     Curve,
     Deformer,
+    Edge,
     Error,
     FairCurve,
     FeatureRegions,
     FileError,
+    Hole,
     InputError,
     Mesh,
     MeshEdit,
@@ -32,6 +34,10 @@ from ._batten import (
     Sequence,
     Session,
     SolveReport,
+    Stress,
+    StressCase,
+    StressPoint,
+    SurfacePoint,
     __version__,
     convert,
     deform,
@@ -52,9 +58,9 @@ from ._batten import (
 )
 
 __all__ = [
-    "CancelledError", "ConflictError", "Curve", "Deformer", "Error", "FairCurve", "FeatureRegions",
-    "FileError", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
-    "SolveReport", "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_curves", "read_mesh",
+    "CancelledError", "ConflictError", "Curve", "Deformer", "Edge", "Error", "FairCurve", "FeatureRegions",
+    "FileError", "Hole", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
+    "SolveReport", "Stress", "StressCase", "StressPoint", "SurfacePoint", "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_curves", "read_mesh",
     "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_curves",
 ]
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/documents/document_view.h"
 #include "batten/apps/studio/view/shape_colours.h"
 #include "batten/sculpting/session/session_results.h"
 

@@ -521,7 +521,7 @@ void ShapeView::click(const QPoint& at, bool shift) {
   select(line.empty() ? region : line);
   if (const auto hit = actors_->surface_at(p.x(), p.y()); hit && !view_->mesh)
     hooks_.query_surface_point(
-        *hit, [this](const SurfacePoint& surface_point) { clicked_ = surface_point; });
+        *hit, [this](const PickedPoint& surface_point) { clicked_ = surface_point; });
   hooks_.selected(line, region);
   if (!line.empty() && line_points_.empty() && !view_->mesh) hooks_.hint(text(kHintCurveFromFile));
 }

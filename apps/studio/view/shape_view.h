@@ -9,9 +9,9 @@
 #include <memory>
 #include <optional>
 
-#include "batten/apps/commands/documents/document_worker.h"
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/document_worker.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/apps/studio/view/shape_actors.h"
 
 class QMouseEvent;
@@ -50,7 +50,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   /// Callbacks to the main window.
   struct Hooks {
     std::function<void(DocumentCommand)> post;
-    std::function<void(const Vec3&, std::function<void(const SurfacePoint&)>)> query_surface_point;
+    std::function<void(const Vec3&, std::function<void(const PickedPoint&)>)> query_surface_point;
     std::function<void(const std::string& line, const std::string& region)> selected;
     /// Shows in the status bar what the user can do next.
     std::function<void(const QString&)> hint;
@@ -83,7 +83,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   /// Selected point of the selected curve, 0-based; -1: none.
   int selected_point() const { return selected_point_; }
   /// Point of the surface that was clicked last; empty: none.
-  const std::optional<SurfacePoint>& clicked() const { return clicked_; }
+  const std::optional<PickedPoint>& clicked() const { return clicked_; }
   /// Removes the selected point from its curve. Returns false if there is none.
   bool remove_point();
   /// Selects a curve, region or part of a mesh by name.
@@ -126,7 +126,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   void click(const QPoint& at, bool shift);
   void show_value(const QPoint& at);
   void start_push(const QPoint& at);
-  void start_load(const SurfacePoint& place);
+  void start_load(const PickedPoint& place);
   void follow_push();
   void fix_point(const QPoint& at, bool normal);
   void end_push();
@@ -202,7 +202,7 @@ class ShapeView : public QVTKOpenGLNativeWidget {
   std::vector<QPoint> lasso_;
   std::shared_ptr<Stroke> stroke_;
   std::string paint_kind_ = "pressure";
-  std::optional<SurfacePoint> clicked_;
+  std::optional<PickedPoint> clicked_;
   QTimer* swing_ = nullptr;
   int mode_frame_ = 0;             // frames since the animation started
   std::vector<Vec3> line_points_;  // points of the selected curve, as defined in the scene

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <utility>
 
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/mesh_edits.h"
 #include "batten/apps/studio/view/gizmo.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/view/strings.h"
@@ -37,13 +37,13 @@ void ShapeView::start_push(const QPoint& at) {
   push->name = view_->free_name("push");
   push_ = push;
   const std::weak_ptr<Push> waiting = push;
-  hooks_.query_surface_point(*p, [this, waiting](const SurfacePoint& surface_point) {
+  hooks_.query_surface_point(*p, [this, waiting](const PickedPoint& surface_point) {
     if (waiting.lock()) start_load(surface_point);
   });
 }
 
 // Adds the load with value 0, then sets it to 1 to measure the compliance of the surface.
-void ShapeView::start_load(const SurfacePoint& surface_point) {
+void ShapeView::start_load(const PickedPoint& surface_point) {
   Push& push = *push_;
   push.start = surface_point.present;
   push.normal = surface_point.normal;
@@ -101,7 +101,7 @@ void ShapeView::fix_point(const QPoint& at, bool normal) {
       return hooks_.selected("", handle.name);
   const std::optional<Vec3> p = actors_->surface_at(window.x(), window.y());
   if (!p) return;
-  hooks_.query_surface_point(*p, [this, normal](const SurfacePoint& surface_point) {
+  hooks_.query_surface_point(*p, [this, normal](const PickedPoint& surface_point) {
     created_ = view_->free_name(normal ? "normal" : "point");
     const double size = view_->size;
     const std::string what =
@@ -426,7 +426,7 @@ void ShapeView::paint_area(const QPoint& at) {
     const double radius = (from_window(side) - *p).norm();
     ++stroke_->asked;
     hooks_.query_surface_point(
-        *p, [this, stroke = stroke_, radius](const SurfacePoint& surface_point) {
+        *p, [this, stroke = stroke_, radius](const PickedPoint& surface_point) {
           stroke->dabs.push_back({rounded_point(surface_point.unloaded, view_->size),
                                   rounded_point({radius, 0, 0}, view_->size).x()});
           mark_near(surface_point.unloaded, radius, !stroke->erases);

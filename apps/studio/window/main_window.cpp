@@ -26,7 +26,7 @@
 #include <cmath>
 #include <utility>
 
-#include "batten/apps/commands/documents/line_edits.h"
+#include "batten/apps/documents/line_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/files/text.h"
 
@@ -107,7 +107,7 @@ void MainWindow::make_panels() {
                              sliders_->show_live_value(command.key, command.value);
                            this->post(std::move(command));
                          },
-                         [this](const Vec3& near, std::function<void(const SurfacePoint&)> found) {
+                         [this](const Vec3& near, std::function<void(const PickedPoint&)> found) {
                            worker_->query_surface_point(near, std::move(found));
                          },
                          [this](const std::string& line, const std::string& region) {

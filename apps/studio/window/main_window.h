@@ -9,7 +9,7 @@
 #include <functional>
 #include <memory>
 
-#include "batten/apps/commands/documents/document_worker.h"
+#include "batten/apps/documents/document_worker.h"
 #include "batten/apps/studio/view/shape_view.h"
 #include "batten/apps/studio/window/model_tree.h"
 #include "batten/apps/studio/window/property_panel.h"

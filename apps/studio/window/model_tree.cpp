@@ -5,8 +5,8 @@
 #include <QStyle>
 #include <algorithm>
 
-#include "batten/apps/commands/documents/load_edits.h"
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/load_edits.h"
+#include "batten/apps/documents/mesh_edits.h"
 #include "batten/apps/studio/view/strings.h"
 
 namespace batten::studio {

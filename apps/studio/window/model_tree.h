@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/documents/document_view.h"
 
 namespace batten::studio {
 

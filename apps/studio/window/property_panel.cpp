@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <string>
 
-#include "batten/apps/commands/documents/line_edits.h"
-#include "batten/apps/commands/documents/mesh_edits.h"
+#include "batten/apps/documents/line_edits.h"
+#include "batten/apps/documents/mesh_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/scene/scene_text.h"
 

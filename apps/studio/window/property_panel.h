@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "batten/apps/commands/documents/document_content.h"
-#include "batten/apps/commands/documents/document_view.h"
-#include "batten/apps/commands/documents/load_edits.h"
+#include "batten/apps/documents/document_content.h"
+#include "batten/apps/documents/document_view.h"
+#include "batten/apps/documents/load_edits.h"
 #include "batten/apps/studio/window/model_tree.h"
 #include "batten/apps/studio/window/slider_panels.h"
 
@@ -26,7 +26,7 @@ class PropertyPanel : public QWidget {
   /// Selection in the 3-D view.
   struct ViewSelection {
     std::function<int()> point;  ///< selected point of the selected curve; -1: none
-    std::function<std::optional<SurfacePoint>()> surface_point;  ///< clicked point of the surface
+    std::function<std::optional<PickedPoint>()> surface_point;  ///< clicked point of the surface
   };
   PropertyPanel(QWidget* parent, std::function<void(DocumentCommand)> post,
                 ViewSelection selection);

@@ -8,8 +8,8 @@
 #include <functional>
 #include <vector>
 
-#include "batten/apps/commands/documents/document_command.h"
-#include "batten/apps/commands/documents/document_view.h"
+#include "batten/apps/documents/document_command.h"
+#include "batten/apps/documents/document_view.h"
 
 class QDoubleSpinBox;
 class QFormLayout;

@@ -13,8 +13,11 @@ namespace batten {
 /// Options of edited_centres() and edited().
 struct TrajectoryOptions {
   enum class Smoothness {
-    PiecewiseLinear,  ///< least first differences: the change has kinks at keyframes
-    Smooth            ///< least second derivatives: the change is smooth at keyframes
+    /// Minimises first differences (equation (5) of edited_centres()). The change of the trajectory
+    /// is continuous, but its velocity jumps at keyframes.
+    PiecewiseLinear,
+    /// Minimises second derivatives. The velocity of the change is continuous at keyframes, too.
+    Smooth
   };
   Smoothness smoothness = Smoothness::Smooth;
   InfluenceInterval influence;
@@ -30,10 +33,10 @@ struct TrajectoryOptions {
 ///
 /// Let g_k be the cumulative sum of (R_k + R_{k+1})/2 (c_{k+1} - c_k). In the solution of (5), the
 /// remainder x = c' - g is linear over the frames between two keyframes, so no system has to be
-/// solved. For Smoothness::Smooth, x is the spline of least ∫ |x''|² through the keyframes instead,
-/// with zero slope at both ends. Before the first and after the last keyframe x is constant. If
-/// there is an influence interval, c' = c outside this interval, and c' - c is 0 at the ends of the
-/// interval, with zero slope for Smooth.
+/// solved. For Smoothness::Smooth, x is instead the cubic spline through the keyframes that
+/// minimises ∫ |x''|², with zero slope at both ends. Before the first and after the last keyframe x
+/// is constant. If there is an influence interval, c' = c outside this interval, and c' - c is 0 at
+/// the ends of the interval, with zero slope for Smooth.
 ///
 /// If the edit changes nothing, the result is bit-identical to c. If all keyframes are moved by the
 /// same rigid motion, so are all centroids; if the only keyframe is translated, so are all

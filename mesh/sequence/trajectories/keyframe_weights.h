@@ -20,9 +20,10 @@
 
 namespace batten {
 
-/// Interval of frames that an edit influences. The edit has no effect up to frame `from` and from
-/// frame `to` on (0-based). If `from` (`to`) is empty, the edit of the first (last) keyframe
-/// extends to the start (end) of the sequence.
+/// Interval of frames (0-based) that an edit influences. The edit changes only frames strictly
+/// between `from` and `to`; these two frames and all frames outside the interval are unchanged.
+/// Without `from`, the edit also changes the frames before the first keyframe (see
+/// KeyframeExtrapolation); without `to`, those after the last keyframe.
 struct InfluenceInterval {
   std::optional<int> from, to;
 };
@@ -49,8 +50,9 @@ class KeyframeWeights {
   };
 
   /// Computes the weights for all `times` of frames. `from`, `to`: times of the ends of the
-  /// influence interval. Throws InputError if there are no keyframes, times do not ascend, or
-  /// `from` is not before the first keyframe or `to` not after the last one. O(times).
+  /// influence interval, at which the edit is zero. Throws InputError if there are no keyframes,
+  /// times do not ascend, or `from` is not before the first keyframe or `to` not after the last
+  /// one. O(times).
   KeyframeWeights(std::span<const double> times, std::span<const double> keyframe_times,
                   KeyframeExtrapolation ends = KeyframeExtrapolation::None,
                   std::optional<double> from = {}, std::optional<double> to = {});

@@ -52,6 +52,16 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 }  // namespace
 
+TEST_CASE("a table that ends with a list of several lines is removed completely", "[io][scene]") {
+  const std::string before = "unit = \"mm\"\n\n[skin]\nbeta = 2\n";
+  SceneText scene(
+      before +
+      "\n[stress]\nthickness = 1\nsupports = [\n  { curve = \"a\" },\n  { curve = \"b\" "
+      "},\n]\n");
+  scene.remove({"stress", ""});
+  CHECK(scene.text() == before);
+}
+
 TEST_CASE("a value in a scene's text is replaced and nothing else", "[io][scene]") {
   SceneText scene(kScene, "s.toml");
   scene.set({"load", "swell"}, "value", "5");

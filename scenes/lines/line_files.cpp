@@ -1,0 +1,343 @@
+#include "batten/scenes/lines/line_files.h"
+
+#include <algorithm>
+#include <map>
+
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
+#include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
+#include "batten/fairing/curves/primitive_curves.h"
+#include "batten/io/cad/cad_format.h"
+#include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/cad_plugin.h"
+#include "batten/io/lines/curve_files.h"
+#include "batten/io/lines/drawing.h"
+#include "batten/skinning/lines/character_line.h"
+
+namespace batten {
+namespace {
+
+const std::vector<std::string> kPointEndings = {".csv", ".txt", ".xyz", ".dat", ".obj", ".curves"};
+const std::vector<std::string> kDrawingEndings = {".dxf", ".svg"};
+const std::vector<std::string> kSketchEndings = {".json"};
+
+std::string all_endings() {
+  return comma_separated(kPointEndings) + ", " + comma_separated(cad_extensions()) + ", " +
+         comma_separated(kDrawingEndings) + ", " + comma_separated(kSketchEndings);
+}
+
+/// Formats locations of [[curve]] and [[curves]] for messages.
+struct SceneFile {
+  std::string file, unit;
+  std::string at(const SourceLocation& location) const { return format_location(file, location); }
+};
+
+std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
+  const std::string at = scene.at(source.location);
+  require_input_file(source.file, "a curve file (" + all_endings() + ")", at);
+  if (line_file_kind(source.file) == LineFileKind::None)
+    throw InputError(at + "found the extension '" + source.file.extension().string() + "' of '" +
+                     source.file.string() + "', expected one of: " + all_endings());
+  if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
+      source.unit != scene.unit)
+    throw InputError(at + "found the unit '" + source.unit + "' for '" + source.file.string() +
+                     "', expected none: a sketch is in the scene's unit, " + scene.unit);
+  if (line_file_kind(source.file) == LineFileKind::Cad && !source.unit.empty())
+    throw InputError(at + "found a unit for '" + source.file.string() +
+                     "', expected none: files of this type state their unit");
+  return read_source_file(source.file, source.unit, scene.unit, source.creases);
+}
+
+void check_names(const SceneFile& scene, const SceneLine& source,
+                 const std::vector<LocatedString>& words, const std::vector<SourceLine>& lines) {
+  std::vector<std::string> names;
+  for (const auto& line : lines) names.push_back(line.name);
+  for (const auto& word : words)
+    if (std::find(names.begin(), names.end(), word.text) == names.end())
+      throw InputError(scene.at(word.location) + "found the curve name '" + word.text +
+                       "', expected one of those in '" + source.file.string() +
+                       "': " + comma_separated(names) + did_you_mean(word.text, names));
+}
+
+bool contains(const std::vector<LocatedString>& words, const std::string& name) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const LocatedString& w) { return w.text == name; });
+}
+
+std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
+  if (source.file.empty()) {
+    SourceLine line;
+    line.name = source.name;
+    line.at = scene.at(source.location);
+    line.points = source.points;
+    line.curve = source.curve;
+    line.corners = source.corners;
+    line.role = source.role;
+    line.mesh_alignment = source.mesh_alignment;
+    line.constrains_surface = source.constrains_surface;
+    return {line};
+  }
+  std::vector<SourceLine> lines = read_file(scene, source);
+  if (!source.name.empty()) {
+    if (lines.size() != 1)
+      throw InputError(scene.at(source.location) + "found " + std::to_string(lines.size()) +
+                       " curves in '" + source.file.string() + "', expected one for the curve '" +
+                       source.name + "'; use [[curves]] for several");
+    lines.front().name = source.name;
+    lines.front().corners = source.corners;
+  }
+  for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
+    check_names(scene, source, *words, lines);
+  std::erase_if(lines, [&](const SourceLine& line) {
+    return contains(source.skip, line.name) ||
+           (!source.only.empty() && !contains(source.only, line.name));
+  });
+  for (auto& line : lines) {
+    line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
+                : contains(source.holes, line.name) ? CharacterLine::Role::Hole
+                                                    : source.role;
+    line.mesh_alignment = source.mesh_alignment;
+    line.constrains_surface = source.constrains_surface || line.role != CharacterLine::Role::Hole;
+  }
+  return lines;
+}
+
+}  // namespace
+
+CurveSamples sample_line(const SourceLine& line, double corner_angle) {
+  CurveSamples samples;
+  if (line.curve)
+    samples = sample_line(CharacterLine{line.name, line.curve}, corner_angle);
+  else
+    samples.points = line.points;
+  samples.name = line.name;
+  samples.where = line.at;
+  return samples;
+}
+
+LineFileKind line_file_kind(const std::filesystem::path& file) {
+  const std::string ending = lower_extension(file);
+  const auto has = [&](const std::vector<std::string>& endings) {
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+  };
+  return has(kPointEndings)      ? LineFileKind::Points
+         : has(cad_extensions()) ? LineFileKind::Cad
+         : has(kDrawingEndings)  ? LineFileKind::Drawing
+         : has(kSketchEndings)   ? LineFileKind::Sketch
+                                 : LineFileKind::None;
+}
+
+std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
+  if (curve) return curve;
+  try {
+    return curve_through_points(name, points, corner_angle, corners);
+  } catch (const InputError& e) {
+    throw InputError(at + e.what());
+  }
+}
+
+namespace {
+
+std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std::string& unit,
+                                   double model) {
+  Drawing drawing = read_drawing(file);
+  const double stated = unit.empty() ? drawing.unit_in_metres : unit_in_metres(unit);
+  const AffineTransform to_model = scaling_about(Vec3::Zero(), stated > 0 ? stated / model : 1);
+  std::vector<SourceLine> lines;
+  for (DrawnLine& line : drawing.lines) {
+    for (Vec3& p : line.points) p = to_model(p);
+    lines.push_back({line.name, file.string() + ": ", std::move(line.points),
+                     line.curve ? transformed(line.curve, to_model) : nullptr});
+  }
+  for (const std::string& note : drawing.notes)
+    lines[0].format_note += (lines[0].format_note.empty() ? "" : "; ") + note;
+  if (stated == 0)
+    lines[0].format_note +=
+        std::string(lines[0].format_note.empty() ? "" : "; ") + "the file states no length unit";
+  return lines;
+}
+
+}  // namespace
+
+std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
+                                         const std::string& model_unit, bool creases) {
+  const double model = unit_in_metres(model_unit);
+  std::vector<SourceLine> lines;
+  if (line_file_kind(file) == LineFileKind::Sketch) {
+    for (const CharacterLine& line : read_sketch_graph(file))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
+  if (line_file_kind(file) == LineFileKind::Cad) {
+    for (const CharacterLine& line : cad_plugin().read_cad_lines(file, model, creases))
+      lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+    return lines;
+  }
+  if (line_file_kind(file) == LineFileKind::Drawing) return read_drawn(file, unit, model);
+  for (NamedPoints& line :
+       read_point_lines(file, unit.empty() ? 1 : unit_in_metres(unit) / model)) {
+    lines.push_back({line.name, format_location(file.string(), {line.first_line, 1}),
+                     std::move(line.points), nullptr});
+    lines.back().format_note = line.format_note;
+  }
+  return lines;
+}
+
+namespace {
+
+// Resolves lines that are copies, including copies of copies.
+class Copies {
+ public:
+  Copies(const SceneFile& scene, std::vector<SourceLine>& lines,
+         const std::map<std::string, const SceneLine*>& copies)
+      : scene_(scene), lines_(lines), copies_(copies) {}
+
+  void make() {
+    for (const auto& [name, copy] : copies_) shape(name, *copy, 0);
+  }
+
+ private:
+  SourceLine& named(const std::string& name, const SourceLocation& location) {
+    std::vector<std::string> names;
+    for (SourceLine& line : lines_) {
+      if (line.name == name) return line;
+      names.push_back(line.name);
+    }
+    throw InputError(scene_.at(location) + "found a copy of '" + name +
+                     "', expected one of: " + comma_separated(names) + did_you_mean(name, names));
+  }
+
+  void shape(const std::string& name, const SceneLine& copy, size_t depth) {
+    SourceLine& line = named(name, copy.location);
+    if (line.curve || !line.points.empty()) return;
+    if (depth > copies_.size())
+      throw InputError(scene_.at(copy.location) + "found the curve '" + name +
+                       "' as a copy of itself, expected a copy of another curve");
+    const auto of = copies_.find(copy.copy);
+    if (of != copies_.end()) shape(copy.copy, *of->second, depth + 1);
+    const SourceLine& given = named(copy.copy, copy.location);
+    for (const Vec3& p : given.points) line.points.push_back(copy.transform(p));
+    if (given.curve) line.curve = transformed(given.curve, copy.transform);
+    line.corners = given.corners;
+  }
+
+  const SceneFile& scene_;
+  std::vector<SourceLine>& lines_;
+  const std::map<std::string, const SceneLine*>& copies_;
+};
+
+}  // namespace
+
+std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
+                                     const std::filesystem::path& file, const std::string& unit) {
+  const SceneFile scene{file.string(), unit};
+  std::vector<SourceLine> all;
+  std::map<std::string, SourceLocation> places;
+  std::map<std::string, const SceneLine*> copies;
+  for (const SceneLine& source : lines)
+    for (SourceLine& line : lines_of(scene, source)) {
+      const auto [it, added] = places.emplace(line.name, source.location);
+      if (!added)
+        throw InputError(scene.at(source.location) + "found the curve name '" + line.name +
+                         "' again (first in line " + std::to_string(it->second.line) +
+                         "), expected unique names");
+      if (!source.copy.empty()) copies.emplace(line.name, &source);
+      all.push_back(std::move(line));
+    }
+  Copies(scene, all, copies).make();
+  return all;
+}
+
+std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
+  if (load.type != SceneLoad::Type::PointCloudSprings) return {};
+  const std::string expected = "a file of points (" + comma_separated(kPointEndings) + ")";
+  if (line_file_kind(load.file) != LineFileKind::Points)
+    throw InputError(scene.at(load.location) + "found '" + load.file.string() + "', expected " +
+                     expected);
+  require_input_file(load.file, expected, scene.at(load.location));
+  std::vector<Vec3> points;
+  for (const SourceLine& line : read_source_file(load.file, load.unit, scene.unit))
+    points.insert(points.end(), line.points.begin(), line.points.end());
+  return points;
+}
+
+CharacterLine character_line(const SourceLine& line, double corner_angle) {
+  return {line.name, line.as_curve(corner_angle), line.role, line.mesh_alignment,
+          {},        line.constrains_surface};
+}
+
+std::vector<CharacterLine> read_lines(const Scene& scene) {
+  std::vector<CharacterLine> lines;
+  for (const SourceLine& line : read_sources(scene.lines, scene.file, scene.unit))
+    lines.push_back(character_line(line, scene.skin.options.corner_angle));
+  return lines;
+}
+
+namespace {
+
+std::string numbers_of(const std::vector<int>& list) {
+  constexpr size_t most = 8;
+  std::string text;
+  for (size_t i = 0; i < std::min(list.size(), most); ++i)
+    text += (i ? ", " : "") + std::to_string(list[i]);
+  return text + (list.size() > most ? ", …" : "");
+}
+
+}  // namespace
+
+LineInterpretation interpret_points(const SourceLine& line, const InputCurve& curve) {
+  const std::vector<Vec3>& p = line.points;
+  const std::vector<double> t = curve.breaks(), corners = curve.corners();
+  const int last = isize(p) - 1;
+  LineInterpretation interpretation;
+  interpretation.points = last + 1;
+  interpretation.closed = (p.front() - p.back()).norm() < 1e-9 * curve.end();
+  for (int i = interpretation.closed ? 0 : 1; i < last; ++i) {
+    const double turning_angle =
+        degrees_between(p[i] - p[i > 0 ? i - 1 : last - 1], p[i + 1] - p[i]);
+    // The seam of a closed line is a corner if its tangents differ there.
+    const bool is_corner =
+        i > 0 ? std::binary_search(corners.begin(), corners.end(), t[static_cast<size_t>(i)])
+              : degrees_between(curve.evaluate(curve.end(), 1), curve.evaluate(curve.start(), 1)) >
+                    0.01;
+    if (is_corner) {
+      interpretation.corners.push_back(i + 1);
+      interpretation.corner_angles.push_back(turning_angle);
+    } else {
+      interpretation.max_smooth_angle = std::max(interpretation.max_smooth_angle, turning_angle);
+    }
+  }
+  return interpretation;
+}
+
+std::string describe(const LineInterpretation& interpretation) {
+  std::string text = std::to_string(interpretation.points) + " points";
+  if (interpretation.closed) text += ", closed";
+  if (!interpretation.corners.empty())
+    text += (interpretation.corners.size() > 1 ? ", corners at " : ", a corner at ") +
+            numbers_of(interpretation.corners);
+  return text;
+}
+
+std::string reading_note(const SourceLine& line, const InputCurve& curve) {
+  if (line.points.empty() || line.corners) return "";
+  const LineInterpretation interpretation = interpret_points(line, curve);
+  constexpr double large = 20, slight = 40;
+  std::string text;
+  if (interpretation.max_smooth_angle > large)
+    text = std::to_string(interpretation.points) + " points, where the curve turns by up to " +
+           format_number(interpretation.max_smooth_angle) + " degrees, interpreted as smooth";
+  std::vector<int> weak;
+  for (size_t i = 0; i < interpretation.corners.size(); ++i)
+    if (interpretation.corner_angles[i] < slight) weak.push_back(interpretation.corners[i]);
+  if (!weak.empty())
+    text +=
+        (text.empty() ? "" : "; ") +
+        std::string(weak.size() > 1 ? "slight corners at points " : "a slight corner at point ") +
+        numbers_of(weak);
+  return text.empty() ? text : "'" + line.name + "': " + text;
+}
+
+}  // namespace batten

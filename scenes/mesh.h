@@ -1,0 +1,206 @@
+// Meshes, their holes, and deformers that keep holes and other features exactly rigid.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/core/eigen.h"
+#include "batten/core/geometry.h"
+#include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/features/feature_detection.h"
+
+namespace batten {
+
+namespace detail {
+struct SharedMesh;     // scenes/mesh_data.h
+struct DeformerState;  // scenes/mesh_data.h
+}  // namespace detail
+
+/// A hole of a mesh: a closed boundary loop with its fitted circle (measure_hole()), and the
+/// vertices around it.
+struct Hole : HoleMeasure {
+  std::string name;  ///< "hole-1", "hole-2" and so on, as in deform scenes
+  /// Vertices of the hole and of the flange around it, ascending, for a feature of a Deformer.
+  std::vector<int> vertices;
+  std::vector<int> loop;  ///< vertices of the boundary loop in order, for measure_hole()
+};
+
+/// A mesh of triangles, quads and polygons, from a file or from arrays.
+///
+///     const Mesh mesh = read_mesh("plate.bdf");
+///     DeformerSettings settings;
+///     settings.fixed = mesh.vertices_in({0, 0, -1}, {10, 200, 1});
+///     settings.handles = {{"end", mesh.vertices_in({290, 0, -1}, {300, 200, 1})}};
+///     for (const Hole& hole : mesh.holes())
+///       settings.features.push_back({hole.name, hole.vertices});
+///     Deformer deformer(mesh, settings);
+///     const Points bent = deformer.deform({{"end", {.translate = {0, 0, 50}}}});
+///     mesh.save_as_read("bent.bdf", bent);
+///
+/// A mesh is an immutable value: copies share their data, and cost nothing. All functions may be
+/// called by several threads at once. Vertices are the nodes of the file, numbered from 0, and
+/// arrays of points have one row per vertex. Lengths are in the unit of the file.
+class Mesh {
+ public:
+  /// A mesh of `points` and `faces`, each the indices of its vertices in order: triangles, quads
+  /// and polygons, in any mixture. Throws InputError if there are no faces, an index is out of
+  /// range, a coordinate is not finite, or a triangle has no area. Cost: as prepare()
+  /// (mesh/prepared_mesh.h).
+  Mesh(const std::vector<Vec3>& points, const std::vector<std::vector<int>>& faces);
+  /// A mesh of triangles, or of quads.
+  template <std::size_t corners>
+  requires(corners == 3 || corners == 4)
+      Mesh(const std::vector<Vec3>& points, const std::vector<std::array<int, corners>>& faces)
+      : Mesh(points, lists_of(faces)) {}
+  explicit Mesh(std::shared_ptr<const detail::SharedMesh> data) : data_(std::move(data)) {}
+
+  const Points& points() const;  ///< vertex positions, n×3
+  /// Vertices of each face, in order around it. Second-order faces include the midside nodes.
+  std::vector<std::vector<int>> faces() const;
+  /// Vertices of the triangles into which the faces are split, counter-clockwise.
+  const std::vector<std::array<int, 3>>& triangles() const;
+  const std::vector<int>& triangle_faces() const;  ///< index of the face of each triangle
+  /// Named sets: those of the file, or of the model the faces (triangles) and curves (vertices).
+  const std::vector<MeshSet>& sets() const;
+  /// Exact unit normals of the surface at the corners of the triangles, for the mesh of a model: row
+  /// 3 t + c belongs to corner c of triangle t. No rows: the mesh is not that of a model.
+  const Points& corner_normals() const;
+  /// Closed loops of boundary vertices, with the surface on their left: outlines and holes.
+  std::vector<std::vector<int>> boundary_loops() const;
+  std::string format() const;  ///< format of the file, such as "Nastran bulk data"; else empty
+  /// Sentences about repairs and unusual properties of the mesh.
+  const std::vector<std::string>& notes() const;
+
+  // Selections.
+
+  /// The holes: all boundary loops except the longest one of each part of the mesh, its outline.
+  ///
+  /// The flange around a hole ends at a crease (detect_features() in
+  /// mesh/features/feature_detection.h). If there is none, it has the width `flange_width` (model
+  /// units, default 0: one ring of faces). Throws InputError if the width is negative or not
+  /// finite. O(n log n).
+  std::vector<Hole> holes(double flange_width = 0) const;
+  /// The vertices in an axis-aligned box, ascending: low ≤ p ≤ high in every coordinate, without
+  /// vertices that belong to no face. Throws InputError unless low ≤ high.
+  std::vector<int> vertices_in(const Vec3& low, const Vec3& high) const;
+  std::vector<int> vertices_in(const Box3& box) const { return vertices_in(box.min(), box.max()); }
+  Box3 bounds() const;  ///< bounding box of all faces
+
+  // Output.
+
+  /// The same faces and sets with other positions (n×3), as a mesh without a file. Throws as the
+  /// constructor.
+  Mesh with_points(const Points& points) const;
+  /// Writes a mesh file; the extension selects the format: .obj .off .ply .stl .vtp .vtu, and with a
+  /// unit .glb .3mf. `points`: other vertex positions, n×3. `unit`: length unit of the
+  /// coordinates, "mm", "cm", "m", "in" or "ft". Throws InputError, FileError.
+  void save(const std::filesystem::path& file, const std::string& unit = "") const;
+  void save(const std::filesystem::path& file, const Points& points,
+            const std::string& unit = "") const;
+  /// Writes the file that was read, with new vertex positions (n×3) and everything else unchanged.
+  /// Returns the largest rounding error of a coordinate, model units.
+  ///
+  /// `large_field`: write the moved nodes of Nastran decks in large-field format. Throws InputError
+  /// if the mesh was not read from a file, and as MeshFile::write() (io/meshes/mesh_file.h);
+  /// FileError.
+  double save_as_read(const std::filesystem::path& file, const Points& points,
+                      bool large_field = false) const;
+
+  // For Batten's own front ends.
+  const detail::SharedMesh& data() const { return *data_; }
+  const std::shared_ptr<const detail::SharedMesh>& shared_data() const { return data_; }
+
+ private:
+  template <std::size_t corners>
+  static std::vector<std::vector<int>> lists_of(
+      const std::vector<std::array<int, corners>>& faces) {
+    std::vector<std::vector<int>> lists;
+    lists.reserve(faces.size());
+    for (const auto& face : faces) lists.emplace_back(face.begin(), face.end());
+    return lists;
+  }
+
+  std::shared_ptr<const detail::SharedMesh> data_;
+};
+
+/// Reads a mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss
+/// (io/meshes/mesh_file.h). Throws InputError, which begins with the file name.
+Mesh read_mesh(const std::filesystem::path& file);
+
+// Deformers.
+
+/// Motion of a handle: p = about + scale · R (p⁰ - about) + translate, where p⁰ is the position of a
+/// vertex in the mesh and R the rotation by `angle` about `axis`.
+struct Move {
+  Vec3 translate = Vec3::Zero();  ///< model units
+  Vec3 axis = Vec3::UnitZ();      ///< direction of the rotation axis, of any length above 0
+  double angle = 0;               ///< degrees; may exceed a full turn
+  double scale = 1;               ///< above 0
+  /// Fixed point of rotation and scale, model units; empty: the mean of the handle's vertices.
+  std::optional<Vec3> about = {};
+};
+
+/// Vertices with a name.
+struct VertexGroup {
+  std::string name;
+  std::vector<int> vertices;
+};
+
+/// What a Deformer fixes, moves and keeps. All lists contain vertex indices from 0.
+struct DeformerSettings {
+  std::vector<int> fixed = {};             ///< vertices that stay where they are
+  std::vector<VertexGroup> handles = {};   ///< groups that deform() moves
+  std::vector<VertexGroup> features = {};  ///< groups that keep their shape and may rotate
+  /// Features that keep their orientation, too.
+  std::vector<VertexGroup> keep_orientation = {};
+  /// The vertices that may move, apart from handles; empty: all.
+  std::optional<std::vector<int>> region_of_interest = {};
+};
+
+/// Morphs a mesh whose form features keep their shape exactly. The linear system is factored once,
+/// and each deform() then costs one pair of triangular solves.
+///
+/// Mean-curvature vectors of the mesh are preserved up to a smooth field of rotations; fixed
+/// vertices, handles and features are exact constraints (mesh/deform/form_feature_deformer.h). Calls
+/// from several threads are serialised. Example: see Mesh. Reference: [Masuda2006].
+class Deformer {
+ public:
+  /// Throws InputError if a vertex is out of range, a group has no vertices, two groups have the
+  /// same name, or nothing is fixed or moved; NoSolutionError if the factorization fails.
+  Deformer(const Mesh& mesh, const DeformerSettings& settings);
+  ~Deformer();
+  Deformer(Deformer&&) noexcept;
+  Deformer& operator=(Deformer&&) noexcept;
+
+  /// Applies moves of handles and scale factors of features, by name, to the mesh (not to the
+  /// result of the previous call), and returns the positions of all vertices, n×3. Handles without
+  /// a move stay where they are.
+  ///
+  /// `scales`: factors above 0, default 1. `correct`: true: one more solve, which reduces rounding
+  /// errors. Throws InputError for an unknown name (with the nearest one) and for invalid numbers,
+  /// and ConflictError if moves contradict each other; positions() is then unchanged.
+  Points deform(const std::map<std::string, Move>& moves,
+                const std::map<std::string, double>& scales = {}, bool correct = false);
+
+  Points positions() const;  ///< result of the last deform(), n×3
+  double residual() const;   ///< largest violation of an exact constraint, relative to the size
+  int unknowns() const;      ///< unknowns per coordinate, after elimination of the constraints
+  /// Sentences about parts of the mesh that contain no handle and no fixed vertex.
+  const std::vector<std::string>& notes() const;
+  const Mesh& mesh() const;
+  const DeformerSettings& settings() const;
+
+  detail::DeformerState& state() const { return *state_; }  ///< for Batten's front ends
+
+ private:
+  std::unique_ptr<detail::DeformerState> state_;
+};
+
+}  // namespace batten

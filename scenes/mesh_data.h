@@ -1,0 +1,62 @@
+// The data behind the types Mesh and Deformer.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "batten/core/call_serializer.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/scenes/mesh.h"
+#include "batten/scenes/meshes/edit_session.h"
+
+namespace batten::detail {
+
+/// A mesh with its file, if any. Immutable: copies of a Mesh share it.
+struct SharedMesh {
+  /// The mesh of a file.
+  explicit SharedMesh(MeshSource read);
+  /// A mesh without a file. Throws as the constructor of Mesh.
+  explicit SharedMesh(ShellMesh shells, std::vector<MeshSet> named = {});
+
+  const ShellMesh& shells() const { return source.file.shells(); }
+  /// The mesh for computations. Its first vertices are the nodes of shells(), see PreparedMesh.
+  const TriangleMesh& mesh() const { return source.prepared.mesh; }
+  const MeshTopology& topology() const { return mesh().topology(); }
+  const std::vector<MeshSet>& sets() const { return of_file ? source.file.sets() : own_sets; }
+  /// Triangles of nodes, without duplicate vertices.
+  const std::vector<std::array<int, 3>>& node_triangles() const;
+
+  MeshSource source;
+  bool of_file;
+  std::vector<MeshSet> own_sets;  ///< sets of a mesh without a file
+  Points corner_normals;          ///< Mesh::corner_normals()
+
+ private:
+  void find_node_triangles();
+  std::vector<std::array<int, 3>> node_triangles_;  // empty if there are no duplicate vertices
+};
+
+/// A deformer, its mesh and its settings.
+struct DeformerState {
+  DeformerState(const Mesh& of, const DeformerSettings& given);
+
+  Mesh mesh;
+  DeformerSettings settings;
+  FormFeatureDeformer deformer;
+  CallSerializer serialize;  ///< of the calls of `deformer`
+};
+
+/// A move as the transformation of a handle, about the origin unless Move::about is given. Throws
+/// InputError if the axis has length 0.
+HandleTransform transform_of(const Move& move);
+
+/// The transformations of all handles, in their order; handles without a move stay where they are.
+/// Throws InputError for a name that is none of a handle, with the nearest one, and as
+/// transform_of().
+std::vector<HandleTransform> transforms_of(const std::map<std::string, Move>& moves,
+                                           const std::vector<Handle>& handles,
+                                           const TriangleMesh& mesh);
+
+}  // namespace batten::detail

@@ -1,0 +1,58 @@
+// Contents of a Model, for the front ends of Batten.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/io/report/report.h"
+#include "batten/io/scene/scene.h"
+#include "batten/scenes/model.h"
+#include "batten/scenes/shapes/make_session.h"
+#include "batten/scenes/shapes/solved_shape.h"
+#include "batten/skinning/model/model_projector.h"
+
+namespace batten::detail {
+
+/// A session that a model came from: its state, and what else a second session of it needs.
+struct SessionOrigin {
+  std::shared_ptr<const SessionSnapshot> state;
+  std::shared_ptr<const SculptModel> model;
+  SessionReference reference;
+  SolveReport solve_report;
+};
+
+/// The scene of a model as text, its curves and its shape. Immutable, apart from what is computed at
+/// the first use.
+struct ModelData {
+  /// Builds the model of a scene and solves for its shape. `text`: the text of the scene; `scene`:
+  /// the scene that was read from it, possibly with other values. Throws as run_scene() does.
+  ModelData(std::string text, Scene scene, const Progress& progress);
+  /// Wraps another shape of the same curves, and the session that it came from.
+  ModelData(std::string text, Scene scene, const ModelData& curves, SolvedShape shape,
+            std::optional<SessionOrigin> origin);
+
+  std::string text;  ///< the scene with its own values; those of `scene` may differ
+  Scene scene;
+  std::vector<CharacterLine> lines;
+  std::shared_ptr<const BuiltModel> made;  ///< the model before any session
+  SolvedShape shape;
+  std::optional<SessionOrigin> origin;
+
+  /// Throws InputError if no face has a surface.
+  void require_surface() const;
+  const Facets& facets() const;
+  /// Measured quality of the shape (export_shape() without files).
+  const Report& report(const Progress& progress) const;
+  const ModelProjector& projector() const;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<const Facets> facets_;
+  mutable std::unique_ptr<const ModelProjector> projector_;
+  mutable std::optional<Report> report_;
+};
+
+}  // namespace batten::detail

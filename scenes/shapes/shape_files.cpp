@@ -1,0 +1,482 @@
+#include "batten/scenes/shapes/shape_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/io/decks/calculix_decks.h"
+#include "batten/io/files/atomic_file.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/cad_plugin.h"
+#include "batten/io/vtk/vtk_files.h"
+#include "batten/scenes/commands.h"
+#include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/shapes/stress_setup.h"
+#include "batten/skinning/surfaces/surface_model.h"
+
+namespace batten {
+
+RunContext::RunContext(const Scene& scene, const std::filesystem::path& folder)
+    : out(folder), watch(report.timings) {
+  report.name = scene.name;
+  report.unit = scene.unit;
+  report.is_sculpted = scene.is_sculpted();
+  report.surface.boundary =
+      scene.skin.boundary == SceneSkin::FixedBoundary::Corners ? "corners" : "curves";
+  report.surface.fair = scene.skin.fair_name();
+}
+
+void RunContext::finish(const Progress& progress) {
+  watch.total();
+  write_report(report, failed_checks(report, tolerance), out, progress);
+}
+
+BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progress) {
+  progress.update("curves", 0);
+  const FairedLines lines = faired_lines(scene, progress);
+  run.report.curves = lines.reports;
+  run.report.reading_notes = lines.reading_notes;
+  run.watch.lap("curves");
+  BuiltModel made = build_model(scene, lines.lines, progress);
+  run.tolerance = made.fit_tolerance;
+  run.watch.lap("model");
+  return made;
+}
+
+namespace {
+
+// The root mean square is weighted by surface area.
+void compare_into(Report& report, const Scene& scene,
+                  const std::vector<const SkinnedRegion*>& regions, const Progress& progress) {
+  const auto faces = cad_plugin().read_cad_surfaces(scene.compare, unit_in_metres(scene.unit));
+  if (faces.empty())
+    throw InputError(scene.compare.string() +
+                     ": found no faces to compare with, expected at least one");
+  const TriangleRule whole = split_triangle_rule(2);
+  Report::Comparison c;
+  c.file = scene.compare.filename().string();
+  double squares = 0, area = 0;
+  size_t first = 0;
+  Box3 box(regions.front()->surface.position({0, Vec3::Unit(0)}));
+  for (size_t r = 0; r < regions.size(); ++r) {
+    const Surface& surface = regions[r]->surface;
+    const Trim* trim = surface.trim().get();
+    const ParametricMesh& mesh = surface.mesh();
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      progress.update("comparing",
+                      (static_cast<double>(r) + static_cast<double>(t) / mesh.triangle_count()) /
+                          static_cast<double>(regions.size()));
+      if (trim && trim->side(t) == Trim::Side::Outside) continue;
+      const TriangleRule rule = trim && trim->side(t) == Trim::Side::Cut ? trim->rule(t, 2) : whole;
+      for (long p = 0; p < rule.weights.size(); ++p) {
+        if (!(rule.weights[p] > 0)) continue;
+        const SurfaceJet jet = surface.jet({t, rule.L.row(p).transpose()});
+        const double nearest = cad_plugin().distance(faces, jet.x, first);
+        const double weight = rule.weights[p] * mesh.shape(t).area * jet.area_vector().norm();
+        squares += weight * nearest * nearest;
+        area += weight;
+        c.max = std::max(c.max, nearest);
+        box.extend(jet.x);
+        ++c.points;
+      }
+    }
+  }
+  c.rms = std::sqrt(squares / area);
+  const double length = box.sizes().maxCoeff();
+  c.max_relative = c.max / length;
+  c.rms_relative = c.rms / length;
+  report.comparison = c;
+}
+
+using Regions = std::vector<const SkinnedRegion*>;
+
+/// Writes a file by calling `write` with a list of region indices, at first all of them. If it
+/// rejects regions of a network without naming them, each one is tried separately, on a copy of the
+/// report. The valid regions are written; report.failed_checks lists the others.
+template <class Write>
+void write_valid_regions(Report& report, const OutputFolder& out, const std::string& file,
+                         const Regions& regions, bool of_network, const Write& write) {
+  std::string why;
+  std::vector<const SkinnedRegion*> unwritable;
+  const auto refused = [&](const std::vector<int>& some, Report& into) {
+    unwritable.clear();
+    Report next = into;
+    try {
+      write(some, next);
+    } catch (const CancelledError&) {
+      throw;
+    } catch (const FileError&) {
+      throw;
+    } catch (const Error& e) {
+      if (!of_network) throw;
+      why = e.what();
+      if (const auto* error = dynamic_cast<const UnwritableRegions*>(&e))
+        unwritable = error->regions();
+      return true;
+    }
+    into = std::move(next);
+    return false;
+  };
+  std::vector<int> good(regions.size());
+  std::iota(good.begin(), good.end(), 0);
+  while (!good.empty() && refused(good, report)) {
+    const std::string of_all = why;
+    const auto found = unwritable;
+    std::vector<int> rest;
+    for (const int r : good) {
+      Report trial = report;
+      if (found.empty() ? !refused({r}, trial)
+                        : std::count(found.begin(), found.end(), regions[r]) == 0)
+        rest.push_back(r);
+      else
+        report.failed_checks.push_back(
+            {file, "does not contain face '" + regions[r]->name + "': " + why});
+    }
+    if (rest.size() == good.size()) rest.clear();  // no single region is responsible
+    if (rest.empty()) report.failed_checks.push_back({file, "is not written: " + of_all});
+    good = std::move(rest);
+  }
+  if (good.empty()) {
+    std::filesystem::remove(out.file(file));  // left by a trial
+    return;
+  }
+  report.files.push_back(file);
+}
+
+template <class Whole>
+std::vector<Whole> picked(const std::vector<Whole>& all, const std::vector<int>& which) {
+  std::vector<Whole> some;
+  for (const int i : which) some.push_back(all[i]);
+  return some;
+}
+
+// Inverted surfaces cannot be fitted with a face.
+Regions with_faces(Report& report, const SurfaceModel& model) {
+  std::set<int> over;
+  for (const SurfaceDefect& defect : model.defects)
+    if (defect.kind == SurfaceDefect::Kind::Jacobian) over.insert(defect.regions[0]);
+  Regions regions;
+  for (int r = 0; r < isize(model.regions); ++r) {
+    const ModelRegion& region = model.regions[r];
+    if (region.skinned && !over.count(r)) regions.push_back(&*region.skinned);
+    if (region.skinned && over.count(r))
+      report.warnings.push_back("the STEP file does not contain face '" + region.plan.name +
+                                "': its surface is inverted");
+  }
+  return regions;
+}
+
+StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions& words,
+                      const std::vector<const SkinnedRegion*>& regions,
+                      const std::filesystem::path& file) {
+  const std::string warning = cad_plugin().step_size_warning(regions);
+  if (!warning.empty())
+    report.warnings.push_back(warning +
+                              "; step_form = \"face\" writes one STEP face for each face");
+  StepOptions options;
+  options.file = words;
+  options.z12_as_hct = true;
+  const StepReport step =
+      cad_plugin().write_step(file, regions, unit_in_metres(scene.unit), options);
+  if (step.unmeasured > 0)
+    report.failed_checks.push_back(
+        {"step", "has " + format_count(step.unmeasured, "point") + " that could not be measured"});
+  if (regions.front()->surface.kind() == TriangleElement::Z12)
+    report.warnings.push_back(scene.step +
+                              ": STEP has no form for the rational Z12 triangles; written as HCT "
+                              "triangles with the same edges, max distance " +
+                              format_number(step.max_deviation.value_or(std::nan(""))) + " " +
+                              scene.unit);
+  return step;
+}
+
+StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& words,
+                     const std::vector<const SkinnedRegion*>& regions,
+                     const std::filesystem::path& file) {
+  StepFaceOptions options;
+  options.file = words;
+  constexpr double usual = 1e-4;
+  options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
+  const StepReport step =
+      cad_plugin().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
+  report.step->tolerance = options.tolerance;
+  for (const StepPatch& patch : step.patches) {
+    report.step->poles_u = std::max(report.step->poles_u, patch.poles_u);
+    report.step->poles_v = std::max(report.step->poles_v, patch.poles_v);
+    ++report.step->faces_by_kind[patch.surface];
+  }
+  return step;
+}
+
+// Warns of smooth joins whose faces meet at an angle in the file.
+void warn_of_joins(Report& report, const Scene& scene) {
+  const Report::Step& step = *report.step;
+  const Report::Step::Join* worst = nullptr;
+  long missed = 0;
+  for (const auto& join : step.joins) {
+    if (!join.exceeds_tolerance) continue;
+    ++missed;
+    if (!worst || join.angle_deg > worst->angle_deg) worst = &join;
+  }
+  if (!worst) return;
+  report.warnings.push_back(scene.step + ": " + std::to_string(missed) + " of " +
+                            format_count(isize(step.joins), "smooth edge") +
+                            (missed == 1 ? " exceeds" : " exceed") + " the angle of " +
+                            format_number(StepFaceOptions{}.join_deg) +
+                            " degrees in the file, worst '" + worst->line + "' with " +
+                            format_number(worst->angle_deg) + " (step_form = \"exact\" keeps the " +
+                            format_number(worst->surface_deg) + " degrees of the surface)");
+}
+
+void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
+                     const Regions& regions, const OutputFolder& out) {
+  using Form = Scene::StepForm;
+  const bool cut = std::any_of(regions.begin(), regions.end(),
+                               [](const SkinnedRegion* r) { return r->surface.trim(); });
+  if (scene.step_form == Form::Exact && cut && !made.network)
+    throw InputError(scene.at({}) +
+                     "found step_form = \"exact\" for a surface that is trimmed by embedded "
+                     "curves, expected \"face\": trimmed triangles have no exact form");
+  Report::Step& s = report.step.emplace(Report::Step{});
+  s.form = scene.step_form == Form::Exact ? "exact" : "face";
+  s.file = scene.step;
+  StepFileOptions words;
+  words.name = scene.name;
+  words.ap242 = scene.step_ap242;
+  if (scene.step_lines)
+    words.lines = model_curves(made.model, made.network ? &*made.network : nullptr);
+  StepReport step = (s.form == "face" ? face_step : exact_step)(report, scene, words, regions,
+                                                                out.file(scene.step));
+  constexpr int few_triangles = 10'000;
+  if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
+      regions.front()->surface.mesh().triangle_count() <= few_triangles) {
+    report.warnings.push_back("a single fitted face in '" + scene.step + "' would deviate by " +
+                              format_number(step.max_deviation.value_or(std::nan(""))) + " " +
+                              scene.unit +
+                              " from the surface; written with three faces per triangle instead");
+    s.form = "exact";
+    s.tolerance = s.poles_u = s.poles_v = 0;
+    s.faces_by_kind.clear();
+    step = exact_step(report, scene, words, regions, out.file(scene.step));
+  }
+  s.faces = step.faces;
+  s.bytes = step.bytes;
+  s.lines = step.curves;
+  if (step.curves != isize(words.lines))
+    report.failed_checks.push_back(
+        {"step.curves",
+         "is " + std::to_string(step.curves) + ", expected " + std::to_string(words.lines.size())});
+  s.max_deviation = step.max_deviation.value_or(std::nan(""));
+  s.max_gap = step.max_gap;
+  s.max_normal_jump_deg = s.form == "face" ? 0 : step.max_normal_jump_deg;
+  s.valid = step.valid;
+  if (const auto& edges = step.continuity) {
+    using Kind = EdgeContinuity::Kind;
+    s.creases = edges->count(Kind::Crease);
+    s.tangent = edges->count(Kind::Tangent);
+    s.curvature = edges->count(Kind::Curvature);
+    s.max_smooth_deg = edges->max_smooth_deg();
+  }
+  s.joins.clear();
+  for (const StepJoin& join : step.joins) {
+    const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
+    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
+                       of_surfaces ? "the surfaces meet at up to " +
+                                         format_number(join.surface_deg) + " degrees there"
+                                   : ""});
+  }
+  s.max_join_deg = step.max_join_deg;
+  warn_of_joins(report, scene);
+  s.shells = step.shells;
+  s.solids = step.solids;
+  s.free_edges = step.free_edges;
+  s.volume = step.volume;
+  for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
+}
+
+void write_vtk_files(Report& report, const Scene& scene, const BuiltModel& made,
+                     const SolvedShape& shape, const OutputFolder& out) {
+  VtkOptions vtk;
+  if (made.network) vtk.lines = vtk_lines(*made.network, made.model);
+  // Displacements are relative to the shape of the lines alone.
+  std::vector<Surface> unloaded;
+  if (report.is_sculpted || report.sculpting)
+    for (int r = 0; r < shape.layout->region_count(); ++r)
+      unloaded.push_back(shape.layout->skinned(r, shape.unloaded).surface);
+  for (const Surface& surface : unloaded) vtk.references.push_back(&surface);
+  const Regions regions = shape.all();
+  const auto write_vtk = [&](const std::string& file, const auto& write) {
+    if (file.empty()) return;
+    write_valid_regions(report, out, file, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          VtkOptions of_some = vtk;
+                          if (!vtk.references.empty())
+                            of_some.references = picked(vtk.references, which);
+                          write(out.file(file), picked(regions, which), of_some);
+                        });
+  };
+  write_vtk(scene.vtp, write_vtp);
+  write_vtk(scene.vtu, write_vtu);
+}
+
+}  // namespace
+
+void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
+                 const SolvedShape& shape, const Progress& progress) {
+  if (shape.regions.empty()) return;
+  Report& report = run.report;
+  if (!scene.compare.empty()) {
+    compare_into(report, scene, shape.all(), progress);
+    run.watch.lap("compare");
+  }
+  progress.update("files", 0);
+  if (!scene.vtp.empty() || !scene.vtu.empty()) {
+    progress.update("VTK", 0);
+    write_vtk_files(report, scene, made, shape, run.out);
+    run.watch.lap("vtk");
+  }
+  if (!scene.calculix.empty()) {
+    // Supports or loads on missing entities are errors of the scene.
+    const std::vector<std::string> cases = scene.stress->cases();
+    if (cases.size() > 1)
+      throw InputError(scene.at({}) + "[stress]: found " + std::to_string(cases.size()) +
+                       " load cases, which '" + scene.calculix +
+                       "' cannot contain, expected one case; use `batten stress`");
+    const ShellDeck deck =
+        deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
+    const Regions regions = shape.all();
+    write_valid_regions(report, run.out, scene.calculix, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          write_calculix(run.out.file(scene.calculix), picked(regions, which),
+                                         deck);
+                        });
+    run.watch.lap("calculix");
+  }
+}
+
+void write_step_file(RunContext& run, const Scene& scene, const BuiltModel& made,
+                     const Progress& progress) {
+  if (scene.step.empty() || made.model.skinned().empty()) return;
+  progress.update("STEP", 0);
+  const Regions regions = with_faces(run.report, made.model);
+  if (regions.empty()) {
+    run.report.failed_checks.push_back(
+        {scene.step, "is not written: the surface of every face is inverted"});
+    return;
+  }
+  write_valid_regions(run.report, run.out, scene.step, regions, made.network.has_value(),
+                      [&](const std::vector<int>& which, Report& into) {
+                        write_step_into(into, scene, made, picked(regions, which), run.out);
+                      });
+  run.watch.lap("step");
+}
+
+PictureScene shape_picture(const PictureScene& look, const BuiltModel& made,
+                           const SolvedShape& shape) {
+  PictureScene picture = look;
+  picture.regions = shape.all();
+  if (made.found)
+    for (const int a : made.found->unused_edges)
+      picture.extra_curves.push_back(made.network->edges()[a].curve);
+  return picture;
+}
+
+void draw_pictures(RunContext& run, const Scene& scene, const BuiltModel& made,
+                   const SolvedShape& shape, const Progress& progress) {
+  Report& report = run.report;
+  for (const auto& picture : scene.pictures) {
+    if (!can_draw(report, picture.file)) continue;
+    progress.update("picture " + picture.file, 0);
+    const Regions regions = shape.all();
+    write_valid_regions(report, run.out, picture.file, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report&) {
+                          PictureScene look = shape_picture(picture.look, made, shape);
+                          look.regions = picked(regions, which);
+                          draw_picture(run.out.file(picture.file), look, picture.size);
+                        });
+  }
+}
+
+namespace {
+
+/// A temporary folder, removed on destruction.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "batten_export_XXXXXX").string();
+    if (!mkdtemp(name.data())) throw FileError(name + ": cannot create this folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to) {
+  AtomicFile file(to);
+  std::filesystem::copy_file(from, file.temporary(),
+                             std::filesystem::copy_options::overwrite_existing);
+  file.commit();
+}
+
+/// Reduces the scene to a single output; the result is its file name.
+std::string require_single_output(Scene& scene, const std::string& ending) {
+  scene.step = scene.vtp = scene.vtu = scene.calculix = "";
+  scene.compare.clear();
+  if (ending.empty()) return "";
+  std::string& output = ending == ".vtp"   ? scene.vtp
+                        : ending == ".vtu" ? scene.vtu
+                        : ending == ".inp" ? scene.calculix
+                                           : scene.step;
+  output = &output == &scene.step ? "shape.step" : "shape" + ending;
+  return output;
+}
+
+}  // namespace
+
+Report export_shape(const Scene& of, const BuiltModel& made_before, const SolvedShape& shape,
+                    const std::filesystem::path& file, const Progress& progress) {
+  const TemporaryFolder folder;
+  const std::string ending = lower_extension(file);
+  Scene scene = of;
+  const std::string output = require_single_output(scene, ending);
+  if (!scene.calculix.empty() && !scene.stress)
+    throw InputError(
+        file.string() +
+        ": found no [stress] in the scene, expected one with the thickness and material");
+  RunContext run(scene, folder.path());
+  run.report.parameters = scene.parameters();
+  BuiltModel made = made_before;
+  run.tolerance = made.fit_tolerance;
+  measure_into(run, made, shape, scene, progress);
+  write_files(run, scene, made, shape, progress);
+  write_step_file(run, scene, made, progress);
+  run.finish(progress);
+  run.out.commit();
+  if (output.empty()) return std::move(run.report);
+  const std::filesystem::path written = folder.path() / output;
+  if (ending == lower_extension(written) || ending == ".stp") {
+    copy_whole(written, file);
+    return std::move(run.report);
+  }
+  ConvertTask task;
+  task.from = written;
+  task.to = file;
+  const ConvertReport converted = run_convert(task, progress);
+  run.report.failed_checks.insert(run.report.failed_checks.end(), converted.failed_checks.begin(),
+                                  converted.failed_checks.end());
+  return std::move(run.report);
+}
+
+}  // namespace batten

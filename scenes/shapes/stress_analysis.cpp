@@ -1,0 +1,428 @@
+#include "batten/scenes/shapes/stress_analysis.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#if defined(__linux__)
+#include <sys/prctl.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <utility>
+
+#include "batten/analysis/models/shell_refinement.h"
+#include "batten/analysis/models/shell_stresses.h"
+#include "batten/core/errors.h"
+#include "batten/io/decks/frd_results.h"
+#include "batten/io/pictures/image.h"
+#include "batten/io/vtk/vtk_files.h"
+#include "batten/scenes/shapes/stress_results.h"
+#include "batten/scenes/shapes/stress_setup.h"
+#include "batten/skinning/model/model_shapes.h"
+
+namespace batten {
+
+double deformation_scale(double largest, double size) {
+  constexpr double fraction = 0.05;
+  if (!(largest > 0)) return 1;
+  const double wanted = fraction * size / largest;
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double digit : {5.0, 2.0})
+    if (wanted >= digit * power) return digit * power;
+  return power;
+}
+
+namespace {
+
+// Files and pictures.
+
+// Components of a symmetric tensor in VTK's order.
+VecX in_order(const Mat3& s) {
+  VecX six(6);
+  six << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
+  return six;
+}
+
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string stress_unit(const Scene& scene) {
+  return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
+}
+
+/// File name of a load case without extension: NAME_CASE, with NAME of the scene. It consists of
+/// letters, digits, '-' and '_'.
+std::string stress_stem(const Scene& scene, const std::string& name);
+std::string stress_stem(const Scene& scene, const std::string& name) {
+  return safe_file_name(scene.name) + "_" + safe_file_name(name);
+}
+
+/// Writes shell results into the folder of a run, with the prefix NAME_ of the scene, and lists the
+/// files in its report. Pictures use the view of the scene's first picture.
+class StressFiles : public StressVisitor {
+ public:
+  StressFiles(RunContext& run, const Scene& scene) : run_(run), scene_(scene) {}
+
+  void visit_shell(const ShellModel& shell) override;
+  void visit_case(const StressReport::Case& c, const ShellCaseResult& result,
+                  const ShellStresses& stresses) override;
+  void visit_buckling(const StressReport::Case& c, const std::vector<Points>& shapes) override;
+  void visit_modes(const std::vector<double>& frequencies,
+                   const std::vector<Points>& shapes) override;
+
+ private:
+  /// Writes a load case: NAME_CASE.vtu on the undeformed shape and NAME_CASE.png, the equivalent
+  /// stress on the deformed shape. The .vtu has Displacement, Von_mises_top, _middle and _bottom,
+  /// Stress_top, _middle and _bottom, Forces, Moments and Thickness (tensors as xx, yy, zz, xy, yz,
+  /// xz). `largest`: largest displacement.
+  void write_case(const std::string& name, const Points& displacement, double largest,
+                  const ShellStresses& stresses);
+
+  /// Writes mode shapes: NAME_KIND.pvd, a series NAME_KIND_1.vtu, … with the Displacement of each
+  /// mode, normalised to a maximum of 1. NAME_KIND.png is a contact sheet with captions;
+  /// NAME_KIND_1.gif, … are animations.
+  void write_mode_shapes(const std::string& kind, const std::vector<Points>& shapes,
+                         const std::vector<std::string>& captions);
+  std::vector<SkinnedRegion> regions_of(const Points& dofs) const;
+  PictureScene view() const;
+  double largest(const Points& displacement) const;
+  const ModelLayout& layout() const { return shell_->layout(); }
+
+  RunContext& run_;
+  const Scene& scene_;
+  const ShellModel* shell_ = nullptr;
+};
+
+void StressFiles::visit_shell(const ShellModel& shell) {
+  shell_ = &shell;
+  run_.watch.lap("stress");
+}
+
+void StressFiles::visit_case(const StressReport::Case& c, const ShellCaseResult& result,
+                             const ShellStresses& stresses) {
+  write_case(c.name, result.displacement, c.displacement, stresses);
+}
+
+void StressFiles::visit_buckling(const StressReport::Case& c, const std::vector<Points>& shapes) {
+  std::vector<std::string> captions;
+  for (const double factor : c.buckling)
+    captions.push_back(c.name + ": buckling at " + three_digits(factor) + " times the load");
+  if (!captions.empty()) write_mode_shapes(c.name + " buckling", shapes, captions);
+}
+
+void StressFiles::visit_modes(const std::vector<double>& frequencies,
+                              const std::vector<Points>& shapes) {
+  std::vector<std::string> captions;
+  for (const double f : frequencies) captions.push_back(three_digits(f) + " Hz");
+  write_mode_shapes("modes", shapes, captions);
+}
+
+std::vector<SkinnedRegion> StressFiles::regions_of(const Points& dofs) const {
+  std::vector<SkinnedRegion> regions;
+  for (int r = 0; r < layout().region_count(); ++r) regions.push_back(layout().skinned(r, dofs));
+  return regions;
+}
+
+PictureScene StressFiles::view() const {
+  PictureScene picture;
+  if (scene_.pictures.empty()) return picture;
+  picture.azimuth = scene_.pictures[0].look.azimuth;
+  picture.elevation = scene_.pictures[0].look.elevation;
+  return picture;
+}
+
+double StressFiles::largest(const Points& displacement) const {
+  const VecX positions = layout().position_dofs();
+  double most = 0;
+  for (long m = 0; m < positions.size(); ++m)
+    if (positions[m] > 0) most = std::max(most, displacement.row(m).norm());
+  return most;
+}
+
+void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
+                             const ShellStresses& stresses) {
+  const auto at = [&](int r, const Location& where) {
+    return stresses.at(layout().to_model_location(r, where));
+  };
+  const Surface moved = layout().surface(displacement);
+  VtkOptions options;
+  options.curvatures = false;
+  options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
+                              return moved.position(layout().to_model_location(r, where));
+                            }});
+  for (const auto& [side, height] :
+       {std::pair<const char*, double>{"top", 1}, {"middle", 0}, {"bottom", -1}}) {
+    options.fields.push_back({"Von_mises_" + std::string(side), 1,
+                              [&at, h = height](int r, const Location& where) -> VecX {
+                                return VecX::Constant(1, von_mises(at(r, where).at(h)));
+                              }});
+    options.fields.push_back(
+        {"Stress_" + std::string(side), 6,
+         [&at, h = height](int r, const Location& where) { return in_order(at(r, where).at(h)); }});
+  }
+  options.fields.push_back(
+      {"Forces", 6, [&](int r, const Location& where) { return in_order(at(r, where).forces); }});
+  options.fields.push_back(
+      {"Moments", 6, [&](int r, const Location& where) { return in_order(at(r, where).moments); }});
+  options.fields.push_back({"Thickness", 1, [&](int r, const Location& where) -> VecX {
+                              return VecX::Constant(1, at(r, where).thickness);
+                            }});
+  const std::vector<SkinnedRegion> still = regions_of(shell_->shape());
+  write_vtu(run_.out.file(stress_stem(scene_, name) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");
+
+  if (!can_draw(run_.report, stress_stem(scene_, name) + ".png")) return;
+  const double times = deformation_scale(largest, layout().size());
+  const std::vector<SkinnedRegion> regions = regions_of(shell_->shape() + times * displacement);
+  PictureScene picture = view();
+  picture.regions = pointers(regions);
+  picture.field = PictureScene::Field::Value;
+  picture.title = scene_.name + ": " + name + " (deformation ×" + format_number(times) + ")";
+  picture.value = {"von Mises stress" + stress_unit(scene_) + ", max of top and bottom",
+                   [&](int r, const Location& where) {
+                     const ShellStress stress = at(r, where);
+                     return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
+                   },
+                   0};
+  draw_picture(run_.out.file(stress_stem(scene_, name) + ".png"), picture);
+  run_.report.files.push_back(stress_stem(scene_, name) + ".png");
+}
+
+void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<Points>& shapes,
+                                    const std::vector<std::string>& captions) {
+  std::vector<Surface> moved;
+  for (const Points& shape : shapes) moved.push_back(layout().surface(shape / largest(shape)));
+  const std::vector<SkinnedRegion> still = regions_of(shell_->shape());
+  std::vector<SeriesFile> series;
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    VtkOptions options;
+    options.curvatures = false;
+    options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
+                                return moved[k].position(layout().to_model_location(r, where));
+                              }});
+    const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".vtu";
+    write_vtu(run_.out.file(file), pointers(still), options);
+    run_.report.files.push_back(file);
+    series.push_back({static_cast<double>(k + 1), file});
+  }
+  write_pvd(run_.out.file(stress_stem(scene_, kind) + ".pvd"), series);
+  run_.report.files.push_back(stress_stem(scene_, kind) + ".pvd");
+
+  if (!can_draw(run_.report, stress_stem(scene_, kind) + ".png")) return;
+  constexpr double swing = 0.07;  // amplitude, relative to the model size
+  constexpr int frames = 16;
+  const PictureSize small{640, 400};
+  std::vector<std::vector<SkinnedRegion>> kept;
+  const auto picture_at = [&](size_t k, double phase) {
+    kept.push_back(regions_of(shell_->shape() + swing * layout().size() * phase * moved[k].dofs()));
+    PictureScene picture = view();
+    picture.regions = pointers(kept.back());
+    picture.field = PictureScene::Field::Value;
+    picture.title = captions[k];
+    picture.value = {"Displacement / max",
+                     [&, k, phase](int r, const Location& where) {
+                       return std::abs(phase) *
+                              moved[k].position(layout().to_model_location(r, where)).norm();
+                     },
+                     1};
+    return picture;
+  };
+  std::vector<PictureScene> sheet;
+  for (size_t k = 0; k < shapes.size(); ++k) sheet.push_back(picture_at(k, 1));
+  draw_contact_sheet(run_.out.file(stress_stem(scene_, kind) + ".png"), sheet,
+                     static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sheet.size())))));
+  run_.report.files.push_back(stress_stem(scene_, kind) + ".png");
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    kept.clear();
+    std::vector<PictureScene> phases;
+    for (int i = 0; i < frames; ++i)
+      phases.push_back(picture_at(k, std::sin(2 * std::numbers::pi * i / frames)));
+    share_view(phases);
+    std::vector<Image> images;
+    for (const PictureScene& phase : phases) images.push_back(picture_image(phase, small));
+    const std::string file = stress_stem(scene_, kind) + "_" + std::to_string(k + 1) + ".gif";
+    constexpr double seconds = 0.06;
+    write_gif(run_.out.file(file), images, seconds, seconds);
+    run_.report.files.push_back(file);
+  }
+}
+
+}  // namespace
+
+void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
+             const BackendFactory& factors, const Progress& progress) {
+  if (!shape.layout) return;
+  StressFiles files(run, scene);
+  run.report.stress = compute_stresses(scene, shape, factors, run.report, files, progress);
+  run.watch.lap("stress files");
+}
+
+namespace {
+
+std::string format_rounded_point(const Vec3& p) {
+  std::string text;
+  for (int c = 0; c < 3; ++c) text += (c ? ", " : "(") + three_digits(p[c]);
+  return text + ")";
+}
+
+}  // namespace
+
+std::string stress_summary(const StressReport& report, const std::string& unit) {
+  std::string text =
+      summary_line("stress", std::to_string(report.unknowns) + " unknowns" +
+                                 (report.material.empty() ? "" : ", " + report.material));
+  for (const auto& m : report.meshes)
+    text +=
+        summary_line(&m == &report.meshes[0] ? "meshes" : "",
+                     "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
+                         std::to_string(m.unknowns) + " unknowns, displacement " +
+                         three_digits(m.displacement) + ", von Mises " + three_digits(m.stress) +
+                         ", error " + three_digits(100 * m.error) + " %");
+  for (const auto& c : report.cases) {
+    std::string stress = "von Mises " + three_digits(c.stress) + " at " +
+                         format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
+                         c.max_stress_region + "', ± " + three_digits(c.spread);
+    if (c.safety > 0) stress += "; safety factor " + three_digits(c.safety);
+    text += summary_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    if (c.calculix)
+      text += summary_line("", "CalculiX, " + c.calculix->elements + ": displacement " +
+                                   three_digits(c.calculix->displacement) + " " + unit +
+                                   ", at the same point " +
+                                   three_digits(c.calculix->displacement_there) + "; von Mises " +
+                                   three_digits(c.calculix->stress) + ", at the same point " +
+                                   three_digits(c.calculix->stress_there));
+    if (c.buckling_requested)
+      text += summary_line(
+          "", c.buckling.empty() ? "does not buckle under this load"
+                                 : "buckles at " + three_digits(c.buckling[0]) + " times its load");
+    text += summary_line("", "displacement " + three_digits(c.displacement) + " " + unit + " at " +
+                                 format_rounded_point(c.max_displacement_at) + ", ± " +
+                                 three_digits(c.displacement_error) + "; error about " +
+                                 three_digits(100 * c.error) + " % in energy norm");
+  }
+  for (const auto& d : report.sensitivities)
+    text += summary_line(&d == &report.sensitivities[0] ? "sensitivity" : "",
+                         "to '" + d.parameter + "', case '" + d.load_case + "': displacement " +
+                             three_digits(d.displacement) + " " + unit + ", work of the loads " +
+                             three_digits(d.compliance) + ", per unit of the parameter");
+  std::string hertz;
+  for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
+  if (!hertz.empty()) text += summary_line("frequencies", hertz + " Hz");
+  return text;
+}
+
+namespace {
+
+// Von Mises equivalent of a 3D stress tensor.
+double equivalent(const Mat3& s) {
+  const Mat3 deviator = s - s.trace() / 3 * Mat3::Identity();
+  return std::sqrt(1.5 * deviator.squaredNorm());
+}
+
+void run_ccx(const std::filesystem::path& deck) {
+  const char* named = std::getenv("CCX");
+  const std::string program = named ? named : "ccx", folder = deck.parent_path().string(),
+                    stem = deck.stem().string();
+  const pid_t child = fork();
+  if (child == 0) {
+#if defined(__linux__)
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends together with a cancelled run
+#endif
+    const int nothing = open("/dev/null", O_WRONLY);
+    dup2(nothing, STDOUT_FILENO);
+    dup2(nothing, STDERR_FILENO);
+    if (chdir(folder.c_str()) == 0)
+      execlp(program.c_str(), program.c_str(), "-i", stem.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0)
+    throw InputError("cannot start '" + program + "'");
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    throw InputError("found no program '" + program +
+                     "', expected CalculiX (calculix-ccx) or its path in the environment variable "
+                     "CCX");
+  // Files that ccx leaves beside its results.
+  for (const char* ending : {".dat", ".sta", ".cvg", ".12d"})
+    std::filesystem::remove(std::filesystem::path(deck).replace_extension(ending));
+  std::filesystem::remove(deck.parent_path() / "spooles.out");
+}
+
+StressReport::CalculixResult calculix_result(const FrdResults& results,
+                                             const StressReport::Case& ours) {
+  StressReport::CalculixResult result;
+  const FrdResults::Node *moved = nullptr, *stressed = nullptr;
+  const auto nearer = [](const Vec3& to, const FrdResults::Node& a, const FrdResults::Node* b) {
+    return !b || (a.x - to).squaredNorm() < (b->x - to).squaredNorm();
+  };
+  for (const FrdResults::Node& node : results.nodes) {
+    result.displacement = std::max(result.displacement, node.displacement.norm());
+    result.stress = std::max(result.stress, equivalent(node.stress));
+    if (nearer(ours.max_displacement_at, node, moved)) moved = &node;
+    if (nearer(ours.max_stress_face_point, node, stressed)) stressed = &node;
+  }
+  if (moved) result.displacement_there = moved->displacement.norm();
+  if (stressed) result.stress_there = equivalent(stressed->stress);
+  return result;
+}
+
+const char* element_name(ShellDeck::Element element) {
+  return element == ShellDeck::Element::S3    ? "three-node triangles"
+         : element == ShellDeck::Element::S8R ? "eight-node quads"
+                                              : "six-node triangles";
+}
+
+}  // namespace
+
+void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape& shape,
+                         ShellDeck::Element element, const Progress& progress) {
+  for (StressReport::Case& c : run.report.stress->cases) {
+    if (c.combination) continue;
+    progress.update("CalculiX, case " + c.name, 0);
+    const std::string stem = stress_stem(scene, c.name) + "_ccx";
+    const auto deck = run.out.file(stem + ".inp");
+    ShellDeck shell = deck_of(scene, *shape.layout, c.name, stem + ".inp");
+    shell.element = element;
+    write_calculix(deck, shape.all(), shell);
+    run_ccx(deck);
+    c.calculix = calculix_result(read_frd(run.out.file(stem + ".frd")), c);
+    c.calculix->elements = element_name(element);
+    run.report.files.push_back(stem + ".inp");
+    run.report.files.push_back(stem + ".frd");
+  }
+  run.watch.lap("CalculiX");
+}
+
+RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
+                               const BackendFactory& factors, const Progress& progress) {
+  RefinedShape result{shape, {}, false};
+  if (!shape.layout) return result;
+  ShellRefinementOptions options;
+  options.accuracy = accuracy;
+  options.backend_factory = factors;
+  const RefinedShell refined =
+      refine_shell(shape.layout, shape.dofs, shell_problem(scene), options, progress);
+  result.converged = refined.converged;
+  for (const RefinedShell::Mesh& mesh : refined.meshes)
+    result.meshes.push_back(
+        {mesh.edge_length, mesh.unknowns, mesh.displacement, mesh.von_mises, mesh.error});
+  if (refined.meshes.size() == 1) return result;
+  SolvedShape& finer = result.shape;
+  finer.layout = refined.layout;
+  finer.dofs = refined.shape;
+  finer.unloaded = interpolate_onto(*shape.layout, shape.unloaded, *refined.layout);
+  finer.regions.clear();
+  for (int r = 0; r < finer.layout->region_count(); ++r)
+    finer.regions.push_back(finer.layout->skinned(r, finer.dofs));
+  return result;
+}
+
+}  // namespace batten

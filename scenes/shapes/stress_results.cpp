@@ -1,0 +1,190 @@
+#include "batten/scenes/shapes/stress_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "batten/analysis/models/shell_modes.h"
+#include "batten/analysis/models/shell_sensitivities.h"
+#include "batten/core/errors.h"
+#include "batten/scenes/shapes/stress_setup.h"
+
+namespace batten {
+namespace {
+
+std::string region_at(const ModelLayout& layout, const Location& where) {
+  return layout.region(layout.region_of(where.triangle)).name();
+}
+
+bool is_combination(const SceneStress& stress, const std::string& name) {
+  return std::any_of(stress.combinations.begin(), stress.combinations.end(),
+                     [&](const SceneStress::Combination& sum) { return sum.name == name; });
+}
+
+StressReport::Case case_report(const SceneStress& stress, const ModelLayout& layout,
+                               const ShellCaseResult& result) {
+  StressReport::Case c;
+  c.name = result.name;
+  c.combination = is_combination(stress, result.name);
+  c.force = result.load.force;
+  for (const SupportReaction& r : result.reactions)
+    c.reactions.push_back({r.support, r.resultant.force, r.resultant.moment});
+  c.equilibrium_residual = result.equilibrium_residual;
+  c.energy = result.energy;
+  const MaxDisplacement& moved = result.max_displacement;
+  c.displacement = moved.value;
+  c.displacement_error = moved.error;
+  c.displacement_vector = moved.vector;
+  c.max_displacement_at = moved.at;
+  if (moved.value > 0) c.max_displacement_region = region_at(layout, moved.where);
+  const ShellStresses::Peak& peak = result.max_stress;
+  c.stress = peak.value;
+  c.side = peak.height > 0 ? "top" : "bottom";
+  c.max_stress_at = peak.at;
+  c.max_stress_face_point = result.max_stress_point;
+  c.max_stress_region = region_at(layout, peak.where);
+  c.spread = peak.spread;
+  c.near_singularity = result.near_singularity;
+  c.error = result.energy_norm_error;
+  if (stress.yield > 0 && c.stress > 0) c.safety = stress.yield / c.stress;
+  return c;
+}
+
+// The report without cases and frequencies.
+StressReport shell_report(const SceneStress& stress, const ShellModel& shell) {
+  StressReport report;
+  report.material = stress.material;
+  report.unknowns = shell.unknowns();
+  report.yield = stress.yield;
+  report.weakly_constrained_motions = shell.rigid_body_modes().weakly_constrained;
+  report.smallest_lever = shell.rigid_body_modes().smallest_lever;
+  const ThinShellRatios ratios = thin_shell_ratios(shell);
+  report.thickness_over_radius = ratios.thickness_over_radius;
+  report.edge_over_boundary_layer = ratios.edge_over_boundary_layer;
+  return report;
+}
+
+void warn(const StressReport& s, std::vector<std::string>& warnings) {
+  constexpr double thin = 0.1, coarse = 1.5;
+  if (s.thickness_over_radius > thin)
+    warnings.push_back("the ratio of thickness to radius of curvature reaches " +
+                       format_number(s.thickness_over_radius) +
+                       ", but thin shell theory is only valid up to about 0.1");
+  if (s.edge_over_boundary_layer > coarse)
+    warnings.push_back(
+        "element edges are up to " + format_number(s.edge_over_boundary_layer) +
+        " times √(radius × thickness) long and may be too stiff above 1.5: compare with a smaller "
+        "edge_length");
+  for (const std::string& motion : s.weakly_constrained_motions)
+    warnings.push_back("the supports hardly prevent a rigid-body motion: " + motion +
+                       ", with a lever arm of " + format_number(100 * s.smallest_lever) +
+                       " % of the size, so that results depend strongly on their exact position");
+  for (const auto& c : s.cases)
+    if (c.near_singularity)
+      warnings.push_back("case '" + c.name +
+                         "': the maximum stress is next to a point load or point support, a "
+                         "singularity where it grows without limit under mesh refinement");
+}
+
+void find_buckling(const Scene& scene, const ShellModel& shell, const Points& displacement,
+                   StressReport::Case& c, StressVisitor& visitor) {
+  const ShellBuckling found = buckling(shell, displacement, scene.stress->buckling);
+  c.buckling.assign(found.factors.begin(), found.factors.end());
+  c.buckling_requested = true;
+  visitor.visit_buckling(c, found.shapes);
+}
+
+void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
+                StressVisitor& visitor) {
+  const ShellModes modes = natural_modes(shell, scene.stress->modes);
+  report.frequencies.assign(modes.frequencies.begin(), modes.frequencies.end());
+  visitor.visit_modes(report.frequencies, modes.shapes);
+}
+
+}  // namespace
+
+StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
+                              const BackendFactory& factors, RunReport& notes,
+                              StressVisitor& visitor, const Progress& progress) {
+  progress.update("stress", 0);
+  const ShellProblem problem = shell_problem(scene);
+  const ShellDefinition definition = problem.definition(*shape.layout, shape.dofs);
+  const ShellModel shell(*shape.layout, shape.dofs, definition,
+                         ShellModel::RigidBodyHandling::Refused, factors);
+  visitor.visit_shell(shell);
+  StressReport report = shell_report(*scene.stress, shell);
+  const auto add = [&](const ShellCaseResult& result, const ShellStresses& stresses) {
+    StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
+    visitor.visit_case(c, result, stresses);
+    constexpr double balanced = 1e-8;
+    if (!(c.equilibrium_residual <= balanced))
+      notes.failed_checks.push_back(
+          {"stress.equilibrium_residual of " + c.name,
+           "is " + format_number(c.equilibrium_residual) + ", expected at most 1e-8"});
+    if (scene.stress->buckling > 0) find_buckling(scene, shell, result.displacement, c, visitor);
+    report.cases.push_back(std::move(c));
+  };
+  evaluate_load_cases(shell, problem.load_cases(*shape.layout, shape.dofs, definition), add,
+                      nullptr, progress);
+  if (scene.stress->modes > 0) find_modes(scene, shell, report, visitor);
+  warn(report, notes.warnings);
+  return report;
+}
+
+namespace {
+
+double step_of(const Parameter& p) {
+  constexpr double fraction = 1e-3;
+  const double range = p.max - p.min;
+  return fraction * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
+}
+
+// The scene with a changed parameter; empty if the value is not permitted.
+std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
+  try {
+    Scene other = scene;
+    other.set(p.name, p.value + by, "");
+    return other;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport& report,
+                                                             const Scene& scene,
+                                                             const BuiltModel& made,
+                                                             const SolvedShape& shape,
+                                                             const Progress& progress) {
+  std::vector<ShellSensitivities::Goal> goals;
+  const std::vector<std::string> names = scene.stress->cases();
+  for (const StressReport::Case& c : report.cases)
+    if (std::count(names.begin(), names.end(), c.name) && c.displacement > 0)
+      goals.push_back({c.name, c.max_displacement_at, c.displacement_vector});
+  const ShellSensitivities sensitivities(*shape.layout, shape.dofs, shell_problem(scene), goals);
+  std::vector<StressReport::Sensitivity> found;
+  std::set<std::string> of_lines;
+  for_each_fair_parameter(scene.fairing,
+                          [&](const std::string& name, double) { of_lines.insert(name); });
+  for (const Parameter& p : scene.parameters()) {
+    if (of_lines.count(p.name)) continue;
+    progress.update("sensitivity to " + p.name, 0);
+    const auto shape_with = [&](double change) -> std::optional<Points> {
+      const auto other = change == 0 ? std::optional(scene) : moved(scene, p, change);
+      if (!other) return std::nullopt;
+      return solve_shape(*shape.layout, *other, made, {{}, progress.cancelled}).dofs;
+    };
+    const auto rate = shape_derivative(shape_with, step_of(p));
+    if (!rate || !(rate->cwiseAbs().maxCoeff() > 0)) continue;
+    const auto derivatives = sensitivities.along(*rate);
+    for (size_t g = 0; g < goals.size(); ++g)
+      found.push_back(
+          {p.name, goals[g].load_case, derivatives[g].displacement, derivatives[g].compliance});
+  }
+  return found;
+}
+
+}  // namespace batten

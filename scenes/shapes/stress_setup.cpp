@@ -1,0 +1,417 @@
+#include "batten/scenes/shapes/stress_setup.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include "batten/core/errors.h"
+#include "batten/sculpting/loads/loads.h"
+#include "batten/skinning/region/skinned_region.h"
+
+namespace batten {
+
+namespace {
+
+/// Names of the layout's lines that are, or are parts of, a line of the scene. Throws InputError,
+/// with the location in the scene, if there are none.
+std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scene,
+                                    const LocatedString& line) {
+  std::vector<std::string> all, found;
+  for (const ModelLine& l : layout.lines()) {
+    all.push_back(l.name);
+    if (is_part_of(l.name, line.text)) found.push_back(l.name);
+  }
+  if (found.empty())
+    throw InputError(scene.at(line.location) + "found the curve '" + line.text + "', expected " +
+                     expected_one_of(line.text, all));
+  return found;
+}
+
+/// Layout index of a region of the scene. Throws InputError like find_lines().
+int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region) {
+  std::vector<std::string> names;
+  for (const auto& r : layout.regions()) {
+    if (r->name() == region.text) return isize(names);
+    names.push_back(r->name());
+  }
+  throw InputError(scene.at(region.location) + "found the face '" + region.text + "', expected " +
+                   expected_one_of(region.text, names));
+}
+
+// Throws InputError, with the location in the scene, for inconsistent units.
+void require_consistent_units(const Scene& scene) {
+  const SceneStress& s = *scene.stress;
+  const auto refuse = [&](const std::string& what, const std::string& expected) {
+    throw InputError(scene.at({}) + "[stress]: found " + what + " in a scene in " + scene.unit +
+                     ", expected " + expected);
+  };
+  constexpr double mpa_at_most = 5e6, tonnes_at_most = 1e-6, pascal_at_least = 1e5,
+                   kilograms_at_least = 1e-3;
+  if (scene.unit == "mm") {
+    if (s.young > mpa_at_most)
+      refuse("young = " + format_number(s.young), "N/mm² (steel: 210000), not Pa");
+    if (s.density > tonnes_at_most)
+      refuse("density = " + format_number(s.density), "t/mm³ (steel: 7.85e-9), not kg/m³");
+  }
+  if (scene.unit == "m") {
+    if (s.young < pascal_at_least && s.density > 0)
+      refuse("young = " + format_number(s.young), "Pa (steel: 210e9), not N/mm²");
+    if (s.density > 0 && s.density < kilograms_at_least)
+      refuse("density = " + format_number(s.density), "kg/m³ (steel: 7850), not t/mm³");
+  }
+}
+
+// The areas of a scene's area: one per segment of a split line.
+std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const SceneArea& area) {
+  Area common = area.area;
+  for (const LocatedString& region : area.regions) {
+    find_region(layout, scene, region);
+    common.regions.push_back(region.text);
+  }
+  auto* near = std::get_if<Area::NearLine>(&common.where);
+  if (!near) return {common};
+  std::vector<Area> areas;
+  for (const std::string& line : find_lines(layout, scene, area.line)) {
+    near->line = line;
+    areas.push_back(common);
+  }
+  return areas;
+}
+
+ShellLocation place_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                       const Vec3& point, const SourceLocation& at) {
+  const ShellLocation location = nearest_location(layout, shape, point);
+  constexpr double far = 0.05;  // relative to the model size
+  if (location.distance > far * layout.size())
+    throw InputError(scene.at(at) + "found a point at a distance of " +
+                     format_number(location.distance) + " " + scene.unit +
+                     " from the surface, expected one on the surface");
+  return location;
+}
+
+ShellPart part_of(const Scene& scene, const ModelLayout& layout, const LocatedString& region,
+                  const std::optional<Box3>& box) {
+  ShellPart part;
+  if (!region.text.empty()) part.regions = {find_region(layout, scene, region)};
+  part.box = box;
+  return part;
+}
+
+void add_support(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                 const SceneStress::Support& support, ShellDefinition& definition) {
+  using Kind = SceneStress::Support::Kind;
+  const ShellPart part = part_of(scene, layout, support.region, support.box);
+  if (support.kind == Kind::Elastic) {
+    ElasticSupport springs{support.description(), {}, "", part, support.springs,
+                           support.foundation};
+    if (support.point)
+      springs.position = place_of(scene, layout, shape, *support.point, support.location);
+    if (support.line.text.empty()) {
+      definition.elastic.push_back(springs);
+      return;
+    }
+    for (const std::string& line : find_lines(layout, scene, support.line)) {
+      springs.line = line;
+      definition.elastic.push_back(springs);
+    }
+    return;
+  }
+  const bool all = support.kind == Kind::Clamped || support.kind == Kind::Pinned;
+  const std::vector<Vec3> directions =
+      all ? std::vector<Vec3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()} : support.directions;
+  if (support.point) {
+    definition.points.push_back({support.description(),
+                                 place_of(scene, layout, shape, *support.point, support.location),
+                                 directions, support.displacement});
+    return;
+  }
+  if (support.line.text.empty()) {
+    definition.areas.push_back({support.description(), part, directions, support.displacement});
+    return;
+  }
+  for (const std::string& line : find_lines(layout, scene, support.line))
+    definition.lines.push_back({support.description(), line, directions, support.displacement,
+                                support.rotation, support.box});
+}
+
+Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+               const ShellDefinition& definition, const SceneStress::Load& load) {
+  using Type = SceneStress::Load::Type;
+  const ShellPart part = part_of(scene, layout, load.region, load.box);
+  const Vec3 v = load.vector;
+  const double value = load.value, level = load.level;
+  const auto along_lines = [&](const auto& one) {
+    Points sum = Points::Zero(shape.rows(), 3);
+    for (const std::string& line : find_lines(layout, scene, load.line)) sum += one(line);
+    return sum;
+  };
+  switch (load.type) {
+    case Type::Pressure:
+      return surface_traction(
+          layout, shape, [=](const Vec3&, const Vec3& n) -> Vec3 { return value * n; }, part);
+    case Type::AreaForce:
+      return surface_traction(
+          layout, shape, [=](const Vec3&, const Vec3&) { return v; }, part);
+    case Type::Hydrostatic:
+      return surface_traction(
+          layout, shape,
+          [=](const Vec3& x, const Vec3& n) -> Vec3 {
+            return value * std::max(0.0, level - x.z()) * n;
+          },
+          part);
+    case Type::Gravity:
+      return gravity_load(layout, shape, triangle_sections(layout, definition), v);
+    case Type::Point:
+      return point_force(layout, place_of(scene, layout, shape, load.point, load.location), v);
+    case Type::LineForce:
+      return along_lines(
+          [&](const std::string& line) { return line_force(layout, shape, line, v, load.box); });
+    case Type::LineMoment:
+      return along_lines([&](const std::string& line) {
+        return line_moment(layout, shape, line, value, load.box);
+      });
+  }
+  return {};
+}
+
+// Applies the thicknesses of regions, then those of blended areas, in order.
+void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                     ShellDefinition& definition) {
+  const auto& stated = scene.stress->thicknesses;
+  if (stated.empty()) return;
+  definition.sections.assign(static_cast<size_t>(layout.region_count()), definition.sections[0]);
+  for (const auto& of : stated)
+    if (!of.region.text.empty())
+      definition.sections[find_region(layout, scene, of.region)].thickness = of.thickness;
+  const Surface surface = layout.surface(shape);
+  const ParametricMesh& mesh = surface.mesh();
+  const VecX none = VecX::Zero(mesh.vertex_count());
+  VecX base = none, all;
+  for (int t = 0; t < mesh.triangle_count(); ++t)
+    for (const int v : mesh.triangles()[t])
+      base[v] = definition.sections[layout.region_of(t)].thickness;
+  all = base;
+  for (const auto& of : stated) {
+    if (!of.region.text.empty()) continue;
+    for (const Area& area : areas_of(scene, layout, of.area)) {
+      const VecX weights = triangle_weights(area, layout, surface);
+      VecX sum = none, count = none;
+      for (int t = 0; t < mesh.triangle_count(); ++t)
+        for (const int v : mesh.triangles()[t]) {
+          sum[v] += weights[t];
+          count[v] += 1;
+        }
+      for (long v = 0; v < all.size(); ++v)
+        if (count[v] > 0) all[v] += sum[v] / count[v] * (of.thickness - all[v]);
+    }
+  }
+  if (all != base) definition.nodal_thickness_offset = all - base;
+}
+
+ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
+                                 const Points& shape) {
+  const SceneStress& s = *scene.stress;
+  ShellDefinition definition;
+  const ShellMaterial material =
+      s.young_across > 0
+          ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
+          : ShellMaterial::isotropic(s.young, s.poisson, s.density);
+  definition.sections = {{material, s.thickness, s.along}};
+  set_thicknesses(scene, layout, shape, definition);
+  for (const SceneStress::Support& support : s.supports)
+    add_support(scene, layout, shape, support, definition);
+  for (const LocatedString& hinge : s.hinges)
+    for (const std::string& line : find_lines(layout, scene, hinge)) {
+      if (layout.model_line(line).sides.size() < 2)
+        throw InputError(scene.at(hinge.location) + "found the hinge '" + line +
+                         "', which is a free edge, expected an edge of two faces");
+      definition.hinges.push_back(line);
+    }
+  return definition;
+}
+
+std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
+                                         const Points& shape, const ShellDefinition& definition) {
+  std::map<std::string, Points> loads;
+  for (const SceneStress::Load& load : scene.stress->loads) {
+    Points& sum = loads.try_emplace(load.load_case, Points::Zero(shape.rows(), 3)).first->second;
+    try {
+      sum += load_of(scene, layout, shape, definition, load);
+    } catch (const EmptyPartError& e) {
+      throw InputError(scene.at(load.location) + e.what());
+    }
+  }
+  return loads;
+}
+
+std::vector<ShellLoadCase> load_cases(const Scene& scene, const ModelLayout& layout,
+                                      const Points& shape, const ShellDefinition& definition) {
+  const auto loads = case_loads(scene, layout, shape, definition);
+  std::vector<ShellLoadCase> cases;
+  for (const std::string& name : scene.stress->cases()) cases.push_back({name, loads.at(name)});
+  for (const SceneStress::Combination& sum : scene.stress->combinations) {
+    cases.push_back({sum.name, Points::Zero(shape.rows(), 3)});
+    for (const auto& [load_case, factor] : sum.parts)
+      cases.back().load += factor * loads.at(load_case.text);
+  }
+  if (cases.empty())  // prescribed displacements only
+    cases.push_back({"supports", Points::Zero(shape.rows(), 3)});
+  for (ShellLoadCase& one : cases)
+    for (const SceneStress::Load& load : scene.stress->loads)
+      if (load.type == SceneStress::Load::Type::Point) one.singular_points.push_back(load.point);
+  return cases;
+}
+
+}  // namespace
+
+ShellProblem shell_problem(const Scene& scene) {
+  return {
+      [&scene](const ModelLayout& layout, const Points& shape) {
+        require_consistent_units(scene);
+        return shell_definition(scene, layout, shape);
+      },
+      [&scene](const ModelLayout& layout, const Points& shape, const ShellDefinition& definition) {
+        return load_cases(scene, layout, shape, definition);
+      }};
+}
+
+namespace {
+
+using Support = SceneStress::Support;
+using Load = SceneStress::Load;
+
+class DeckOfScene {
+ public:
+  DeckOfScene(const Scene& scene, const ModelLayout& layout, const std::string& file)
+      : scene_(scene), layout_(layout), file_(file) {}
+
+  ShellDeck made(const std::string& load_case) {
+    const SceneStress& stress = *scene_.stress;
+    deck_.thickness = stress.thickness;
+    deck_.young = stress.young;
+    deck_.poisson = stress.poisson;
+    deck_.density = stress.density;
+    deck_.units = "lengths in " + scene_.unit;
+    if (stress.young_across > 0) refuse({}, "an orthotropic material");
+    for (const auto& of : stress.thicknesses) {
+      if (of.region.text.empty()) refuse({}, "a variable thickness");
+      find_region(layout_, scene_, of.region);
+      deck_.thicknesses.push_back({of.region.text, of.thickness});
+    }
+    if (!stress.hinges.empty()) refuse(stress.hinges[0].location, "a hinge");
+    for (const Support& support : stress.supports) add(support);
+    for (const Load& load : stress.loads)
+      if (load.load_case == load_case) add(load);
+    if (!areas_.empty())
+      deck_.area_force = [areas = areas_](const std::string& region, const Vec3& x,
+                                          const Vec3& n) -> Vec3 {
+        Vec3 sum = Vec3::Zero();
+        for (const AreaForce& of : areas)
+          if ((of.region.empty() || of.region == region) && (!of.box || of.box->contains(x)))
+            sum += of.force(x, n);
+        return sum;
+      };
+    return deck_;
+  }
+
+ private:
+  struct AreaForce {
+    std::string region;
+    std::optional<Box3> box;
+    std::function<Vec3(const Vec3& x, const Vec3& n)> force;
+  };
+
+  [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
+    throw InputError(scene_.at(location) + "found " + what + ", which '" + file_ +
+                     "' cannot contain; use `batten stress`");
+  }
+
+  void add(const Support& support) {
+    using Kind = Support::Kind;
+    if (support.kind == Kind::Elastic) refuse(support.location, "an elastic support");
+    if (support.kind == Kind::Symmetric) refuse(support.location, "a symmetry support");
+    if (support.point) refuse(support.location, "a point support");
+    ShellDeck::Support to;
+    to.kind = support.kind == Kind::Clamped && !support.line.text.empty()
+                  ? ShellDeck::Support::Kind::Clamped
+                  : ShellDeck::Support::Kind::Pinned;
+    if (support.kind == Kind::Prescribed) {
+      if (support.rotation) refuse(support.location, "a support that prescribes a rotation only");
+      to.constrained = {false, false, false};
+      for (const Vec3& d : support.directions) {
+        int c;
+        if (d.cwiseAbs().maxCoeff(&c) < d.norm())
+          refuse(support.location, "a direction that is not a coordinate axis");
+        to.constrained[c] = true;
+      }
+    }
+    to.box = support.box;
+    to.displacement = support.displacement;
+    if (!support.region.text.empty()) {
+      find_region(layout_, scene_, support.region);
+      to.region = support.region.text;
+    }
+    if (support.line.text.empty()) deck_.supports.push_back(to);
+    for (const std::string& name : lines_of(support.line)) {
+      to.line = name;
+      deck_.supports.push_back(to);
+    }
+  }
+
+  std::vector<std::string> lines_of(const LocatedString& line) const {
+    if (line.text.empty()) return {};
+    return find_lines(layout_, scene_, line);
+  }
+
+  void add(const Load& load) {
+    if (!load.region.text.empty()) find_region(layout_, scene_, load.region);
+    const Vec3 v = load.vector;
+    const double value = load.value, level = load.level;
+    const auto add_area = [&](const std::function<Vec3(const Vec3&, const Vec3&)>& force) {
+      areas_.push_back({load.region.text, load.box, force});
+    };
+    switch (load.type) {
+      case Load::Type::Pressure:
+        if (load.box)
+          add_area([value](const Vec3&, const Vec3& n) -> Vec3 { return value * n; });
+        else if (load.region.text.empty())
+          deck_.pressure += value;
+        else
+          deck_.pressures.push_back({load.region.text, value});
+        return;
+      case Load::Type::Gravity:
+        deck_.gravity += v;
+        return;
+      case Load::Type::AreaForce:
+        return add_area([v](const Vec3&, const Vec3&) { return v; });
+      case Load::Type::Hydrostatic:
+        return add_area([value, level](const Vec3& x, const Vec3& n) -> Vec3 {
+          return value * std::max(0.0, level - x.z()) * n;
+        });
+      case Load::Type::Point:
+        deck_.point_forces.push_back({load.point, v});
+        return;
+      case Load::Type::LineForce:
+        for (const std::string& name : lines_of(load.line))
+          deck_.line_forces.push_back({name, v, load.box});
+        return;
+      case Load::Type::LineMoment:
+        refuse(load.location, "a line moment");
+    }
+  }
+
+  const Scene& scene_;
+  const ModelLayout& layout_;
+  std::string file_;
+  ShellDeck deck_;
+  std::vector<AreaForce> areas_;
+};
+
+}  // namespace
+
+ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
+                  const std::string& file) {
+  return DeckOfScene(scene, layout, file).made(load_case);
+}
+
+}  // namespace batten

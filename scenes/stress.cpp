@@ -1,0 +1,510 @@
+#include "batten/scenes/stress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "batten/core/cancellation.h"
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/parallel.h"
+#include "batten/io/scene/scene_text.h"
+#include "batten/scenes/shapes/stress_results.h"
+#include "batten/scenes/stress_data.h"
+#include "batten/skinning/facets/facets.h"
+
+namespace batten {
+namespace detail {
+
+// Results at points.
+
+size_t StressData::index(const std::string& load_case) const {
+  if (load_case.empty()) return governing;
+  std::vector<std::string> names;
+  for (size_t c = 0; c < cases.size(); ++c) {
+    if (cases[c].name == load_case) return c;
+    names.push_back(cases[c].name);
+  }
+  throw InputError("found the load case '" + load_case +
+                   "', expected one of the load cases of the analysis" +
+                   did_you_mean(load_case, names));
+}
+
+StressData::Fields& StressData::fields(size_t load_case) const {
+  if (fields_.empty()) fields_.resize(cases.size());
+  return fields_.at(load_case);
+}
+
+const ShellStresses& StressData::made_stresses(size_t load_case) const {
+  Fields& of = fields(load_case);
+  if (!assembler_)
+    assembler_ = std::make_unique<const ShellAssembler>(
+        model->shape.layout->surface(model->shape.dofs), sections);
+  if (!of.stresses)
+    of.stresses = std::make_unique<const ShellStresses>(*assembler_, displacements[load_case]);
+  return *of.stresses;
+}
+
+const Surface& StressData::made_moved(size_t load_case) const {
+  Fields& of = fields(load_case);
+  if (!of.moved)
+    of.moved =
+        std::make_unique<const Surface>(model->shape.layout->surface(displacements[load_case]));
+  return *of.moved;
+}
+
+/// The locations of the points of Model::facets().
+const std::vector<Location>& StressData::made_facet_locations() const {
+  if (!facet_locations_.empty()) return facet_locations_;
+  const SolvedShape& shape = model->shape;
+  const auto all = shape.all();
+  const double length = mean_facet_length(all);
+  const int per_edge = display_facets_per_edge(all);
+  std::vector<std::vector<Location>> parts(all.size());
+  parallel_for(isize(all), [&](int r) {
+    const DisplayFacets display = batten::facets(*all[static_cast<size_t>(r)], per_edge, length);
+    for (const Location& where : display.tessellation.points)
+      parts[static_cast<size_t>(r)].push_back(shape.layout->to_model_location(r, where));
+  });
+  std::vector<Location> locations;
+  for (const auto& part : parts) locations.insert(locations.end(), part.begin(), part.end());
+  return facet_locations_ = std::move(locations);
+}
+
+std::vector<double> StressData::made_positions(const Surface& surface) const {
+  const std::vector<Location>& locations = made_facet_locations();
+  std::vector<double> values(3 * locations.size());
+  constexpr int chunk = 256;
+  parallel_for_each<chunk>(isize(locations), [&](int i) {
+    const auto at = static_cast<size_t>(i);
+    Eigen::Map<Vec3>(values.data() + 3 * at) = surface.position(locations[at]);
+  });
+  return values;
+}
+
+const std::vector<double>& StressData::von_mises(size_t load_case) const {
+  const std::lock_guard lock(mutex_);
+  Fields& of = fields(load_case);
+  if (of.von_mises) return *of.von_mises;
+  const ShellStresses& stresses = made_stresses(load_case);
+  const std::vector<Location>& locations = made_facet_locations();
+  std::vector<double> values(locations.size());
+  constexpr int chunk = 256;
+  parallel_for_each<chunk>(isize(locations), [&](int i) {
+    const ShellStress at = stresses.at(locations[static_cast<size_t>(i)]);
+    values[static_cast<size_t>(i)] =
+        std::max(batten::von_mises(at.at(1)), batten::von_mises(at.at(-1)));
+  });
+  of.von_mises = std::make_unique<const std::vector<double>>(std::move(values));
+  return *of.von_mises;
+}
+
+const std::vector<double>& StressData::displacement(size_t load_case) const {
+  const std::lock_guard lock(mutex_);
+  Fields& of = fields(load_case);
+  if (!of.displacement)
+    of.displacement =
+        std::make_unique<const std::vector<double>>(made_positions(made_moved(load_case)));
+  return *of.displacement;
+}
+
+std::vector<double> StressData::mode(const std::vector<Points>& shapes, int index,
+                                     const std::string& key) const {
+  if (shapes.empty())
+    throw InputError("index: found an analysis without mode shapes, expected one with '" + key +
+                     "' above 0" +
+                     (key == "buckling" ? " and a load under which the shell buckles" : ""));
+  if (index < 0 || index >= isize(shapes))
+    throw InputError("index: found " + std::to_string(index) + ", expected 0 to " +
+                     std::to_string(shapes.size() - 1));
+  const std::lock_guard lock(mutex_);
+  std::vector<double> values =
+      made_positions(model->shape.layout->surface(shapes[static_cast<size_t>(index)]));
+  Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic>> vectors(
+      values.data(), 3, static_cast<long>(values.size() / 3));
+  vectors /= vectors.colwise().norm().maxCoeff();
+  return values;
+}
+
+StressPoint StressData::at(const Vec3& p, size_t load_case) const {
+  const ModelProjector::Nearest found = model->projector().nearest_inside(p);
+  const SkinnedRegion& face = model->shape.regions[static_cast<size_t>(found.at.region)];
+  const Location where = model->shape.layout->to_model_location(found.at.region, found.where);
+  const SurfaceJet jet = face.surface.jet(found.where);
+  const ShellStresses* stresses = nullptr;
+  const Surface* moved = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    stresses = &made_stresses(load_case);
+    moved = &made_moved(load_case);
+  }
+  const ShellStress stress = stresses->at(where);
+  StressPoint point;
+  point.position = jet.x;
+  point.normal = jet.normal();
+  point.face = face.name;
+  point.distance = (jet.x - p).norm();
+  point.displacement = moved->position(where);
+  point.von_mises_top = batten::von_mises(stress.at(1));
+  point.von_mises_middle = batten::von_mises(stress.at(0));
+  point.von_mises_bottom = batten::von_mises(stress.at(-1));
+  point.forces = stress.forces;
+  point.moments = stress.moments;
+  return point;
+}
+
+// [stress] as text.
+
+namespace {
+
+/// File name of the text of [stress] in messages.
+constexpr const char* kStress = "stress()";
+
+/// Text of [stress], and the setting that each of its lines comes from.
+class StressText {
+ public:
+  StressText(const StressTable& table, const std::string& unit) {
+    add("unit = " + SceneText::toml_value(unit), "");
+    add("[stress]", "");
+    for (const auto& [key, value] : table.values) add(key + " = " + value, key);
+    add_list("supports", table.supports);
+    add_list("loads", table.loads);
+    whole_ += table.settings;
+    if (!whole_.ends_with('\n')) whole_ += "\n";
+  }
+
+  const std::string& whole() const { return whole_; }
+  /// The table with its header.
+  std::string table() const { return whole_.substr(whole_.find('\n') + 1); }
+
+  /// A message in which the setting replaces the location "stress():LINE:COLUMN: ".
+  std::string with_setting(const std::string& message) const {
+    const std::string file = std::string(kStress) + ":";
+    const size_t line_from = file.size(), line_to = message.find(':', line_from);
+    const size_t column_to = message.find(": ", line_from);
+    if (!message.starts_with(file) || column_to == std::string::npos || column_to <= line_to)
+      return message;
+    const int line = std::atoi(message.c_str() + line_from);
+    if (line < 1) return message;
+    std::string setting;
+    if (line > isize(settings_))
+      setting = "settings:" + std::to_string(line - isize(settings_)) +
+                message.substr(line_to, column_to - line_to);
+    else
+      setting = settings_[static_cast<size_t>(line - 1)];
+    return file + " " + (setting.empty() ? "" : setting + ": ") + message.substr(column_to + 2);
+  }
+
+ private:
+  void add(const std::string& line, const std::string& setting) {
+    whole_ += line + "\n";
+    settings_.push_back(setting);
+  }
+  void add_list(const std::string& key, const std::vector<std::string>& tables) {
+    if (tables.empty()) return;
+    add(key + " = [", key);
+    for (size_t i = 0; i < tables.size(); ++i)
+      add("  " + tables[i] + ",", key + "[" + std::to_string(i) + "]");
+    add("]", key);
+  }
+
+  std::string whole_;
+  std::vector<std::string> settings_;  // of each line before the further settings
+};
+
+/// Reads [stress] as in a scene.
+SceneStress parsed_stress(const StressText& text) {
+  const Scene scene = parse_scene(text.whole(), kStress, false);
+  const SceneText whole(text.whole(), kStress);
+  for (const SceneTable& table : whole.tables())
+    if (table.kind != "stress")  // from the further settings
+      throw InputError(std::string(kStress) + ": settings: found the table '" + table.kind +
+                       "', expected keys of [stress]");
+  return *scene.stress;
+}
+
+/// Keeps the displacements and mode shapes of an analysis.
+class StressCollector : public StressVisitor {
+ public:
+  explicit StressCollector(StressData& data) : data_(data) {}
+  void visit_shell(const ShellModel& shell) override {
+    data_.sections = triangle_sections(shell.layout(), shell.definition());
+  }
+  void visit_case(const StressReport::Case&, const ShellCaseResult& result,
+                  const ShellStresses&) override {
+    data_.displacements.push_back(result.displacement);
+    data_.buckling_shapes.emplace_back();
+  }
+  void visit_buckling(const StressReport::Case&, const std::vector<Points>& shapes) override {
+    data_.buckling_shapes.back() = shapes;
+  }
+  void visit_modes(const std::vector<double>&, const std::vector<Points>& shapes) override {
+    data_.mode_shapes = shapes;
+  }
+
+ private:
+  StressData& data_;
+};
+
+StressCase stress_case(const StressReport::Case& c) {
+  StressCase result;
+  result.name = c.name;
+  result.combination = c.combination;
+  result.force = c.force;
+  result.max_displacement = c.displacement;
+  result.max_displacement_error = c.displacement_error;
+  result.displacement = c.displacement_vector;
+  result.displacement_at = c.max_displacement_at;
+  result.displacement_face = c.max_displacement_region;
+  result.max_von_mises = c.stress;
+  result.stress_at = c.max_stress_at;
+  result.stress_face = c.max_stress_region;
+  result.stress_side = c.side;
+  result.stress_spread = c.spread;
+  result.near_singularity = c.near_singularity;
+  result.safety_factor = c.safety;
+  result.strain_energy = c.energy;
+  result.error_estimate = c.error;
+  result.equilibrium_residual = c.equilibrium_residual;
+  result.buckling_factors = c.buckling;
+  for (const StressReport::Reaction& r : c.reactions)
+    result.reactions.push_back({r.support, r.force, r.moment});
+  return result;
+}
+
+/// Analyses the shape of a model. `scene`: its scene with the [stress] to use; `file`: that of the
+/// model, to which the locations of all other tables belong.
+void analyse_into(StressData& data, Scene scene, const std::filesystem::path& file,
+                  const Progress& progress) {
+  const ModelData& model = *data.model;
+  RunReport notes;
+  StressCollector collector(data);
+  data.report = compute_stresses(scene, model.shape, {}, notes, collector, progress);
+  if (scene.stress->sensitivities) {
+    scene.file = file;
+    data.report.sensitivities =
+        compute_sensitivities(data.report, scene, *model.made, model.shape, progress);
+  }
+  for (const FailedCheck& one : non_finite_numbers(data.report)) notes.failed_checks.push_back(one);
+  for (const FailedCheck& one : notes.failed_checks)
+    data.failed_checks.push_back(one.what + ": " + one.detail);
+  data.warnings = notes.warnings;
+  for (const StressReport::Case& c : data.report.cases) {
+    data.cases.push_back(stress_case(c));
+    if (c.stress > data.cases[data.governing].max_von_mises) data.governing = data.cases.size() - 1;
+  }
+}
+
+}  // namespace
+
+bool StressTable::empty() const {
+  return values.empty() && supports.empty() && loads.empty() &&
+         settings.find_first_not_of(" \t\r\n") == std::string::npos;
+}
+
+Stress stress_of_table(const Model& model, const StressTable& table, const Progress& progress) {
+  const ProgressScope scope(progress);
+  model.data().require_surface();
+  auto data = std::make_shared<StressData>(model.shared_data());
+  Scene scene = model.data().scene;
+  const std::filesystem::path file = scene.file;
+  if (table.empty()) {
+    if (!scene.stress)
+      throw InputError(scene.name +
+                       ": found no [stress], expected one, or settings with material, thickness, "
+                       "supports and loads");
+    analyse_into(*data, std::move(scene), file, progress);
+    return Stress(std::move(data));
+  }
+  const StressText text(table, scene.unit);
+  try {
+    scene.stress = parsed_stress(text);
+    scene.file = kStress;
+    data->table = text.table();
+    analyse_into(*data, std::move(scene), file, progress);
+  } catch (const InputError& e) {
+    const std::string message = text.with_setting(e.what());
+    if (message == e.what()) throw;
+    throw InputError(message);
+  }
+  return Stress(std::move(data));
+}
+
+}  // namespace detail
+
+// Settings as text.
+
+namespace {
+
+/// Writes the members of a support or a load that are set as an inline table.
+class StressEntry {
+ public:
+  /// `label`: name of the entry in messages, such as "supports[0]".
+  explicit StressEntry(std::string label) : label_(std::move(label)) {}
+
+  StressEntry& add(const std::string& key, const std::string& text) {
+    return text.empty() ? *this : add_value(key, SceneText::toml_value(text));
+  }
+  StressEntry& add(const std::string& key, const std::optional<double>& value) {
+    return value ? add_value(key, number(key, *value)) : *this;
+  }
+  StressEntry& add(const std::string& key, const std::optional<bool>& value) {
+    return value ? add_value(key, *value ? "true" : "false") : *this;
+  }
+  StressEntry& add(const std::string& key, const std::optional<Vec3>& value) {
+    return value ? add_value(key, vector(key, *value)) : *this;
+  }
+  StressEntry& add(const std::string& key, const std::optional<Box3>& box) {
+    return box ? add(key, std::vector<Vec3>{box->min(), box->max()}) : *this;
+  }
+  StressEntry& add(const std::string& key, const std::vector<Vec3>& rows) {
+    std::vector<std::string> texts;
+    for (const Vec3& row : rows) texts.push_back(vector(key, row));
+    return rows.empty() ? *this : add_value(key, SceneText::list(texts));
+  }
+  std::string text() const { return text_.empty() ? "{}" : "{ " + text_ + " }"; }
+
+ private:
+  StressEntry& add_value(const std::string& key, const std::string& value) {
+    text_ += (text_.empty() ? "" : ", ") + key + " = " + value;
+    return *this;
+  }
+  std::string number(const std::string& key, double value) const {
+    if (std::isfinite(value)) return SceneText::toml_value(value);
+    throw InputError("stress(): " + label_ + "." + key + ": found " + format_number(value) +
+                     ", expected a finite number");
+  }
+  std::string vector(const std::string& key, const Vec3& v) const {
+    return SceneText::list({number(key, v[0]), number(key, v[1]), number(key, v[2])});
+  }
+
+  std::string label_, text_;
+};
+
+std::string support_text(const ShellSupport& support, const std::string& label) {
+  StressEntry entry(label);
+  entry.add("curve", support.curve)
+      .add("point", support.point)
+      .add("face", support.face)
+      .add("box", support.box)
+      .add("type", support.type)
+      .add("directions", support.directions)
+      .add("normal", support.normal)
+      .add("rotation", support.rotation)
+      .add("displacement", support.displacement)
+      .add("spring", support.spring);
+  if (support.foundation != 0) entry.add("foundation", std::optional(support.foundation));
+  return entry.text();
+}
+
+std::string load_text(const ShellLoad& load, const std::string& label) {
+  return StressEntry(label)
+      .add("case", load.load_case)
+      .add("pressure", load.pressure)
+      .add("traction", load.traction)
+      .add("gravity", load.gravity)
+      .add("hydrostatic", load.hydrostatic)
+      .add("force", load.force)
+      .add("moment", load.moment)
+      .add("level", load.level)
+      .add("point", load.point)
+      .add("curve", load.curve)
+      .add("face", load.face)
+      .add("box", load.box)
+      .text();
+}
+
+detail::StressTable stress_table(const StressSettings& settings) {
+  detail::StressTable table;
+  const auto add = [&](const std::string& key, double value, double usual) {
+    if (value == usual) return;
+    if (!std::isfinite(value))
+      throw InputError("stress(): " + key + ": found " + format_number(value) +
+                       ", expected a finite number");
+    table.values.emplace_back(key, SceneText::toml_value(value));
+  };
+  const auto add_count = [&](const std::string& key, int count) {
+    if (count != 0) table.values.emplace_back(key, std::to_string(count));
+  };
+  if (!settings.material.empty())
+    table.values.emplace_back("material", SceneText::toml_value(settings.material));
+  add("young", settings.young, 0);
+  add("poisson", settings.poisson, StressSettings{}.poisson);
+  add("density", settings.density, 0);
+  add("thickness", settings.thickness, 0);
+  add("yield", settings.yield_stress, 0);
+  add_count("modes", settings.modes);
+  add_count("buckling", settings.buckling);
+  for (size_t i = 0; i < settings.supports.size(); ++i)
+    table.supports.push_back(
+        support_text(settings.supports[i], "supports[" + std::to_string(i) + "]"));
+  for (size_t i = 0; i < settings.loads.size(); ++i)
+    table.loads.push_back(load_text(settings.loads[i], "loads[" + std::to_string(i) + "]"));
+  table.settings = settings.settings;
+  return table;
+}
+
+}  // namespace
+
+Stress stress(const Model& model, const StressSettings& settings, const Progress& progress) {
+  return detail::stress_of_table(model, stress_table(settings), progress);
+}
+
+// Stress.
+
+double Stress::max_von_mises() const { return data_->cases[data_->governing].max_von_mises; }
+
+double Stress::max_displacement() const {
+  double most = 0;
+  for (const StressCase& c : data_->cases) most = std::max(most, c.max_displacement);
+  return most;
+}
+
+const std::vector<StressCase>& Stress::cases() const { return data_->cases; }
+
+const StressCase& Stress::load_case(const std::string& name) const {
+  return data_->cases[data_->index(name)];
+}
+
+const std::vector<double>& Stress::frequencies() const { return data_->report.frequencies; }
+
+StressPoint Stress::at(const Vec3& p, const std::string& load_case) const {
+  if (!p.allFinite()) throw InputError("point: found a number that is not finite");
+  return data_->at(p, data_->index(load_case));
+}
+
+const std::vector<double>& Stress::von_mises(const std::string& load_case) const {
+  return data_->von_mises(data_->index(load_case));
+}
+
+const std::vector<double>& Stress::displacement(const std::string& load_case) const {
+  return data_->displacement(data_->index(load_case));
+}
+
+std::vector<double> Stress::mode_shape(int index) const {
+  return data_->mode(data_->mode_shapes, index, "modes");
+}
+
+std::vector<double> Stress::buckling_shape(int index, const std::string& load_case) const {
+  return data_->mode(data_->buckling_shapes[data_->index(load_case)], index, "buckling");
+}
+
+const std::vector<std::string>& Stress::warnings() const { return data_->warnings; }
+const std::vector<std::string>& Stress::failed_checks() const { return data_->failed_checks; }
+std::string Stress::report() const { return to_json(data_->report); }
+Model Stress::model() const { return Model(data_->model); }
+
+std::string Stress::scene() const {
+  const std::string scene = model().scene();
+  if (data_->table.empty()) return scene;
+  SceneText text(scene, data_->model->scene.file);
+  const std::vector<SceneText::Value> values = text.values({});
+  const auto is_stress = [](const SceneText::Value& value) { return value.first == "stress"; };
+  if (std::any_of(values.begin(), values.end(), is_stress))
+    text.erase({}, "stress");
+  else if (text.has({"stress", ""}))
+    text.remove({"stress", ""});
+  return text.text() + (text.text().ends_with('\n') ? "\n" : "\n\n") + data_->table;
+}
+
+}  // namespace batten

@@ -1,0 +1,73 @@
+// Contents of a Stress, for the front ends of Batten.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batten/analysis/models/shell_stresses.h"
+#include "batten/io/report/report.h"
+#include "batten/scenes/model_data.h"
+#include "batten/scenes/stress.h"
+
+namespace batten::detail {
+
+/// The table [stress] as TOML text on single lines. Messages name supports[0], … and the keys.
+struct StressTable {
+  std::vector<std::pair<std::string, std::string>> values;  ///< keys with their values
+  std::vector<std::string> supports, loads;                 ///< inline tables: { curve = "rim" }
+  std::string settings = {};                                ///< further keys, any number of lines
+  bool empty() const;
+};
+
+/// stress() for settings as text. Throws its exceptions.
+Stress stress_of_table(const Model& model, const StressTable& table, const Progress& progress);
+
+/// Results of a stress analysis. Immutable, apart from what is computed at the first use. Keeps no
+/// factorization: a study may keep many of them.
+struct StressData {
+  explicit StressData(std::shared_ptr<const ModelData> of) : model(std::move(of)) {}
+
+  std::shared_ptr<const ModelData> model;
+  std::string table;  ///< [stress] with its header; empty: that of the model
+  StressReport report;
+  std::vector<std::string> warnings, failed_checks;
+  std::vector<StressCase> cases;
+  size_t governing = 0;
+  std::vector<ShellSection> sections;                ///< one, or one per triangle
+  std::vector<Points> displacements;                 ///< dofs of each case, n×3
+  std::vector<std::vector<Points>> buckling_shapes;  ///< of each case
+  std::vector<Points> mode_shapes;
+
+  /// Index of a load case; "": the governing one. Throws InputError for an unknown name.
+  size_t index(const std::string& load_case) const;
+  StressPoint at(const Vec3& p, size_t load_case) const;
+  const std::vector<double>& von_mises(size_t load_case) const;
+  const std::vector<double>& displacement(size_t load_case) const;
+  /// One of these mode shapes at the points of the model's facets. `key`: the setting for them.
+  std::vector<double> mode(const std::vector<Points>& shapes, int index,
+                           const std::string& key) const;
+
+ private:
+  struct Fields {
+    std::unique_ptr<const ShellStresses> stresses;
+    std::unique_ptr<const Surface> moved;  // whose positions are displacements
+    std::unique_ptr<const std::vector<double>> von_mises, displacement;
+  };
+  // The following functions need the lock.
+  Fields& fields(size_t load_case) const;
+  const ShellStresses& made_stresses(size_t load_case) const;
+  const Surface& made_moved(size_t load_case) const;
+  const std::vector<Location>& made_facet_locations() const;
+  std::vector<double> made_positions(const Surface& surface) const;
+
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<const ShellAssembler> assembler_;
+  mutable std::vector<Fields> fields_;
+  mutable std::vector<Location> facet_locations_;  // in the mesh of the model
+};
+
+}  // namespace batten::detail
