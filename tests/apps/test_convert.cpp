@@ -68,7 +68,7 @@ TEST_CASE("files that a scene writes are listed by info and converted with their
   // The curves of the file, by name; they give the same surface again.
   const CliResult lines = c.run({"convert", "out/s.step", "lines.csv"});
   CHECK(lines.code == 0);
-  contains_text(contents(c / "lines.csv"), "# a\n");
+  contains_text(contents(c / "lines.csv"), ",a\n");
   CHECK(c.run({"skin", "t.stp", "--unit", "mm", "--out", "again"}).code == 0);
 }
 

@@ -369,7 +369,7 @@ TEST_CASE("curves are written whole although others cut them", "[apps][network]"
     CHECK(info.find(part) != std::string::npos);
   REQUIRE(c.run({"convert", "first/s.step", "names.csv"}).code == 0);
   const std::string names = contents(c / "names.csv");
-  for (const char* name : {"# wave\n", "# wave.1\n", "# spar\n", "# rim.1-2\n", "# rim.7-8\n"})
+  for (const char* name : {",wave\n", ",wave.1\n", ",spar\n", ",rim.1-2\n", ",rim.7-8\n"})
     CHECK(names.find(name) != std::string::npos);
   // The faces of such a file are skinned and fitted again like those of other files.
   const CliResult again =
