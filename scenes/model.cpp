@@ -13,9 +13,9 @@
 #include "batten/io/scene/scene_paths.h"
 #include "batten/scenes/commands.h"
 #include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/mesh_data.h"
 #include "batten/scenes/model_data.h"
 #include "batten/scenes/shapes/shape_files.h"
-#include "batten/scenes/mesh_data.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/facets/welded_mesh.h"
 
@@ -47,7 +47,7 @@ Facets joined(const std::vector<FacetsOfFace>& faces) {
   return all;
 }
 
-Facets facets_of(const std::vector<SkinnedRegion>& faces) {
+std::vector<FacetsOfFace> facets_of(const std::vector<SkinnedRegion>& faces) {
   std::vector<FacetsOfFace> parts(faces.size());
   const auto all = pointers(faces);
   const double length = mean_facet_length(all);
@@ -59,7 +59,7 @@ Facets facets_of(const std::vector<SkinnedRegion>& faces) {
     for (const Location& where : part.display.tessellation.points)
       part.jets.push_back(face.surface.jet(where));
   });
-  return joined(parts);
+  return parts;
 }
 
 }  // namespace
@@ -87,10 +87,34 @@ void ModelData::require_surface() const {
     throw InputError(scene.name + ": found no surface, expected curves that bound a face");
 }
 
-const Facets& ModelData::facets() const {
+void ModelData::make_facets() const {
   const std::lock_guard lock(mutex_);
-  if (!facets_) facets_ = std::make_unique<const Facets>(facets_of(shape.regions));
+  if (facets_) return;
+  const std::vector<FacetsOfFace> parts = facets_of(shape.regions);
+  for (int r = 0; r < isize(parts); ++r)
+    for (const Location& where : parts[static_cast<size_t>(r)].display.tessellation.points)
+      facet_locations_.push_back(shape.layout->to_model_location(r, where));
+  facets_ = std::make_unique<const Facets>(joined(parts));
+}
+
+const Facets& ModelData::facets() const {
+  make_facets();
   return *facets_;
+}
+
+const std::vector<Location>& ModelData::facet_locations() const {
+  make_facets();
+  return facet_locations_;
+}
+
+const SurfaceModel& ModelData::measured() const {
+  const std::lock_guard lock(mutex_);
+  if (!measured_) {
+    BuiltModel model = *made;
+    set_shape(model, shape);
+    measured_ = std::make_unique<const BuiltModel>(std::move(model));
+  }
+  return measured_->model;
 }
 
 const Report& ModelData::report(const Progress& progress) const {
@@ -110,13 +134,6 @@ const ModelProjector& ModelData::projector() const {
 using detail::ModelData;
 
 namespace {
-
-std::vector<std::string> named_failures(const Report& report) {
-  std::vector<std::string> failed;
-  for (const FailedCheck& one : report.failed_checks)
-    failed.push_back(one.what + ": " + one.detail);
-  return failed;
-}
 
 [[noreturn]] void throw_unknown(const std::string& what, const std::string& name,
                                 const std::vector<std::string>& names) {
@@ -147,17 +164,6 @@ SurfacePoint point_of(const SkinnedRegion& face, const Location& where) {
   const Curvatures curvature = curvatures(jet);
   const Vec2 uv = domain_point(face.surface.mesh(), where);
   return {jet.x, jet.normal(), curvature.k1, curvature.k2, face.name, uv[0], uv[1], 0};
-}
-
-/// Volume ⅓ ∬ x·n dA of the facets' exact counterparts: on each facet's surface piece, by the facets.
-double signed_volume(const Facets& facets) {
-  double volume = 0;
-  const auto point = [&](int i) {
-    return Eigen::Map<const Vec3>(facets.points.data() + 3 * static_cast<size_t>(i));
-  };
-  for (const auto& t : facets.triangles)
-    volume += point(t[0]).dot(point(t[1]).cross(point(t[2]))) / 6;
-  return volume;
 }
 
 const char* continuity(ModelJoin::Kind kind) {
@@ -285,13 +291,16 @@ double Model::area() const {
 
 double Model::volume() const {
   data_->require_surface();
-  for (const ModelShell& shell : data_->made->model.shells)
-    if (!shell.closed || !shell.orientable)
-      throw InputError(data_->scene.name +
-                       ": found an open surface, expected closed shells, which have a volume");
-  if (data_->made->model.shells.empty())
+  const std::vector<ModelShell>& shells = data_->made->model.shells;
+  if (shells.empty())
     throw InputError(data_->scene.name + ": found one open face, expected closed shells");
-  return signed_volume(facets());
+  if (!std::all_of(shells.begin(), shells.end(),
+                   [](const ModelShell& shell) { return shell.closed && shell.orientable; }))
+    throw InputError(data_->scene.name +
+                     ": found an open surface, expected closed shells, which have a volume");
+  double volume = 0;
+  for (const ModelShell& shell : data_->measured().shells) volume += shell.volume;
+  return volume;
 }
 
 Box3 Model::bounds() const {
@@ -304,7 +313,8 @@ Box3 Model::bounds() const {
 
 std::vector<ModelEdge> Model::edges() const {
   std::vector<ModelEdge> edges;
-  const SurfaceModel& model = data_->made->model;
+  const SurfaceModel& model =
+      data_->made->model.joins.empty() ? data_->made->model : data_->measured();
   for (const ModelJoin& join : model.joins) {
     ModelEdge edge{join.line, {}, continuity(join.kind), join.max_deg, join.max_gap};
     for (const int r : join.regions)
@@ -364,7 +374,7 @@ std::string Model::report(const Progress& progress) const {
 }
 
 std::vector<std::string> Model::failed_checks(const Progress& progress) const {
-  return named_failures(data_->report(progress));
+  return sentences(data_->report(progress).failed_checks);
 }
 
 std::vector<std::string> Model::save(const std::filesystem::path& file,
@@ -376,7 +386,8 @@ std::vector<std::string> Model::save(const std::filesystem::path& file,
     return {};
   }
   data_->require_surface();
-  return named_failures(export_shape(data_->scene, *data_->made, data_->shape, file, progress));
+  return sentences(
+      export_shape(data_->scene, *data_->made, data_->shape, file, progress).failed_checks);
 }
 
 void Model::picture(const std::filesystem::path& file, const PictureView& view) const {
@@ -407,46 +418,29 @@ Model made(const std::string& text, const std::filesystem::path& file,
   return Model(std::make_shared<const ModelData>(text, std::move(scene), progress));
 }
 
-std::string point_to_text(const Vec3& p) {
-  return "[" + SceneText::toml_value(p[0]) + ", " + SceneText::toml_value(p[1]) + ", " +
-         SceneText::toml_value(p[2]) + "]";
+template <class Value>
+std::string list_of(const std::vector<Value>& values) {
+  std::vector<std::string> texts;
+  for (const Value& value : values) texts.push_back(SceneText::toml_value(value));
+  return SceneText::list(texts);
 }
 
-/// Appends one list per point: [[x, y, z], …].
-void append_points(std::string& text, const std::vector<Vec3>& points) {
-  text += "[";
-  for (size_t i = 0; i < points.size(); ++i) text += (i ? ", " : "") + point_to_text(points[i]);
-  text += "]";
-}
-
-void append_numbers(std::string& text, const std::vector<double>& numbers) {
-  text += "[";
-  for (size_t i = 0; i < numbers.size(); ++i)
-    text += (i ? ", " : "") + SceneText::toml_value(numbers[i]);
-  text += "]";
-}
-
-/// Appends the shape of a curve: its points, or a spline that is equal to the curve.
-void append_shape(std::string& text, const InputLine& curve) {
-  if (!curve.curve) {
+/// The key of the shape of a curve: its points, or a spline that is equal to the curve.
+std::string shape_of(const InputLine& line) {
+  if (!line.curve) {
     constexpr size_t fewest = 2;
-    if (curve.points.size() < fewest)
-      throw InputError("curve '" + curve.name + "': found " + std::to_string(curve.points.size()) +
+    if (line.points.size() < fewest)
+      throw InputError("curve '" + line.name + "': found " + std::to_string(line.points.size()) +
                        " points, expected 2 or more");
-    text += "points = ";
-    append_points(text, curve.points);
-    return;
+    return "points = " + list_of(line.points);
   }
-  const std::vector<CubicSpline> pieces = cubic_splines(curve.name, *curve.curve);
-  const CubicSpline& spline = pieces.front();
+  const CubicSpline spline = whole_spline(line.name, *line.curve);
   std::vector<double> knots;
   for (size_t k = 0; k < spline.knots.size(); ++k)
     knots.insert(knots.end(), static_cast<size_t>(spline.multiplicities[k]), spline.knots[k]);
-  text += "spline = { degree = 3, poles = ";
-  append_points(text, spline.poles);
-  text += ", knots = ";
-  append_numbers(text, knots);
-  text += " }";
+  return "spline = " +
+         SceneText::inline_table(
+             {{"degree", "3"}, {"poles", list_of(spline.poles)}, {"knots", list_of(knots)}});
 }
 
 void require_known(const std::vector<std::string>& names, const std::string& what,
@@ -492,17 +486,15 @@ std::string with_lines_of_settings(const std::string& message, int added) {
   return message.substr(0, from) + std::to_string(line - added) + message.substr(to);
 }
 
-void append_curve(std::string& text, const InputLine& curve, const SkinSettings& settings) {
-  text += "\n[[curve]]\nname = " + SceneText::toml_value(curve.name) + "\n";
-  append_shape(text, curve);
+std::string curve_table(const InputLine& line, const SkinSettings& settings) {
   const auto listed = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), curve.name) != names.end();
+    return std::find(names.begin(), names.end(), line.name) != names.end();
   };
-  if (listed(settings.holes))
-    text += "\nrole = \"hole\"";
-  else if (listed(settings.inner))
-    text += "\nrole = \"inner\"";
-  text += "\n";
+  const std::string role = listed(settings.holes)   ? "role = \"hole\"\n"
+                           : listed(settings.inner) ? "role = \"inner\"\n"
+                                                    : "";
+  return "\n[[curve]]\nname = " + SceneText::toml_value(line.name) + "\n" + shape_of(line) + "\n" +
+         role;
 }
 
 /// The scene of curves and settings, as text.
@@ -536,7 +528,7 @@ std::string scene_of(const std::vector<InputLine>& curves, const SkinSettings& s
       scene.add("join", "{ curves = " + SceneText::toml_string_list(*list) + ", continuity = \"" +
                             kind + "\" }");
   std::string text = scene.text();
-  for (const InputLine& curve : curves) append_curve(text, curve, settings);
+  for (const InputLine& curve : curves) text += curve_table(curve, settings);
   return text;
 }
 

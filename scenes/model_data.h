@@ -44,13 +44,21 @@ struct ModelData {
   /// Throws InputError if no face has a surface.
   void require_surface() const;
   const Facets& facets() const;
+  /// Locations of the points of facets(), in the mesh of the whole model.
+  const std::vector<Location>& facet_locations() const;
+  /// The model with this shape: joins, shells and their volumes as they are now.
+  const SurfaceModel& measured() const;
   /// Measured quality of the shape (export_shape() without files).
   const Report& report(const Progress& progress) const;
   const ModelProjector& projector() const;
 
  private:
   mutable std::mutex mutex_;
+  void make_facets() const;
+
   mutable std::unique_ptr<const Facets> facets_;
+  mutable std::vector<Location> facet_locations_;
+  mutable std::unique_ptr<const BuiltModel> measured_;
   mutable std::unique_ptr<const ModelProjector> projector_;
   mutable std::optional<Report> report_;
 };

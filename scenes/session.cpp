@@ -13,11 +13,6 @@
 namespace batten {
 namespace detail {
 
-const Progress*& CallProgress::current() {
-  thread_local const Progress* progress = nullptr;
-  return progress;
-}
-
 std::string name_of(const SculptingSession::ActingItem& item) {
   return std::visit([](const auto& what) { return what.name; }, item.what);
 }
@@ -114,33 +109,30 @@ SessionContents::Stress SessionContents::current_stress() {
 
 namespace {
 
-std::string point_text(const Vec3& p) {
-  return "[" + SceneText::toml_value(p[0]) + ", " + SceneText::toml_value(p[1]) + ", " +
-         SceneText::toml_value(p[2]) + "]";
-}
-
 /// An inline table, written key by key.
 class InlineTable {
  public:
-  explicit InlineTable(const std::string& name) { add("name", SceneText::toml_value(name)); }
-  InlineTable& add(const std::string& key, const std::string& value) {
-    text_ += (text_.empty() ? "" : ", ") + key + " = " + value;
+  explicit InlineTable(const std::string& name) { add("name", name); }
+  template <class Value>
+  InlineTable& add(const std::string& key, const Value& value) {
+    values_.emplace_back(key, SceneText::toml_value(value));
     return *this;
   }
-  InlineTable& add_word(const std::string& key, const std::string& value) {
-    return add(key, SceneText::toml_value(value));
+  InlineTable& add_list(const std::string& key, const std::vector<std::string>& texts) {
+    values_.emplace_back(key, SceneText::toml_string_list(texts));
+    return *this;
   }
   InlineTable& add_parameter(const Parameters& parameters, const std::string& name) {
     const ScalarParameter& p = parameters.all()[static_cast<size_t>(parameters.index(name))];
-    add("value", SceneText::toml_value(parameters.value(name)));
-    if (p.min > -kInfinity) add("min", SceneText::toml_value(p.min));
-    if (p.max < kInfinity) add("max", SceneText::toml_value(p.max));
+    add("value", parameters.value(name));
+    if (p.min > -kInfinity) add("min", p.min);
+    if (p.max < kInfinity) add("max", p.max);
     return *this;
   }
-  std::string text() const { return "{ " + text_ + " }"; }
+  std::string text() const { return SceneText::inline_table(values_); }
 
  private:
-  std::string text_;
+  std::vector<SceneText::Value> values_;
 };
 
 /// Writes the items of a session as tables of its scene.
@@ -172,7 +164,7 @@ class ItemWriter {
     if (!load || item.foot_points.empty()) return;
     std::vector<std::string> points;
     for (const ModelPoint& at : item.foot_points)
-      points.push_back(point_text(on(constrained_, at)));
+      points.push_back(SceneText::toml_value(on(constrained_, at)));
     if (std::holds_alternative<Load::Point>(load->kind))
       text.set({"load", load->name}, "at", points.front());
     else if (std::holds_alternative<Load::AttractorSprings>(load->kind))
@@ -189,14 +181,14 @@ class ItemWriter {
   std::string load_table(const Load& load, const std::vector<ModelPoint>& foot_points) const {
     InlineTable table(load.name);
     if (const auto* pressure = std::get_if<Load::Pressure>(&load.kind)) {
-      table.add_word("type", "pressure");
+      table.add("type", "pressure");
       if (isize(pressure->area.regions) > 0 &&
           isize(pressure->area.regions) < layout_.region_count())
-        table.add("faces", SceneText::toml_string_list(pressure->area.regions));
+        table.add_list("faces", pressure->area.regions);
     } else if (const auto* point = std::get_if<Load::Point>(&load.kind)) {
-      table.add_word("type", "point")
-          .add("at", point_text(on(constrained_, foot_points.front())))
-          .add("direction", point_text(point->direction));
+      table.add("type", "point")
+          .add("at", on(constrained_, foot_points.front()))
+          .add("direction", point->direction);
     } else {
       throw Error("found a load of a session that its scene cannot hold");
     }
@@ -210,13 +202,11 @@ class ItemWriter {
       const Vec3 goal(parameters_.value(constraint.name + ".x"),
                       parameters_.value(constraint.name + ".y"),
                       parameters_.value(constraint.name + ".z"));
-      table.add_word("type", "point")
-          .add("at", point_text(on(unloaded_, foot_points.front())))
-          .add("to", point_text(goal));
+      table.add("type", "point").add("at", on(unloaded_, foot_points.front())).add("to", goal);
     } else if (const auto* normal = std::get_if<Constraint::Normal>(&constraint.kind)) {
-      table.add_word("type", "normal")
-          .add("at", point_text(on(unloaded_, foot_points.front())))
-          .add("direction", point_text(normal->normal));
+      table.add("type", "normal")
+          .add("at", on(unloaded_, foot_points.front()))
+          .add("direction", normal->normal);
     } else {
       throw Error("found a constraint of a session that its scene cannot hold");
     }
@@ -225,9 +215,9 @@ class ItemWriter {
 
   std::string offset_table(const LineOffset& offset) const {
     InlineTable table(offset.name);
-    table.add_word("curve", offset.line);
-    if (offset.direction) table.add("direction", point_text(*offset.direction));
-    table.add("fade", SceneText::toml_value(offset.fade));
+    table.add("curve", offset.line);
+    if (offset.direction) table.add("direction", *offset.direction);
+    table.add("fade", offset.fade);
     return table.add_parameter(parameters_, offset.name).text();
   }
 
@@ -273,17 +263,16 @@ void write_rules(SceneText& text, const Scene& scene, const SculptingSession& se
   for (const ScalarParameter& p : all) {
     const auto was = before.find(p.name);
     // The parts of an offset of a split curve follow its first part, in the scene without a rule.
-    const bool part = was == before.end() && !text.has({"parameter", p.name}) &&
-                      !table_of(text, p.name).name.size();
-    if (part) continue;
+    if (was == before.end() && table_of(text, p.name).name.empty()) continue;
     changed |= was == before.end() ? !p.rule_terms.empty()
                                    : !same(p.rule_terms, was->second.rule_terms) ||
                                          (!p.rule_terms.empty() && p.offset != was->second.offset);
-    for (size_t i = 0; i < p.rule_terms.size(); ++i)
-      drives[p.rule_terms[i].of].push_back(
-          "{ name = " + SceneText::toml_value(p.name) +
-          ", factor = " + SceneText::toml_value(p.rule_terms[i].factor) +
-          (i == 0 ? ", offset = " + SceneText::toml_value(p.offset) : "") + " }");
+    for (size_t i = 0; i < p.rule_terms.size(); ++i) {
+      InlineTable table(p.name);
+      table.add("factor", p.rule_terms[i].factor);
+      if (i == 0) table.add("offset", p.offset);
+      drives[p.rule_terms[i].of].push_back(table.text());
+    }
   }
   if (!changed) return;
   for (const ScalarParameter& p : all) {

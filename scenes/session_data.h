@@ -9,25 +9,12 @@
 
 #include "batten/analysis/models/shell_evaluator.h"
 #include "batten/core/call_serializer.h"
+#include "batten/core/cancellation.h"
 #include "batten/scenes/model_data.h"
 #include "batten/scenes/session.h"
 #include "batten/sculpting/session/sculpting_session.h"
 
 namespace batten::detail {
-
-/// Callbacks for all calls of sessions by this thread during its lifetime, for front ends that can
-/// interrupt every call.
-class CallProgress {
- public:
-  explicit CallProgress(const Progress& progress) : before_(current()) { current() = &progress; }
-  ~CallProgress() { current() = before_; }
-  CallProgress(const CallProgress&) = delete;
-  CallProgress& operator=(const CallProgress&) = delete;
-  static const Progress*& current();
-
- private:
-  const Progress* before_;
-};
 
 /// The name of an item of a session.
 std::string name_of(const SculptingSession::ActingItem& item);
@@ -38,12 +25,14 @@ struct SessionContents {
   SessionContents(const SessionContents&) = delete;  // the session refers to members by address
 
   /// Calls function(session) while no other thread is in a call. `changes`: the call may move the
-  /// surface. Throws Error if this thread is in a call already, as from a progress callback.
+  /// surface. `progress`: callbacks for this call; without functions, those of the current
+  /// ProgressScope (core/cancellation.h). Throws Error if this thread is in a call already, as from a progress callback.
   template <class Function>
   auto with_session(bool changes, const Progress& progress, const Function& function) {
     return serialize([&] {
-      const Progress* of_call = CallProgress::current();
-      const ActiveProgress active(active_progress, of_call ? of_call : &progress);
+      const ProgressState* outer = current_progress().state;
+      const bool given = progress.report || progress.cancelled;
+      const ActiveProgress active(active_progress, given || !outer ? &progress : &outer->progress);
       if (changes) stale = true;
       return function(*session);
     });

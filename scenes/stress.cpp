@@ -11,7 +11,6 @@
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/shapes/stress_results.h"
 #include "batten/scenes/stress_data.h"
-#include "batten/skinning/facets/facets.h"
 
 namespace batten {
 namespace detail {
@@ -53,26 +52,8 @@ const Surface& StressData::made_moved(size_t load_case) const {
   return *of.moved;
 }
 
-/// The locations of the points of Model::facets().
-const std::vector<Location>& StressData::made_facet_locations() const {
-  if (!facet_locations_.empty()) return facet_locations_;
-  const SolvedShape& shape = model->shape;
-  const auto all = shape.all();
-  const double length = mean_facet_length(all);
-  const int per_edge = display_facets_per_edge(all);
-  std::vector<std::vector<Location>> parts(all.size());
-  parallel_for(isize(all), [&](int r) {
-    const DisplayFacets display = batten::facets(*all[static_cast<size_t>(r)], per_edge, length);
-    for (const Location& where : display.tessellation.points)
-      parts[static_cast<size_t>(r)].push_back(shape.layout->to_model_location(r, where));
-  });
-  std::vector<Location> locations;
-  for (const auto& part : parts) locations.insert(locations.end(), part.begin(), part.end());
-  return facet_locations_ = std::move(locations);
-}
-
 std::vector<double> StressData::made_positions(const Surface& surface) const {
-  const std::vector<Location>& locations = made_facet_locations();
+  const std::vector<Location>& locations = model->facet_locations();
   std::vector<double> values(3 * locations.size());
   constexpr int chunk = 256;
   parallel_for_each<chunk>(isize(locations), [&](int i) {
@@ -87,7 +68,7 @@ const std::vector<double>& StressData::von_mises(size_t load_case) const {
   Fields& of = fields(load_case);
   if (of.von_mises) return *of.von_mises;
   const ShellStresses& stresses = made_stresses(load_case);
-  const std::vector<Location>& locations = made_facet_locations();
+  const std::vector<Location>& locations = model->facet_locations();
   std::vector<double> values(locations.size());
   constexpr int chunk = 256;
   parallel_for_each<chunk>(isize(locations), [&](int i) {
@@ -286,8 +267,7 @@ void analyse_into(StressData& data, Scene scene, const std::filesystem::path& fi
         compute_sensitivities(data.report, scene, *model.made, model.shape, progress);
   }
   for (const FailedCheck& one : non_finite_numbers(data.report)) notes.failed_checks.push_back(one);
-  for (const FailedCheck& one : notes.failed_checks)
-    data.failed_checks.push_back(one.what + ": " + one.detail);
+  data.failed_checks = sentences(notes.failed_checks);
   data.warnings = notes.warnings;
   for (const StressReport::Case& c : data.report.cases) {
     data.cases.push_back(stress_case(c));
@@ -362,11 +342,11 @@ class StressEntry {
     for (const Vec3& row : rows) texts.push_back(vector(key, row));
     return rows.empty() ? *this : add_value(key, SceneText::list(texts));
   }
-  std::string text() const { return text_.empty() ? "{}" : "{ " + text_ + " }"; }
+  std::string text() const { return SceneText::inline_table(values_); }
 
  private:
   StressEntry& add_value(const std::string& key, const std::string& value) {
-    text_ += (text_.empty() ? "" : ", ") + key + " = " + value;
+    values_.emplace_back(key, value);
     return *this;
   }
   std::string number(const std::string& key, double value) const {
@@ -378,7 +358,8 @@ class StressEntry {
     return SceneText::list({number(key, v[0]), number(key, v[1]), number(key, v[2])});
   }
 
-  std::string label_, text_;
+  std::string label_;
+  std::vector<SceneText::Value> values_;
 };
 
 std::string support_text(const ShellSupport& support, const std::string& label) {

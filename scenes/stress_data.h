@@ -61,13 +61,11 @@ struct StressData {
   Fields& fields(size_t load_case) const;
   const ShellStresses& made_stresses(size_t load_case) const;
   const Surface& made_moved(size_t load_case) const;
-  const std::vector<Location>& made_facet_locations() const;
   std::vector<double> made_positions(const Surface& surface) const;
 
   mutable std::mutex mutex_;
   mutable std::unique_ptr<const ShellAssembler> assembler_;
   mutable std::vector<Fields> fields_;
-  mutable std::vector<Location> facet_locations_;  // in the mesh of the model
 };
 
 }  // namespace batten::detail

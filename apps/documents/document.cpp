@@ -164,7 +164,7 @@ void Document::move(const std::string& from_to, const Progress& progress) {
     dragged_.clear();
   }
   const std::vector<Vec3> positions = parse_points(from_to);
-  const std::string from = positions.empty() ? from_to : point_to_toml(positions.front());
+  const std::string from = positions.empty() ? from_to : SceneText::toml_value(positions.front());
   const bool keeps_state = dragged_ == from && !undo_.empty();
   SceneText next =
       with_moved_point(keeps_state ? SceneText(undo_.back(), file_) : SceneText(text_), from_to);

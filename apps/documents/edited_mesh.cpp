@@ -254,10 +254,7 @@ std::string EditedMesh::rows() const {
 }
 
 std::string EditedMesh::run(const std::filesystem::path& folder, const Progress& progress) {
-  const DeformReport report = run_deform(scene_, folder, progress);
-  std::string text;
-  for (const FailedCheck& one : report.failed_checks) text += one.what + ": " + one.detail + "\n";
-  return text;
+  return sentence_lines(run_deform(scene_, folder, progress).failed_checks);
 }
 
 std::string EditedMesh::export_shape(const std::filesystem::path& file, const Progress&) {

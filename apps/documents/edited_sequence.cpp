@@ -224,10 +224,7 @@ std::string EditedSequence::rows() const {
 }
 
 std::string EditedSequence::run(const std::filesystem::path& folder, const Progress& progress) {
-  std::string text;
-  for (const FailedCheck& one : run_sequence(scene_, folder, {}, progress).failed_checks)
-    text += one.what + ": " + one.detail + "\n";
-  return text;
+  return sentence_lines(run_sequence(scene_, folder, {}, progress).failed_checks);
 }
 
 std::string EditedSequence::export_shape(const std::filesystem::path& file, const Progress&) {

@@ -13,7 +13,7 @@ using CommandKind = DocumentCommand::CommandKind;
 
 std::string list_of(const std::vector<Vec3>& points) {
   std::vector<std::string> words;
-  for (const Vec3& p : points) words.push_back(point_to_toml(p));
+  for (const Vec3& p : points) words.push_back(SceneText::toml_value(p));
   return SceneText::list(words);
 }
 
@@ -108,7 +108,7 @@ SceneText with_moved_point(SceneText scene, const std::string& from_to) {
     any |= has;
   }
   if (!any)
-    throw InputError("found no curve with the point " + point_to_toml(positions[0]) +
+    throw InputError("found no curve with the point " + SceneText::toml_value(positions[0]) +
                      ", expected one");
   return scene;
 }
@@ -117,11 +117,6 @@ std::vector<Vec3> defining_points(const SceneText& scene, const std::string& lin
   const LineKey key = line_key(scene, line);
   return key == LineKey::None ? std::vector<Vec3>{}
                               : parse_points(scene.value({"curve", line}, key_name(key)));
-}
-
-std::string point_to_toml(const Vec3& p) {
-  return SceneText::list(
-      {SceneText::toml_value(p.x()), SceneText::toml_value(p.y()), SceneText::toml_value(p.z())});
 }
 
 Vec3 rounded_point(const Vec3& p, double size) {

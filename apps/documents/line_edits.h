@@ -29,8 +29,6 @@ std::vector<Vec3> defining_points(const SceneText& scene, const std::string& lin
 /// Parses a TOML list of points; empty for anything else.
 std::vector<Vec3> parse_points(const std::string& value);
 
-/// A point as TOML text.
-std::string point_to_toml(const Vec3& p);
 /// Rounds a point to a millionth of the size: the precision of interactive input.
 Vec3 rounded_point(const Vec3& p, double size);
 

@@ -158,8 +158,8 @@ std::vector<Stroke> strokes_of(const SceneText& scene, const SceneTable& table) 
 }
 
 std::string dab_to_toml(const BrushDab& dab) {
-  return "{ at = " + point_to_toml(dab.at) + ", radius = " + SceneText::toml_value(dab.radius) +
-         " }";
+  return "{ at = " + SceneText::toml_value(dab.at) +
+         ", radius = " + SceneText::toml_value(dab.radius) + " }";
 }
 
 }  // namespace

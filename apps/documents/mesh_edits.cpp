@@ -172,9 +172,9 @@ namespace {
 std::string handle_move_to_toml(const std::string& handle, const Vec3& shift,
                                 const Vec3& rotation_vector) {
   std::string text =
-      "{ name = " + SceneText::toml_value(handle) + ", translate = " + point_to_toml(shift);
+      "{ name = " + SceneText::toml_value(handle) + ", translate = " + SceneText::toml_value(shift);
   if (rotation_vector.norm() > 0)
-    text += ", rotate = { axis = " + point_to_toml(rotation_vector.normalized()) +
+    text += ", rotate = { axis = " + SceneText::toml_value(rotation_vector.normalized()) +
             ", angle = " + SceneText::toml_value(rotation_vector.norm()) + " }";
   return text + " }";
 }
@@ -240,7 +240,7 @@ std::vector<DocumentCommand> keyframe_edits(const SceneText& scene, int frame,
 
 DocumentCommand path_edit(const SceneText& scene, const std::vector<Vec3>& through) {
   std::vector<std::string> points;
-  for (const Vec3& p : through) points.push_back(point_to_toml(p));
+  for (const Vec3& p : through) points.push_back(SceneText::toml_value(p));
   const SceneTable operation = last_operation(scene, "\"path\"");
   if (!operation.kind.empty())
     return {.kind = CommandKind::Set,

@@ -62,10 +62,7 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
   task.from_unit = from_unit;
   const ConvertReport report =
       KernelCall(progress)([&](const Progress& hook) { return run_convert(task, hook); });
-  py::list failed_checks;
-  for (const FailedCheck& one : report.failed_checks)
-    failed_checks.append(one.what + ": " + one.detail);
-  return failed_checks;
+  return py::cast(sentences(report.failed_checks));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ template <class Function>
 auto call_session(SessionObject& of, const Function& function,
                   const py::object& progress = py::none()) {
   return KernelCall(progress)([&](const Progress& hook) {
-    const detail::CallProgress scope(hook);
+    const ProgressScope scope(hook);
     return function(of.session);
   });
 }

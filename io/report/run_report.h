@@ -18,6 +18,19 @@ struct FailedCheck {
   std::string detail;
 };
 
+/// Failed checks as sentences: "surface.min_jacobian_ratio: is 0.01, expected at least 0.05".
+inline std::vector<std::string> sentences(const std::vector<FailedCheck>& checks) {
+  std::vector<std::string> all;
+  for (const FailedCheck& check : checks) all.push_back(check.what + ": " + check.detail);
+  return all;
+}
+/// The same sentences as one text, each followed by the end of a line.
+inline std::string sentence_lines(const std::vector<FailedCheck>& checks) {
+  std::string text;
+  for (const std::string& sentence : sentences(checks)) text += sentence + "\n";
+  return text;
+}
+
 /// Base class of the reports of all commands.
 struct RunReport {
   std::string name, unit;

@@ -449,6 +449,17 @@ std::string SceneText::toml_value(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string SceneText::toml_value(const Vec3& p) {
+  return list({toml_value(p.x()), toml_value(p.y()), toml_value(p.z())});
+}
+
+std::string SceneText::inline_table(const std::vector<Value>& values) {
+  std::string table;
+  for (const auto& [key, value] : values)
+    table += (table.empty() ? " " : ", ") + key + " = " + value;
+  return "{" + table + (table.empty() ? "}" : " }");
+}
+
 std::string SceneText::list(const std::vector<std::string>& values) {
   std::string list;
   for (const std::string& value : values) list += (list.empty() ? "" : ", ") + value;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/eigen.h"
+
 namespace batten {
 
 /// Identifies one table of a scene by its kind and name. [skin] is {"skin", ""}; the [[load]] named
@@ -73,9 +75,13 @@ class SceneText {
   /// string.
   static std::string toml_value(double value);
   static std::string toml_value(const std::string& text);
+  /// TOML text of a point or direction, "[x, y, z]", with numbers as above.
+  static std::string toml_value(const Vec3& p);
   /// TOML text of a list of values given as TOML text, or of a list of strings.
   static std::string list(const std::vector<std::string>& values);
   static std::string toml_string_list(const std::vector<std::string>& texts);
+  /// TOML text of an inline table, "{ key = value, … }", whose values are given as TOML text.
+  static std::string inline_table(const std::vector<Value>& values);
 
  private:
   struct Span;

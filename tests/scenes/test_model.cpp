@@ -89,6 +89,18 @@ TEST_CASE("A curve of the kernel is the same curve in the scene of its model", "
           1e-12);
 }
 
+TEST_CASE("A curve with a corner is the whole curve in the scene of its model", "[scenes]") {
+  Points dofs(7, 3);  // position and derivative; at the corner two derivatives; and again one
+  dofs << 0, 0, 0, 0.5, 0, 0.1, 0.5, 0, 0.1, 0.5, 0, 0.1, 0.5, 0, -0.1, 1, 0, 0, 0.5, 0, -0.1;
+  std::vector<InputLine> lines = saddle();
+  const auto curve = std::make_shared<const HermiteCurve>(CurveMesh({0, 1, 2}, {}, {1}), dofs);
+  lines[0] = {"front", {}, curve};
+  const Model model = skin(lines);
+  CHECK((model.curve("front", 3)[1] - Vec3(0.5, 0, 0.1)).norm() < 1e-12);
+  CHECK((model.curve("front", 2)[1] - Vec3(1, 0, 0)).norm() < 1e-12);
+  CHECK(model.faces().size() == 1);
+}
+
 TEST_CASE("A session of a session's model has the same shape and loads to the last bit",
           "[scenes]") {
   Session session = sculpted(skin(saddle()));
@@ -168,6 +180,19 @@ TEST_CASE("A closed model has the area, volume and edges of a box", "[scenes]") 
     CHECK(edge.continuity == "G0");
     CHECK(std::abs(edge.angle_deg - 90) < 1e-6);
   }
+}
+
+TEST_CASE("Volume and edges are those of the sculpted shape", "[scenes]") {
+  const Model flat = skin(box());
+  Session session(flat);
+  session.add_pressure("swell", {.value = -20});
+  session.solve();
+  const Model model = session.model();
+  CHECK(model.volume() < 5.9);
+  CHECK(std::abs(model.volume() - std::abs(session.volume())) < 1e-9);
+  double largest = 0;
+  for (const ModelEdge& edge : model.edges()) largest = std::max(largest, edge.angle_deg);
+  CHECK(largest > 91);  // the faces bend inwards
 }
 
 TEST_CASE("Sessions of one model run in several threads with the same bits", "[scenes]") {

@@ -52,13 +52,13 @@ void ShapeView::start_load(const PickedPoint& surface_point) {
   push.start = actors_->point(push.point);
   push.placed = true;
   push.value = 1;
-  hooks_.post({.kind = CommandKind::Add,
-               .table = {"load", ""},
-               .text = "{ name = " + SceneText::toml_value(push.name) +
-                       ", type = \"point\", at = " +
-                       point_to_toml(rounded_point(surface_point.unloaded, view_->size)) +
-                       ", direction = " + point_to_toml(rounded_point(surface_point.normal, 1)) +
-                       ", value = 0 }"});
+  hooks_.post(
+      {.kind = CommandKind::Add,
+       .table = {"load", ""},
+       .text = "{ name = " + SceneText::toml_value(push.name) + ", type = \"point\", at = " +
+               SceneText::toml_value(rounded_point(surface_point.unloaded, view_->size)) +
+               ", direction = " + SceneText::toml_value(rounded_point(surface_point.normal, 1)) +
+               ", value = 0 }"});
   hooks_.post({.kind = CommandKind::SetSlider, .key = push.name, .value = push.value});
 }
 
@@ -105,13 +105,15 @@ void ShapeView::fix_point(const QPoint& at, bool normal) {
     created_ = view_->free_name(normal ? "normal" : "point");
     const double size = view_->size;
     const std::string what =
-        normal ? "\"normal\", direction = " + point_to_toml(rounded_point(surface_point.normal, 1))
-               : "\"point\", to = " + point_to_toml(rounded_point(surface_point.present, size));
-    hooks_.post({.kind = CommandKind::Add,
-                 .table = {"constraint", ""},
-                 .text = "{ name = " + SceneText::toml_value(created_) + ", type = " + what +
-                         ", at = " + point_to_toml(rounded_point(surface_point.unloaded, size)) +
-                         " }"});
+        normal ? "\"normal\", direction = " +
+                     SceneText::toml_value(rounded_point(surface_point.normal, 1))
+               : "\"point\", to = " +
+                     SceneText::toml_value(rounded_point(surface_point.present, size));
+    hooks_.post(
+        {.kind = CommandKind::Add,
+         .table = {"constraint", ""},
+         .text = "{ name = " + SceneText::toml_value(created_) + ", type = " + what + ", at = " +
+                 SceneText::toml_value(rounded_point(surface_point.unloaded, size)) + " }"});
   });
 }
 

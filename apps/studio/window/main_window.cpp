@@ -101,24 +101,24 @@ MainWindow::~MainWindow() {
 
 void MainWindow::make_panels() {
   const auto post = [this](DocumentCommand command) { this->post(std::move(command)); };
-  view_ = new ShapeView(this,
-                        {[this](DocumentCommand command) {
-                           if (command.kind == CommandKind::SetSlider)
-                             sliders_->show_live_value(command.key, command.value);
-                           this->post(std::move(command));
-                         },
-                         [this](const Vec3& near, std::function<void(const PickedPoint&)> found) {
-                           worker_->query_surface_point(near, std::move(found));
-                         },
-                         [this](const std::string& line, const std::string& region) {
-                           if (!line.empty())
-                             tree_->select_line(line);
-                           else if (!region.empty())
-                             tree_->select_region(region);
-                           else
-                             tree_->clear_selection();
-                         },
-                         [this](const QString& hint) { statusBar()->showMessage(hint); }});
+  view_ =
+      new ShapeView(this, {[this](DocumentCommand command) {
+                             if (command.kind == CommandKind::SetSlider)
+                               sliders_->show_live_value(command.key, command.value);
+                             this->post(std::move(command));
+                           },
+                           [this](const Vec3& near, std::function<void(const PickedPoint&)> found) {
+                             worker_->query_surface_point(near, std::move(found));
+                           },
+                           [this](const std::string& line, const std::string& region) {
+                             if (!line.empty())
+                               tree_->select_line(line);
+                             else if (!region.empty())
+                               tree_->select_region(region);
+                             else
+                               tree_->clear_selection();
+                           },
+                           [this](const QString& hint) { statusBar()->showMessage(hint); }});
   setCentralWidget(view_);
   tree_ = new ModelTree(this, [this](const ModelTree::Item& item) {
     properties_->refresh(shown_, item);

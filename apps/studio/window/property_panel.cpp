@@ -214,7 +214,7 @@ void PropertyPanel::fill_line() {
     for (int i = std::max(0, point - 1); i <= point + 1 && i < static_cast<int>(points.size()); ++i)
       radius = std::max(radius, (points[static_cast<size_t>(i)] - p).norm());
     const std::string size = SceneText::toml_value(std::stod(format_number(radius)));
-    return fair(", brush = { at = " + point_to_toml(p) + ", radius = " + size +
+    return fair(", brush = { at = " + SceneText::toml_value(p) + ", radius = " + size +
                 " }, wavelength = " + size);
   });
   if (!tangent_edits(SceneText(view_->text), name).empty())
@@ -263,8 +263,8 @@ void PropertyPanel::fill_stress() {
     if (!surface_point) return {};
     return stress_load_edits(
         SceneText(view_->text),
-        "{ point = " + point_to_toml(rounded_point(surface_point->present, view_->size)) +
-            ", force = " + point_to_toml(rounded_point(-surface_point->normal, 1)) + " }");
+        "{ point = " + SceneText::toml_value(rounded_point(surface_point->present, view_->size)) +
+            ", force = " + SceneText::toml_value(rounded_point(-surface_point->normal, 1)) + " }");
   });
   add_button(kAddGravity, [this] {
     const bool metres = view_->unit == "m";
