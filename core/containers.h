@@ -38,7 +38,8 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// Lowest element of the set that contains i. Nearly O(1) (path halving).
+  /// Lowest element of the set that contains i. O(log n) amortised (path halving), close to O(1)
+  /// in practice.
   int find(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;

@@ -126,7 +126,7 @@ struct FairFiles {
 /// and `scene.pictures` are ignored.
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress = {});
 
-/// A table with one row per line (the first twenty) and a total.
+/// A table with one row for each faired curve (the first twenty), and a row for all curves.
 std::string summary(const FairReport& report);
 /// The same table, followed by the time and the files.
 std::string summary(const FairReport& report, const std::filesystem::path& folder);

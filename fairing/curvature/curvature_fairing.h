@@ -25,8 +25,8 @@ struct CurvatureFairingOptions {
   /// parametrisation of uniform speed, so the term hardly affects the shape:
   /// docs/theory/curvature-fairing.md.
   double parametrization_weight = 1e-3;
-  /// Maximum number of outer rounds, each with a reparametrisation and new foot points (points of
-  /// the curve closest to the springs).
+  /// Maximum number of outer rounds. Each round reparametrises the curve, and then recomputes the
+  /// foot points: the points of the curve closest to the data points, to which springs pull it.
   int max_rounds = 12;
   int max_iterations = 500;  ///< maximum number of Ceres iterations per round
 };

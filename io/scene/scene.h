@@ -207,8 +207,10 @@ struct ScenePicture {
 struct SceneSweep {
   std::string parameter;
   std::vector<double> values;
-  int columns = 0;       ///< panels per row; 0: automatic, for an almost square sheet
-  ScenePicture picture;  ///< view and file of the sheet; a panel is titled look.title and value
+  int columns = 0;  ///< panels per row; 0: automatic, for an almost square sheet
+  /// View and file of the sheet. The title of a panel consists of `picture.look.title` and the value
+  /// of the parameter.
+  ScenePicture picture;
 };
 
 /// Settings from [skin], [[face]] and [[join]] for finding and joining the faces between the curves

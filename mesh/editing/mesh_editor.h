@@ -75,8 +75,9 @@ class MeshEditor {
   /// detected by the next solution, which throws InputError.
   void set(DeformEdit edit, std::vector<PrescribedRotation> prescribed = {});
 
-  /// Computes the positions of all vertices quickly, for display during a drag. Attached nodes
-  /// outside connections are not moved. Throws the exceptions of solve_to_equilibrium(). After an
+  /// Computes the positions of all vertices quickly, for display during a drag. Of the
+  /// nodes of non-shell elements, only those of rigid elements, bushings and bolts move; the others
+  /// move in solve_to_equilibrium(). Throws the exceptions of solve_to_equilibrium(). After an
   /// exception, the shape is unchanged.
   const Points& solve_preview();
   /// True if the feature rotations changed by less than 0.05 degrees in the last solve_preview().

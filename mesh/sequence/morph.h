@@ -146,7 +146,7 @@ struct MorphLandmark {
 struct RegisteredTarget {
   MeshSequence sequence;   ///< target sequence with the faces of the source
   TargetFit fit;           ///< node positions and quality of the registration
-  double target_size = 0;  ///< size of the target in the registered frame, model units
+  double target_size = 0;  ///< TriangleMesh::size() of the registered target frame, model units
 };
 
 /// Converts a target sequence with different faces to the faces of the source, as required by

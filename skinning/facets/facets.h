@@ -81,9 +81,10 @@ struct DisplayFacets {
 
 /// Builds facets for display by splitting each triangle of quadratic_elements() for this
 /// `edge_length` and this request into n² facets. The corners of these triangles have the same
-/// numbers as facet vertices and as nodes. Without embedded curves and without additional points in
-/// `requested`, the triangles are those of the element mesh (tessellate(mesh, n)). Facet vertices
-/// on curves have equidistant parameters within each edge. Throws as quadratic_elements() does.
+/// numbers as facet vertices and as nodes. If the face has no embedded curves and `requested` no
+/// additional points, these triangles are the finite elements themselves, so the facets are those of
+/// tessellate(mesh, n). Facet vertices on curves have equidistant parameters within each edge.
+/// Throws as quadratic_elements() does.
 DisplayFacets facets(const SkinnedRegion& region, int n, double edge_length = 0,
                      const SubdivisionRequest& requested = {});
 

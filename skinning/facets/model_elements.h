@@ -24,7 +24,8 @@
 
 namespace batten {
 
-/// Quadratic elements of all faces, with node numbers that are common to the model.
+/// Quadratic elements of all faces, and global node numbers: faces that meet at a curve share its
+/// nodes.
 struct ModelElements {
   /// Elements of each face, with node numbers that are local to the face.
   std::vector<QuadraticElements> regions;

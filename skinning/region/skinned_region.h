@@ -108,9 +108,9 @@ struct SkinOptions {
   /// suggest a right turn. Set this option if the face will be fitted to a target whose corners are
   /// convex. Such a target may be far from any surface that the curves alone define.
   bool convex = false;
-  /// True: the rest shape of the face is the surface that its boundary curves suggest, if there is
-  /// one (rest_dofs() in model_shapes.h). False: the rest state is flat, so that the face has the
-  /// bending energy of the shape itself.
+  /// True: the bending energy is measured from a rest shape made of the boundary curves (rest_dofs()
+  /// in model_shapes.h), or from the flat state if they define none. False: it is always measured
+  /// from the flat state.
   bool rest = true;
   /// True: the face is an annulus, and each inner curve is a closed cross-section of it. The curves
   /// are ordered from one boundary circle to the other.
