@@ -27,6 +27,7 @@ namespace {
 struct FacetsOfFace {
   DisplayFacets display;
   std::vector<SurfaceJet> jets;
+  std::vector<Curvatures> curvatures;
 };
 
 Facets joined(const std::vector<FacetsOfFace>& faces) {
@@ -38,6 +39,8 @@ Facets joined(const std::vector<FacetsOfFace>& faces) {
       all.points.insert(all.points.end(), jet.x.data(), jet.x.data() + 3);
       all.normals.insert(all.normals.end(), normal.data(), normal.data() + 3);
     }
+    for (const Curvatures& bend : faces[static_cast<size_t>(r)].curvatures)
+      all.curvatures.insert(all.curvatures.end(), {bend.k1, bend.k2});
     for (std::array<int, 3> facet : faces[static_cast<size_t>(r)].display.tessellation.facets) {
       for (int& corner : facet) corner += first;
       all.triangles.push_back(facet);
@@ -58,6 +61,7 @@ std::vector<FacetsOfFace> facets_of(const std::vector<SkinnedRegion>& faces) {
     part.display = batten::facets(face, per_edge, length);
     for (const Location& where : part.display.tessellation.points)
       part.jets.push_back(face.surface.jet(where));
+    part.curvatures = recovered_curvatures(face.surface, part.display.tessellation);
   });
   return parts;
 }
@@ -123,6 +127,25 @@ const Report& ModelData::report(const Progress& progress) const {
   return *report_;
 }
 
+const std::vector<ShapeDerivative>& ModelData::shape_derivatives(const Progress& progress) const {
+  const std::lock_guard lock(mutex_);
+  if (!derivatives_) derivatives_ = batten::shape_derivatives(scene, *made, shape, progress);
+  return *derivatives_;
+}
+
+double ModelData::area() const {
+  double sum = 0;
+  for (const SkinnedRegion& face : shape.regions) sum += face.surface.area();
+  return sum;
+}
+
+bool ModelData::is_closed() const {
+  const std::vector<ModelShell>& shells = made->model.shells;
+  return !shells.empty() && std::all_of(shells.begin(), shells.end(), [](const ModelShell& shell) {
+    return shell.closed && shell.orientable;
+  });
+}
+
 const ModelProjector& ModelData::projector() const {
   const std::lock_guard lock(mutex_);
   if (!projector_) projector_ = std::make_unique<const ModelProjector>(*shape.layout, shape.dofs);
@@ -185,7 +208,8 @@ PictureScene::Field field_from(const std::string& word) {
   if (word == "mean") return PictureScene::Field::Mean;
   if (word == "gauss") return PictureScene::Field::Gauss;
   if (word == "faces") return PictureScene::Field::Regions;
-  throw InputError("field: found '" + word + "', expected none, mean, gauss or faces");
+  throw InputError("field: found '" + word + "', expected none, mean, gauss or faces" +
+                   did_you_mean(word, {"none", "mean", "gauss", "faces"}));
 }
 
 }  // namespace
@@ -232,7 +256,7 @@ Model Model::with_values(const std::map<std::string, double>& values,
   Scene scene = data_->scene;
   bool live = true;  // the model of the curves can be reused
   for (const auto& [name, value] : values) {
-    scene.set(name, value, "");
+    scene.set(name, value, "values: ");
     const bool material = name.starts_with("alpha") || name.starts_with("beta");
     live &= is_session_parameter(scene, name) && !(material && data_->made->network);
   }
@@ -283,24 +307,62 @@ SurfacePoint Model::at(const std::string& face, double u, double v) const {
   throw_unknown("face", face, faces());
 }
 
-double Model::area() const {
-  double sum = 0;
-  for (const SkinnedRegion& face : data_->shape.regions) sum += face.surface.area();
-  return sum;
-}
+double Model::area() const { return data_->area(); }
 
 double Model::volume() const {
   data_->require_surface();
-  const std::vector<ModelShell>& shells = data_->made->model.shells;
-  if (shells.empty())
+  if (data_->made->model.shells.empty())
     throw InputError(data_->scene.name + ": found one open face, expected closed shells");
-  if (!std::all_of(shells.begin(), shells.end(),
-                   [](const ModelShell& shell) { return shell.closed && shell.orientable; }))
+  if (!data_->is_closed())
     throw InputError(data_->scene.name +
                      ": found an open surface, expected closed shells, which have a volume");
   double volume = 0;
   for (const ModelShell& shell : data_->measured().shells) volume += shell.volume;
   return volume;
+}
+
+namespace {
+
+double area_of(const ModelLayout& layout, const Points& shape) {
+  double sum = 0;
+  for (int r = 0; r < layout.region_count(); ++r) sum += layout.skinned(r, shape).surface.area();
+  return sum;
+}
+
+double volume_of(const ModelLayout& layout, const Points& shape) {
+  double sum = 0;
+  for (int r = 0; r < layout.region_count(); ++r)
+    sum += cone_volume(layout.skinned(r, shape), layout.origin());
+  return sum;
+}
+
+/// Central difference of a measure of the shape along a rate of change.
+template <class Measure>
+double derivative_along(const ModelLayout& layout, const Points& shape, const Points& rate,
+                        const Measure& measure) {
+  constexpr double small = 1e-5;
+  const double largest = rate.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return 0;
+  const double step = small * layout.size() / largest;
+  return (measure(layout, shape + step * rate) - measure(layout, shape - step * rate)) / (2 * step);
+}
+
+}  // namespace
+
+ModelGradients Model::gradients(const Progress& progress) const {
+  data_->require_surface();
+  const detail::ModelData& d = *data_;
+  ModelGradients gradients;
+  gradients.area.value = area();
+  if (d.is_closed()) gradients.volume.emplace().value = volume();
+  for (const ShapeDerivative& of : d.shape_derivatives(progress)) {
+    const auto derivative = [&](const auto& measure) {
+      return derivative_along(*d.shape.layout, d.shape.dofs, of.rate, measure);
+    };
+    gradients.area.gradient[of.parameter] = derivative(area_of);
+    if (gradients.volume) gradients.volume->gradient[of.parameter] = derivative(volume_of);
+  }
+  return gradients;
 }
 
 Box3 Model::bounds() const {
@@ -414,7 +476,7 @@ constexpr const char* kSkin = "skin()";
 Model made(const std::string& text, const std::filesystem::path& file,
            const std::map<std::string, double>& values, const Progress& progress) {
   Scene scene = parse_scene(text, file);
-  for (const auto& [name, value] : values) scene.set(name, value, "");
+  for (const auto& [name, value] : values) scene.set(name, value, "values: ");
   return Model(std::make_shared<const ModelData>(text, std::move(scene), progress));
 }
 
@@ -442,6 +504,14 @@ std::string shape_of(const InputLine& line) {
          SceneText::inline_table(
              {{"degree", "3"}, {"poles", list_of(spline.poles)}, {"knots", list_of(knots)}});
 }
+
+}  // namespace
+
+std::string detail::curve_table(const InputLine& line) {
+  return "\n[[curve]]\nname = " + SceneText::toml_value(line.name) + "\n" + shape_of(line) + "\n";
+}
+
+namespace {
 
 void require_known(const std::vector<std::string>& names, const std::string& what,
                    const std::vector<std::string>& curves) {
@@ -486,15 +556,13 @@ std::string with_lines_of_settings(const std::string& message, int added) {
   return message.substr(0, from) + std::to_string(line - added) + message.substr(to);
 }
 
-std::string curve_table(const InputLine& line, const SkinSettings& settings) {
+/// The key `role` of a curve; "": none.
+std::string role_key(const std::string& curve, const SkinSettings& settings) {
   const auto listed = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), line.name) != names.end();
+    return std::find(names.begin(), names.end(), curve) != names.end();
   };
-  const std::string role = listed(settings.holes)   ? "role = \"hole\"\n"
-                           : listed(settings.inner) ? "role = \"inner\"\n"
-                                                    : "";
-  return "\n[[curve]]\nname = " + SceneText::toml_value(line.name) + "\n" + shape_of(line) + "\n" +
-         role;
+  if (listed(settings.holes)) return "role = \"hole\"\n";
+  return listed(settings.inner) ? "role = \"inner\"\n" : "";
 }
 
 /// The scene of curves and settings, as text.
@@ -528,7 +596,8 @@ std::string scene_of(const std::vector<InputLine>& curves, const SkinSettings& s
       scene.add("join", "{ curves = " + SceneText::toml_string_list(*list) + ", continuity = \"" +
                             kind + "\" }");
   std::string text = scene.text();
-  for (const InputLine& curve : curves) text += curve_table(curve, settings);
+  for (const InputLine& curve : curves)
+    text += detail::curve_table(curve) + role_key(curve.name, settings);
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/core/progress.h"
+#include "batten/scenes/gradients.h"
 
 namespace batten {
 
@@ -69,6 +70,9 @@ struct ModelEdge {
 /// along shared curves, because the normals differ there.
 struct Facets {
   std::vector<double> points, normals;  ///< x, y, z of each point in turn
+  /// Principal curvatures k1 ≥ k2 of each point in turn, 1/length, positive where the surface bends
+  /// towards its normal: recovered_curvatures() in fem/surface.h, with the error O(h²).
+  std::vector<double> curvatures;
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> faces;  ///< index into Model::faces() of each triangle
 };
@@ -135,6 +139,10 @@ class Model {
   double volume() const;
   Box3 bounds() const;  ///< bounding box of the facets
   std::vector<ModelEdge> edges() const;
+  /// Area and volume with their derivatives with respect to the parameters. Computes the derivative
+  /// of the shape at the first call: three solves per parameter. Throws the exceptions of
+  /// with_values().
+  ModelGradients gradients(const Progress& progress = {}) const;
   int element_count() const;     ///< number of finite elements of all faces
   const Facets& facets() const;  ///< triangles for display; computed at the first call
 

@@ -11,6 +11,7 @@
 #include "batten/io/scene/scene.h"
 #include "batten/scenes/model.h"
 #include "batten/scenes/shapes/make_session.h"
+#include "batten/scenes/shapes/shape_derivatives.h"
 #include "batten/scenes/shapes/solved_shape.h"
 #include "batten/skinning/model/model_projector.h"
 
@@ -51,6 +52,10 @@ struct ModelData {
   /// Measured quality of the shape (export_shape() without files).
   const Report& report(const Progress& progress) const;
   const ModelProjector& projector() const;
+  /// Derivatives of the shape with respect to the parameters of the scene.
+  const std::vector<ShapeDerivative>& shape_derivatives(const Progress& progress) const;
+  double area() const;     ///< total area of all faces
+  bool is_closed() const;  ///< true: the faces form closed, orientable shells
 
  private:
   mutable std::mutex mutex_;
@@ -61,6 +66,10 @@ struct ModelData {
   mutable std::unique_ptr<const BuiltModel> measured_;
   mutable std::unique_ptr<const ModelProjector> projector_;
   mutable std::optional<Report> report_;
+  mutable std::optional<std::vector<ShapeDerivative>> derivatives_;
 };
+
+/// The table [[curve]] of a curve as text. Throws InputError for fewer than two points.
+std::string curve_table(const InputLine& line);
 
 }  // namespace batten::detail

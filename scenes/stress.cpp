@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "batten/analysis/models/shell_sensitivities.h"
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/shapes/stress_results.h"
+#include "batten/scenes/shapes/stress_setup.h"
 #include "batten/scenes/stress_data.h"
 
 namespace batten {
@@ -63,21 +65,48 @@ std::vector<double> StressData::made_positions(const Surface& surface) const {
   return values;
 }
 
-const std::vector<double>& StressData::von_mises(size_t load_case) const {
-  const std::lock_guard lock(mutex_);
-  Fields& of = fields(load_case);
-  if (of.von_mises) return *of.von_mises;
+template <class Value>
+std::vector<double> StressData::made_values(size_t load_case, const Value& value) const {
   const ShellStresses& stresses = made_stresses(load_case);
   const std::vector<Location>& locations = model->facet_locations();
   std::vector<double> values(locations.size());
   constexpr int chunk = 256;
   parallel_for_each<chunk>(isize(locations), [&](int i) {
-    const ShellStress at = stresses.at(locations[static_cast<size_t>(i)]);
-    values[static_cast<size_t>(i)] =
-        std::max(batten::von_mises(at.at(1)), batten::von_mises(at.at(-1)));
+    values[static_cast<size_t>(i)] = value(stresses.at(locations[static_cast<size_t>(i)]));
   });
-  of.von_mises = std::make_unique<const std::vector<double>>(std::move(values));
+  return values;
+}
+
+const std::vector<double>& StressData::von_mises(size_t load_case) const {
+  const std::lock_guard lock(mutex_);
+  Fields& of = fields(load_case);
+  if (!of.von_mises)
+    of.von_mises = std::make_unique<const std::vector<double>>(
+        made_values(load_case, [](const ShellStress& at) {
+          return std::max(batten::von_mises(at.at(1)), batten::von_mises(at.at(-1)));
+        }));
   return *of.von_mises;
+}
+
+std::vector<double> StressData::von_mises(size_t load_case, const std::string& side) const {
+  const std::vector<std::string> sides = {"bottom", "middle", "top"};
+  const auto found = std::find(sides.begin(), sides.end(), side);
+  if (found == sides.end())
+    throw InputError("side: found '" + side + "', expected top, middle or bottom" +
+                     did_you_mean(side, sides));
+  const double height = static_cast<double>(found - sides.begin()) - 1;  // from -1 to 1
+  const std::lock_guard lock(mutex_);
+  return made_values(load_case,
+                     [height](const ShellStress& at) { return batten::von_mises(at.at(height)); });
+}
+
+std::vector<double> StressData::thickness() const {
+  std::vector<double> values;
+  for (const Location& where : model->facet_locations())
+    values.push_back(
+        sections[sections.size() == 1 ? 0 : static_cast<size_t>(where.triangle)].thickness_at(
+            where.L));
+  return values;
 }
 
 const std::vector<double>& StressData::displacement(size_t load_case) const {
@@ -273,6 +302,8 @@ void analyse_into(StressData& data, Scene scene, const std::filesystem::path& fi
     data.cases.push_back(stress_case(c));
     if (c.stress > data.cases[data.governing].max_von_mises) data.governing = data.cases.size() - 1;
   }
+  scene.file = file;
+  data.scene = std::move(scene);
 }
 
 }  // namespace
@@ -458,6 +489,12 @@ const std::vector<double>& Stress::von_mises(const std::string& load_case) const
   return data_->von_mises(data_->index(load_case));
 }
 
+std::vector<double> Stress::von_mises(const std::string& load_case, const std::string& side) const {
+  return data_->von_mises(data_->index(load_case), side);
+}
+
+std::vector<double> Stress::thickness() const { return data_->thickness(); }
+
 const std::vector<double>& Stress::displacement(const std::string& load_case) const {
   return data_->displacement(data_->index(load_case));
 }
@@ -468,6 +505,33 @@ std::vector<double> Stress::mode_shape(int index) const {
 
 std::vector<double> Stress::buckling_shape(int index, const std::string& load_case) const {
   return data_->mode(data_->buckling_shapes[data_->index(load_case)], index, "buckling");
+}
+
+StressGradients Stress::gradients(double norm_exponent, const std::string& load_case,
+                                  const Progress& progress) const {
+  const ProgressScope scope(progress);
+  const detail::ModelData& model = *data_->model;
+  const StressCase& of = this->load_case(load_case);
+  const bool moves = of.max_displacement > 0;
+  const Vec3 direction = moves ? of.displacement : Vec3(Vec3::UnitZ());
+  const ShellSensitivities sensitivities(*model.shape.layout, model.shape.dofs,
+                                         shell_problem(data_->scene),
+                                         {{of.name, of.displacement_at, direction}}, norm_exponent);
+  const ShellSensitivities::Quantities values = sensitivities.values().front();
+  StressGradients gradients;
+  gradients.max_displacement.value = of.max_displacement;
+  gradients.compliance.value = values.compliance;
+  gradients.von_mises_norm.value = values.von_mises_norm;
+  gradients.mass.value = shell_mass(sensitivities.shell().assembler());
+  for (const ShapeDerivative& change : model.shape_derivatives(progress)) {
+    const std::string& name = change.parameter;
+    const ShellSensitivities::Quantities along = sensitivities.along(change.rate).front();
+    gradients.max_displacement.gradient[name] = moves ? along.displacement : 0;
+    gradients.compliance.gradient[name] = along.compliance;
+    gradients.von_mises_norm.gradient[name] = along.von_mises_norm;
+    gradients.mass.gradient[name] = sensitivities.mass_along(change.rate);
+  }
+  return gradients;
 }
 
 const std::vector<std::string>& Stress::warnings() const { return data_->warnings; }

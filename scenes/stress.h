@@ -10,6 +10,7 @@
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/core/progress.h"
+#include "batten/scenes/gradients.h"
 #include "batten/scenes/model.h"
 
 namespace batten {
@@ -137,6 +138,10 @@ class Stress {
   /// The larger von Mises stress of top and bottom side at each point of model().facets(); computed
   /// at the first call.
   const std::vector<double>& von_mises(const std::string& load_case = "") const;
+  /// The von Mises stress of one side, "top", "middle" or "bottom", at these points. Throws
+  /// InputError for another side.
+  std::vector<double> von_mises(const std::string& load_case, const std::string& side) const;
+  std::vector<double> thickness() const;  ///< of the shell at these points, model units
   /// The displacement (x, y, z of each in turn) at the points of model().facets().
   const std::vector<double>& displacement(const std::string& load_case = "") const;
   /// Mode shapes as displacements (x, y, z of each in turn) at the points of model().facets(). The
@@ -144,6 +149,17 @@ class Stress {
   /// StressCase::buckling_factors. Throws InputError for another index.
   std::vector<double> mode_shape(int index) const;
   std::vector<double> buckling_shape(int index, const std::string& load_case = "") const;
+
+  /// Largest displacement, compliance, a smooth measure of the largest stress, and mass, with their
+  /// derivatives with respect to the parameters of the model, by the adjoint method. All other
+  /// settings, such as the thickness, stay as they are; supports and loads at points follow the
+  /// surface as in a new analysis.
+  ///
+  /// `norm_exponent`: P of the P-norm of the von Mises stress (analysis/models/von_mises_norm.h),
+  /// from 2 to 100. Throws InputError for another one, and the exceptions of stress(). Cost: one
+  /// analysis, Model::gradients(), and two stiffness matrices per parameter.
+  StressGradients gradients(double norm_exponent = 8, const std::string& load_case = "",
+                            const Progress& progress = {}) const;
 
   /// Warnings, and failed checks as sentences with the measured value; empty if there are none.
   const std::vector<std::string>& warnings() const;

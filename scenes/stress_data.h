@@ -32,6 +32,7 @@ struct StressData {
   explicit StressData(std::shared_ptr<const ModelData> of) : model(std::move(of)) {}
 
   std::shared_ptr<const ModelData> model;
+  Scene scene;        ///< the scene of the model with this [stress]
   std::string table;  ///< [stress] with its header; empty: that of the model
   StressReport report;
   std::vector<std::string> warnings, failed_checks;
@@ -46,6 +47,8 @@ struct StressData {
   size_t index(const std::string& load_case) const;
   StressPoint at(const Vec3& p, size_t load_case) const;
   const std::vector<double>& von_mises(size_t load_case) const;
+  std::vector<double> von_mises(size_t load_case, const std::string& side) const;
+  std::vector<double> thickness() const;
   const std::vector<double>& displacement(size_t load_case) const;
   /// One of these mode shapes at the points of the model's facets. `key`: the setting for them.
   std::vector<double> mode(const std::vector<Points>& shapes, int index,
@@ -62,6 +65,9 @@ struct StressData {
   const ShellStresses& made_stresses(size_t load_case) const;
   const Surface& made_moved(size_t load_case) const;
   std::vector<double> made_positions(const Surface& surface) const;
+  /// value(stress) at the points of the model's facets.
+  template <class Value>
+  std::vector<double> made_values(size_t load_case, const Value& value) const;
 
   mutable std::mutex mutex_;
   mutable std::unique_ptr<const ShellAssembler> assembler_;

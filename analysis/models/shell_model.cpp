@@ -131,11 +131,12 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
   return result;
 }
 
-ShellSystem ShellModel::assemble_system(const Points& shape) const {
-  ShellTies ties = shell_ties(layout_, shape, definition_);
-  const ShellAssembler assembler(layout_.surface(shape), sections_);
+ShellSystem ShellModel::assemble_system(const Points& shape,
+                                        const ShellDefinition& definition) const {
+  ShellTies ties = shell_ties(layout_, shape, definition);
+  ShellAssembler assembler(layout_.surface(shape), triangle_sections(layout_, definition));
   SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
-  return {std::move(ties), std::move(K)};
+  return {std::move(ties), std::move(assembler), std::move(K)};
 }
 
 double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,

@@ -42,6 +42,7 @@ struct SupportReaction {
 /// stiffness matrix K, which includes the springs.
 struct ShellSystem {
   ShellTies ties;
+  ShellAssembler assembler;
   SparseMatrix K;
 };
 
@@ -82,16 +83,19 @@ class ShellModel {
   /// constraints, from K q - F = Cᵀ λ (C: coefficients of the constraints), and the forces of the
   /// springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
-  /// Assembles the system for another shape on the same layout: one stiffness matrix, no
-  /// factorization.
-  ShellSystem assemble_system(const Points& shape) const;
+  /// Assembles the system for another shape on the same layout, with other sections and supports:
+  /// one stiffness matrix, no factorization.
+  ShellSystem assemble_system(const Points& shape, const ShellDefinition& definition) const;
+  ShellSystem assemble_system(const Points& shape) const {
+    return assemble_system(shape, definition_);
+  }
   /// First-order change of the goal functional Gᵀu if the system changes to `other` and the load to
   /// `other_F`:
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with the Lagrange multipliers λ of the constraints and their coefficients C. G: the goal as a
-  /// load vector. For a displacement, it is a unit point_force(); for the compliance, it is F, and
+  /// with the Lagrange multipliers λ of the constraints and their coefficients C. `other` must have
+  /// as many constraints as this shell. G: the goal as a load vector. For a displacement, it is a unit point_force(); for the compliance, it is F, and
   /// the result does not include the change of G itself. Cost: a few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                      const ShellSystem& other, const Points& other_F) const;
@@ -110,6 +114,8 @@ class ShellModel {
     return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
   const ConstrainedSolver& solver() const { return solver_; }
+  /// Constraints of ties and supports.
+  const ConstraintSet& constraints() const { return ties_.constraints; }
   /// Unconstrained and weakly constrained motions of the shell. shift(): factor of the mass matrix
   /// that was added to K because of unconstrained motions; 0: none.
   const RigidBodyModes& rigid_body_modes() const { return rigid_body_modes_; }

@@ -2,6 +2,7 @@
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/core/errors.h"
+#include "batten/scenes/fit_surface.h"
 #include "batten/scenes/lines/line_files.h"
 #include "batten/scenes/mesh.h"
 #include "batten/scenes/model.h"
@@ -20,14 +21,6 @@ double number_above_0(const py::object& given, const std::string& what) {
     return value;
   throw InputError(what + ": found " + std::string(py::repr(given)) +
                    ", expected a number above 0");
-}
-
-std::vector<std::string> names_from(const py::iterable& given, const std::string& what) {
-  if (py::isinstance<py::str>(given))
-    throw InputError(what + ": found a single text, expected a list of curve names");
-  std::vector<std::string> names;
-  for (const py::handle name : given) names.push_back(py::str(name));
-  return names;
 }
 
 InputLine line_of(const std::string& name, const py::handle& given) {
@@ -61,6 +54,12 @@ py::array points_of(const Model& model) {
 py::array normals_of(const Model& model) {
   const Facets& facets = facets_of(model);
   return rows_of_model(model, facets.normals.data(), facets.normals.size());
+}
+
+py::array curvatures_of(const Model& model) {
+  const Facets& facets = facets_of(model);
+  return rows_view(model.shared_data(), facets.curvatures.data(),
+                   static_cast<py::ssize_t>(facets.curvatures.size() / 2), 2);
 }
 
 py::array triangles_of(const Model& model) {
@@ -103,9 +102,8 @@ std::string model_repr(const Model& model) {
 }
 
 std::string point_repr(const SurfacePoint& p) {
-  const auto number = [](double x) { return std::string(py::repr(py::float_(x))); };
-  return "<batten.SurfacePoint (" + number(p.position[0]) + ", " + number(p.position[1]) + ", " +
-         number(p.position[2]) + ") of '" + p.face + "'>";
+  return "<batten.SurfacePoint " + format_point(p.position) + " of '" + p.face + "', u " +
+         format_number(p.u) + ", v " + format_number(p.v) + ">";
 }
 
 std::string edge_repr(const ModelEdge& edge) {
@@ -163,7 +161,11 @@ units (defaults: 1e-4 and 1/20 of the size). `corner_angle`: degrees. `smooth`, 
 curves along which faces meet smoothly, or with a crease (G0). `settings`: text of a scene without
 curves and unit, for everything else (docs/scenes.md). `progress(stage, fraction)`: an exception that
 it raises stops the computation. Raises InputError, ConflictError, NoSolutionError.
-Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/theory/domains.md).)");
+Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/theory/domains.md).
+
+    >>> panel = batten.skin(rim, fit_tolerance=0.01, edge_length=10)
+    >>> panel.faces
+    ['surface'])");
   m.def(
       "load",
       [](const py::object& path, const py::object& values, const py::object& progress) {
@@ -175,7 +177,12 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
       R"(The model of a scene file (.toml), or of a curve file.
 
 `values`: parameters {name: value} that replace those of the scene. Raises InputError,
-"FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.)");
+"FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.
+
+    >>> model.save("panel.toml")
+    []
+    >>> batten.load("panel.toml", values={"beta": 2}).parameters["beta"]
+    2.0)");
   m.def(
       "parse",
       [](const std::string& text, const py::object& folder, const py::object& values,
@@ -186,19 +193,93 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
             [&](const Progress& hook) { return parse(text, base, given, hook); });
       },
       "text"_a, py::kw_only(), "folder"_a = ".", "values"_a = py::none(), "progress"_a = py::none(),
-      "The model of a scene given as text; paths in it are relative to `folder`. Raises the "
-      "exceptions of load().");
+      R"(The model of a scene given as text; paths in it are relative to `folder`.
+
+`values`: parameters {name: value}. Raises the exceptions of load().
+
+    >>> bool((batten.parse(model.scene).points == model.points).all())
+    True)");
   m.def(
       "read_curves", &curves_of_file, "path"_a, py::kw_only(), "unit"_a = "",
       "corner_angle"_a = 20.0,
       R"(The curves of a file, {name: points n×3}: tables of points, CAD curves, drawings, sketches.
 
 Points are those of the file; CAD curves are sampled uniformly by arc length between their corners,
-where they turn by more than `corner_angle` degrees. `unit`: length unit of a file that states none.)");
+where they turn by more than `corner_angle` degrees. `unit`: length unit of a file that states none.
+Raises InputError.
+
+    >>> batten.write_curves("rim.csv", rim)
+    []
+    >>> batten.read_curves("rim.csv")["left"].shape[1]
+    3)");
+}
+
+/// The curves of fit_surface(): a dict of arrays or curves, a file name, a list of file names, None.
+void set_curves(FitSettings& settings, const py::object& given) {
+  if (given.is_none()) return;
+  if (py::isinstance<py::dict>(given)) {
+    for (const auto& [key, curve] : given.cast<py::dict>())
+      settings.curves.push_back(line_of(py::str(key), curve));
+    if (settings.curves.empty()) throw InputError("curves: found none, expected one or more");
+    return;
+  }
+  if (!py::isinstance<py::list>(given) && !py::isinstance<py::tuple>(given)) {
+    settings.curve_files.emplace_back(path_from(given));
+    return;
+  }
+  for (const py::handle file : given)
+    settings.curve_files.emplace_back(path_from(py::reinterpret_borrow<py::object>(file)));
+}
+
+Model fitted_model(const py::object& target, const py::object& curves,
+                   const py::object& fit_tolerance, const py::object& edge_length,
+                   const py::object& gap_tolerance, bool cage, const std::string& name,
+                   const std::string& unit, const py::object& progress) {
+  FitSettings settings;
+  settings.name = name;
+  settings.unit = unit;
+  settings.fit_tolerance = number_above_0(fit_tolerance, "fit_tolerance");
+  settings.edge_length = number_above_0(edge_length, "edge_length");
+  settings.gap_tolerance = number_above_0(gap_tolerance, "gap_tolerance");
+  settings.cage = cage;
+  set_curves(settings, curves);
+  if (py::isinstance<Mesh>(target)) {
+    const Mesh mesh = target.cast<Mesh>();
+    return KernelCall(progress)(
+        [&](const Progress& hook) { return fit_surface(mesh, settings, hook); });
+  }
+  const std::string file = path_from(target);
+  return KernelCall(progress)(
+      [&](const Progress& hook) { return fit_surface(file, settings, hook); });
+}
+
+void bind_fitting(py::module_& m) {
+  m.def("fit_surface", &fitted_model, "target"_a, py::kw_only(), "curves"_a = py::none(),
+        "fit_tolerance"_a = py::none(), "edge_length"_a = py::none(),
+        "gap_tolerance"_a = py::none(), "cage"_a = false, "name"_a = "", "unit"_a = "mm",
+        "progress"_a = py::none(),
+        R"(The model fitted to a given surface: same as `batten fit` (docs/fit.md), to the last bit.
+
+`target`: a Mesh, or the name of a CAD or mesh file. `curves`: those that bound the faces, {name:
+points n×3, or a Curve}, or names of curve files; None: the edges of the CAD file, or the creases and
+free edges of the mesh. `fit_tolerance`: largest accepted distance, default 1e-4 of the size.
+`edge_length`, `gap_tolerance`: model units. `cage`: the target is the Catmull-Clark limit of the mesh.
+report["target"] has the distances in both directions. Raises InputError, ConflictError,
+NoSolutionError. Algorithm: fixed-point iteration (docs/fit.md).
+
+    >>> fitted = batten.fit_surface(model.mesh(), curves=rim, fit_tolerance=0.5)
+    >>> fitted.report["target"]["reached"]
+    True)");
 }
 
 void bind_points(py::module_& m) {
-  py::class_<SurfacePoint>(m, "SurfacePoint", "A point of a surface, with its geometry.")
+  py::class_<SurfacePoint>(m, "SurfacePoint",
+                           R"(A point of a surface, with its geometry: Model.nearest(), Model.at().
+
+    >>> p = model.nearest([50, 50, 100])
+    >>> p.position.shape, p.normal.shape, p.face
+    ((3,), (3,), 'panel')
+    >>> mean, gaussian = (p.k1 + p.k2) / 2, p.k1 * p.k2)")
       .def_property_readonly(
           "position", [](const SurfacePoint& p) { return array_of_vector(p.position); },
           "Array of 3, model units.")
@@ -209,13 +290,17 @@ void bind_points(py::module_& m) {
                     "Larger principal curvature, 1/length; positive where the surface bends "
                     "towards the normal.")
       .def_readonly("k2", &SurfacePoint::k2, "Smaller principal curvature, 1/length.")
-      .def_readonly("face", &SurfacePoint::face)
+      .def_readonly("face", &SurfacePoint::face, "Name of the face.")
       .def_readonly("u", &SurfacePoint::u, "Parameter u in the domain of the face.")
       .def_readonly("v", &SurfacePoint::v, "Parameter v in the domain of the face.")
       .def_readonly("distance", &SurfacePoint::distance, "Distance from the query point.")
       .def("__repr__", &point_repr);
-  py::class_<ModelEdge>(m, "Edge", "An edge of a model, at which faces end or meet.")
-      .def_readonly("name", &ModelEdge::name)
+  py::class_<ModelEdge>(m, "Edge",
+                        R"(An edge of a model, at which faces end or meet: Model.edges.
+
+    >>> sorted(edge.name for edge in model.edges if edge.continuity == "free edge")
+    ['back', 'front', 'left', 'right'])")
+      .def_readonly("name", &ModelEdge::name, "Name of the curve that the edge follows.")
       .def_readonly("faces", &ModelEdge::faces, "Names of the faces at the edge.")
       .def_readonly("continuity", &ModelEdge::continuity,
                     "'free edge', 'G0', 'G1' or 'non-manifold'.")
@@ -232,7 +317,11 @@ void bind_evaluation(py::class_<Model>& c) {
          const Vec3 p = vector_from(point, "point");
          return KernelCall()([&](const Progress&) { return model.nearest(p); });
        },
-       "point"_a, "The SurfacePoint nearest to a point in space.")
+       "point"_a,
+       R"(The SurfacePoint nearest to a point in space, an array of 3. Raises InputError.
+
+    >>> model.nearest([50, 50, 100]).distance < 100
+    True)")
       .def(
           "at",
           [](const Model& model, const std::string& face, double u, double v) {
@@ -260,6 +349,16 @@ void bind_evaluation(py::class_<Model>& c) {
           R"(One Mesh of all faces, without cracks when it is deformed: faces share the vertices on a common curve.
 
 It has `sets` of the faces (triangles) and curves (vertices), and `corner_normals`.)")
+      .def(
+          "gradients",
+          [](const Model& model, const py::object& progress) {
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return model.gradients(hook); });
+          },
+          py::kw_only(), "progress"_a = py::none(),
+          R"(Area and volume with their derivatives with respect to the parameters: ModelGradients.
+
+Computes the derivative of the shape at the first call: three solves per parameter.)")
       .def_property_readonly("edges", &Model::edges,
                              "The edges at which faces end or meet, a list of Edge.");
 }
@@ -286,8 +385,15 @@ void bind_models(py::module_& m) {
   py::class_<Model> c(m, "Model",
                       R"(Curves, the surface through them, and what acts on it. Immutable.
 
-Models can be copied and pickled.)");
-  c.def_property_readonly("name", &Model::name)
+Made by skin(), load(), parse() and Session.model(). Models can be copied and pickled.
+
+    >>> model.faces, model.curves
+    (['panel'], ['front', 'right', 'back', 'left'])
+    >>> model.points.shape[1], model.triangles.shape[1]
+    (3, 3)
+    >>> model.area > 100 * 100
+    True)");
+  c.def_property_readonly("name", &Model::name, "Name, which is that of the scene.")
       .def_property_readonly("unit", &Model::unit, "Length unit.")
       .def_property_readonly("faces", &Model::faces, "Names of the faces that have a surface.")
       .def_property_readonly("curves", &Model::curves, "Names of the curves.")
@@ -301,6 +407,16 @@ Models can be copied and pickled.)");
       .def_property_readonly("normals", &normals_of,
                              "Exact unit normals x_u × x_v at the points, n×3 float64. A view.")
       .def_property_readonly(
+          "curvatures", &curvatures_of,
+          R"(Principal curvatures k1 ≥ k2 at the points, n×2 float64, 1/length. A view.
+
+Positive where the surface bends towards the normal. Averaged over the elements around a point, as in
+VTK files; nearest() and at() give the curvatures in one element.
+
+    >>> mean, gaussian = model.curvatures.mean(axis=1), model.curvatures.prod(axis=1)
+    >>> mean.shape == gaussian.shape == (len(model.points),)
+    True)")
+      .def_property_readonly(
           "triangles", &triangles_of,
           "Point indices of the triangles, m×3 int32, counter-clockwise. A view.")
       .def_property_readonly("triangle_faces", &triangle_faces_of,
@@ -311,7 +427,10 @@ Models can be copied and pickled.)");
             return array_of_points(model.curve(name, count));
           },
           "name"_a, "count"_a = 97,
-          "Points along a curve, uniform in its parameter, count×3, model units.")
+          R"(Points along a curve, uniform in its parameter, count×3, model units. Raises InputError.
+
+    >>> model.curve("front", count=3).shape
+    (3, 3))")
       .def_property_readonly("report", &report_of,
                              "All measured values, as in report.json (docs/scenes.md).")
       .def_property_readonly(
@@ -328,8 +447,11 @@ Models can be copied and pickled.)");
                 [&](const Progress& hook) { return model.with_values(given, hook); });
           },
           "values"_a, py::kw_only(), "progress"_a = py::none(),
-          "The shape of the same curves for other parameter values. Raises the exceptions of "
-          "load().")
+          R"(The shape of the same curves for other parameter values {name: value}.
+
+Raises the exceptions of load().
+
+    >>> stiff = model.with_values({"alpha": 5}))")
       .def_property_readonly(
           "scene", &Model::scene,
           "The scene of the model as text (docs/scenes.md), with everything that acts on it; "
@@ -345,7 +467,10 @@ Models can be copied and pickled.)");
           R"(Writes the surface to a file; the extension selects the format. The file is complete or absent.
 
 .step .iges .brep .glb .stl .obj .ply .off .3mf .vtp .vtu .inp, and .toml for the scene. Returns the failed checks, as sentences.
-Raises InputError for another extension, FileError if the file cannot be written.)")
+Raises InputError for another extension, FileError if the file cannot be written.
+
+    >>> model.save("panel.stl")
+    [])")
       .def(
           "picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
           "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
@@ -358,6 +483,7 @@ Raises InputError for another extension, FileError if the file cannot be written
   bind_evaluation(c);
   bind_copies(c);
   bind_making(m);
+  bind_fitting(m);
 }
 
 }  // namespace batten::python

@@ -8,6 +8,7 @@
 
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/toml_values.h"
 #include "batten/core/errors.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/stress_data.h"
@@ -18,59 +19,6 @@ namespace {
 using namespace py::literals;
 
 // Settings as TOML text.
-
-[[noreturn]] void refuse_setting(py::handle given, const std::string& what,
-                                 const std::string& expected) {
-  throw InputError(what + ": found " + std::string(py::repr(given)) + ", expected " + expected);
-}
-
-std::string toml_key(py::handle given, const std::string& what) {
-  if (!py::isinstance<py::str>(given)) refuse_setting(given, what, "a key that is a text");
-  const std::string key = py::str(given);
-  const bool bare = !key.empty() && key.find_first_not_of(
-                                        "abcdefghijklmnopqrstuvwxyz"
-                                        "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                        "0123456789_-") == std::string::npos;
-  return bare ? key : SceneText::toml_value(key);
-}
-
-/// TOML text, on one line, of numbers, texts, lists and dicts of Python and NumPy. `what`: name of
-/// the value in messages.
-std::string toml_from(py::handle given, const std::string& what, int depth = 0) {
-  constexpr int deepest = 16;
-  if (depth > deepest) throw InputError(what + ": found too many nested lists, expected fewer");
-  if (py::isinstance<py::bool_>(given)) return given.ptr() == Py_True ? "true" : "false";
-  if (py::isinstance<py::int_>(given)) {
-    int overflow = 0;
-    const long long value = PyLong_AsLongLongAndOverflow(given.ptr(), &overflow);
-    if (overflow) refuse_setting(given, what, "a number of at most 64 bits");
-    return std::to_string(value);
-  }
-  if (py::isinstance<py::float_>(given)) {
-    const double value = PyFloat_AsDouble(given.ptr());
-    if (!std::isfinite(value)) refuse_setting(given, what, "a finite number");
-    return SceneText::toml_value(value);
-  }
-  if (py::isinstance<py::str>(given)) return SceneText::toml_value(std::string(py::str(given)));
-  if (py::isinstance<py::dict>(given)) {
-    std::string text;
-    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(given)) {
-      const std::string key = toml_key(name, what);
-      text +=
-          (text.empty() ? "" : ", ") + key + " = " + toml_from(value, what + "." + key, depth + 1);
-    }
-    return text.empty() ? "{}" : "{ " + text + " }";
-  }
-  if (py::isinstance<py::list>(given) || py::isinstance<py::tuple>(given)) {
-    std::vector<std::string> texts;
-    for (const py::handle item : py::reinterpret_borrow<py::sequence>(given))
-      texts.push_back(toml_from(item, what + "[" + std::to_string(texts.size()) + "]", depth + 1));
-    return SceneText::list(texts);
-  }
-  if (py::hasattr(given, "dtype") && py::hasattr(given, "tolist"))
-    return toml_from(given.attr("tolist")(), what, depth + 1);
-  refuse_setting(given, what, "a number, a text, a list or a dict");
-}
 
 /// The entries of `supports` or `loads`: one, or a list of them. `names`: the name of a curve is an
 /// entry.
@@ -182,6 +130,12 @@ py::array von_mises_field(const Stress& stress, const std::string& load_case) {
                     {sizeof(double)});
 }
 
+py::array von_mises_of(const Stress& stress, const std::string& load_case,
+                       const std::string& side) {
+  if (side.empty()) return von_mises_field(stress, load_case);
+  return array_of(KernelCall()([&](const Progress&) { return stress.von_mises(load_case, side); }));
+}
+
 py::array displacement_field(const Stress& stress, const std::string& load_case) {
   const std::vector<double>& field =
       *KernelCall()([&](const Progress&) { return &stress.displacement(load_case); });
@@ -209,9 +163,22 @@ std::string case_repr(const StressCase& c) {
          " on '" + c.displacement_face + "'>";
 }
 
+std::string stress_point_repr(const StressPoint& p) {
+  return "<batten.StressPoint " + format_point(p.position) + " of '" + p.face + "': von Mises " +
+         format_number(p.von_mises_top) + " at the top, " + format_number(p.von_mises_middle) +
+         " in the middle, " + format_number(p.von_mises_bottom) + " at the bottom>";
+}
+
 void bind_case(py::module_& m) {
-  py::class_<StressCase> c(m, "StressCase",
-                           "Results of a load case, or of a combination, named as in report.json.");
+  py::class_<StressCase> c(
+      m, "StressCase",
+      R"(Results of a load case, or of a combination, named as in report.json: Stress.load_case().
+
+    >>> case = stress.load_case("loads")
+    >>> case.max_von_mises == stress.max_von_mises
+    True
+    >>> sorted(case.reactions)
+    ['clamped back', 'clamped front'])");
   const auto vector = [&](const char* name, Vec3 StressCase::*member, const char* words) {
     c.def_property_readonly(
         name, [member](const StressCase& of) { return stress_vector(of.*member); }, words);
@@ -223,15 +190,16 @@ void bind_case(py::module_& m) {
          "Point of the largest displacement, array of 3.");
   vector("stress_at", &StressCase::stress_at,
          "Point of the middle surface with the largest stress, array of 3.");
-  c.def_readonly("name", &StressCase::name)
+  c.def_readonly("name", &StressCase::name, "Name of the load case.")
       .def_readonly("combination", &StressCase::combination, "Whether it combines load cases.")
       .def_readonly("max_displacement", &StressCase::max_displacement,
                     "Largest displacement, model units.")
       .def_readonly("max_displacement_error", &StressCase::max_displacement_error,
                     "Estimated error of max_displacement.")
-      .def_readonly("displacement_face", &StressCase::displacement_face)
+      .def_readonly("displacement_face", &StressCase::displacement_face,
+                    "Face with the largest displacement.")
       .def_readonly("max_von_mises", &StressCase::max_von_mises, "Largest von Mises stress.")
-      .def_readonly("stress_face", &StressCase::stress_face)
+      .def_readonly("stress_face", &StressCase::stress_face, "Face with the largest stress.")
       .def_readonly("stress_side", &StressCase::stress_side,
                     "'top', to which the normal points, or 'bottom'.")
       .def_readonly("stress_spread", &StressCase::stress_spread,
@@ -241,10 +209,11 @@ void bind_case(py::module_& m) {
                     "Whether the largest stress is next to a point load or point support.")
       .def_readonly("safety_factor", &StressCase::safety_factor,
                     "yield_stress / max_von_mises; 0: no yield stress.")
-      .def_readonly("strain_energy", &StressCase::strain_energy)
+      .def_readonly("strain_energy", &StressCase::strain_energy, "Strain energy, force · length.")
       .def_readonly("error_estimate", &StressCase::error_estimate,
                     "Estimated relative error in the energy norm.")
-      .def_readonly("equilibrium_residual", &StressCase::equilibrium_residual)
+      .def_readonly("equilibrium_residual", &StressCase::equilibrium_residual,
+                    "|loads + reactions|, relative to the loads.")
       .def_property_readonly(
           "buckling_factors", [](const StressCase& of) { return array_of(of.buckling_factors); },
           "Load factors at which the shell buckles, ascending, array.")
@@ -255,7 +224,12 @@ void bind_case(py::module_& m) {
 }
 
 void bind_stress_point(py::module_& m) {
-  py::class_<StressPoint> c(m, "StressPoint", "Stresses and displacement at a point of a shell.");
+  py::class_<StressPoint> c(m, "StressPoint",
+                            R"(Stresses and displacement at a point of a shell: Stress.at().
+
+    >>> p = stress.at([50, 50, 20])
+    >>> p.displacement.shape, p.moments.shape
+    ((3,), (3, 3)))");
   c.def_property_readonly(
        "position", [](const StressPoint& p) { return stress_vector(p.position); },
        "Point of the middle surface, array of 3, model units.")
@@ -265,17 +239,21 @@ void bind_stress_point(py::module_& m) {
       .def_property_readonly(
           "displacement", [](const StressPoint& p) { return stress_vector(p.displacement); },
           "Array of 3, model units.")
-      .def_readonly("face", &StressPoint::face)
+      .def_readonly("face", &StressPoint::face, "Name of the face.")
       .def_readonly("distance", &StressPoint::distance, "Distance from the query point.")
-      .def_readonly("von_mises_top", &StressPoint::von_mises_top)
-      .def_readonly("von_mises_middle", &StressPoint::von_mises_middle)
-      .def_readonly("von_mises_bottom", &StressPoint::von_mises_bottom)
+      .def_readonly("von_mises_top", &StressPoint::von_mises_top,
+                    "Von Mises stress on the side to which the normal points.")
+      .def_readonly("von_mises_middle", &StressPoint::von_mises_middle,
+                    "Von Mises stress of the middle surface.")
+      .def_readonly("von_mises_bottom", &StressPoint::von_mises_bottom,
+                    "Von Mises stress on the other side.")
       .def_property_readonly(
           "forces", [](const StressPoint& p) { return stress_tensor(p.forces); },
           "Membrane forces per length, symmetric 3×3 in space coordinates.")
       .def_property_readonly(
           "moments", [](const StressPoint& p) { return stress_tensor(p.moments); },
-          "Bending moments per length, symmetric 3×3; positive: tension at the top.");
+          "Bending moments per length, symmetric 3×3; positive: tension at the top.")
+      .def("__repr__", &stress_point_repr);
 }
 
 void bind_fields(py::class_<Stress>& c) {
@@ -288,8 +266,19 @@ void bind_fields(py::class_<Stress>& c) {
        "point"_a, py::kw_only(), "case"_a = "",
        "The StressPoint of the surface nearest to a point in space. `case`: name of a load case; "
        "default: the governing one.")
-      .def("von_mises", &von_mises_field, py::kw_only(), "case"_a = "",
-           "Larger von Mises stress of top and bottom at each of model.points, n float64. A view.")
+      .def("von_mises", &von_mises_of, py::kw_only(), "case"_a = "", "side"_a = "",
+           R"(Von Mises stress at each of model.points, n float64: the larger one of top and bottom.
+
+`side`: "top", "middle" or "bottom" for that of one side. Raises InputError.
+
+    >>> stress.von_mises(side="middle").max() <= stress.von_mises().max()
+    True)")
+      .def_property_readonly(
+          "thickness",
+          [](const Stress& stress) {
+            return array_of(KernelCall()([&](const Progress&) { return stress.thickness(); }));
+          },
+          "Thickness of the shell at each of model.points, n float64, model units.")
       .def("displacement", &displacement_field, py::kw_only(), "case"_a = "",
            "Displacement at each of model.points, n×3 float64, model units. A view.")
       .def(
@@ -321,7 +310,14 @@ void bind_stress(py::module_& m) {
                        R"(Stresses and displacements of a model as a thin shell. Immutable.
 
 The unit of stresses follows from that of Young's modulus. Functions of a load case take its name;
-the default is the governing one, with the largest von Mises stress.)");
+the default is the governing one, with the largest von Mises stress.
+
+    >>> stress.failed_checks
+    []
+    >>> stress.von_mises().shape == (len(stress.model.points),)
+    True
+    >>> stress.displacement().shape == stress.model.points.shape
+    True)");
   c.def_property_readonly("max_von_mises", &Stress::max_von_mises,
                           "Largest von Mises stress over all load cases.")
       .def_property_readonly("max_displacement", &Stress::max_displacement,
@@ -333,6 +329,21 @@ the default is the governing one, with the largest von Mises stress.)");
       .def_property_readonly(
           "frequencies", [](const Stress& stress) { return array_of(stress.frequencies()); },
           "Natural frequencies, ascending, 1/time, array; empty unless `modes` is given.")
+      .def(
+          "gradients",
+          [](const Stress& stress, double exponent, const std::string& load_case,
+             const py::object& progress) {
+            return KernelCall(progress)([&](const Progress& hook) {
+              return stress.gradients(exponent, load_case, hook);
+            });
+          },
+          py::kw_only(), "norm_exponent"_a = 8.0, "case"_a = "", "progress"_a = py::none(),
+          R"(Largest displacement, compliance, P-norm of the von Mises stress and mass, with their
+derivatives with respect to the parameters of the model: StressGradients.
+
+`norm_exponent`: P of the norm (1/(2A) ∬ (σ_top^P + σ_bottom^P) dA)^(1/P), from 2 to 100.
+`case`: name of a load case; default: the governing one. Adjoint method; costs one analysis, the
+derivatives of the shape, and two stiffness matrices per parameter. Raises InputError.)")
       .def_property_readonly("warnings", &Stress::warnings, "Warnings, as sentences.")
       .def_property_readonly("failed_checks", &Stress::failed_checks,
                              "The failed checks, as sentences with the amount.")

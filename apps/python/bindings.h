@@ -13,9 +13,11 @@ namespace py = pybind11;
 /// others throw these exceptions.
 void bind_errors(py::module_& module);
 void bind_curves(py::module_& module);
+void bind_gradients(py::module_& module);
 void bind_models(py::module_& module);
 void bind_sessions(py::module_& module);
 void bind_meshes(py::module_& module);
+void bind_constraints(py::module_& module);  // of deformers; called by bind_deformers()
 void bind_deformers(py::module_& module);
 void bind_edits(py::module_& module);
 void bind_sequences(py::module_& module);
@@ -27,7 +29,7 @@ py::object run_stress_file(const py::object& path, const py::object& out, const 
                            double accuracy, const py::object& progress);
 
 /// Gives all functions and methods of a module or class the signature that inspect.signature() reads
-/// (__text_signature__). Call it last.
+/// (__text_signature__), and messages that name unknown keyword arguments. Call it last.
 void give_signatures(py::handle scope);
 
 }  // namespace batten::python

@@ -32,6 +32,7 @@ PYBIND11_MODULE(_batten, m) {
   enable_sandboxed_read(true);
   bind_errors(m);
   bind_curves(m);
+  bind_gradients(m);
   bind_models(m);
   bind_sessions(m);
   bind_meshes(m);
@@ -42,7 +43,9 @@ PYBIND11_MODULE(_batten, m) {
   bind_runs(m);
   m.def("_find_modules", &find_plugins, py::arg("package"));
   m.def("set_threads", &set_threads, py::arg("count"),
-        "Sets the number of threads of the kernel; 0: all cores. Results do not depend on it.");
+        R"(Sets the number of threads of the kernel; 0: all cores. Results do not depend on it.
+
+    >>> batten.set_threads(0))");
   give_signatures(m);
 }
 

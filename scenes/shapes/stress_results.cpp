@@ -9,6 +9,7 @@
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/analysis/models/shell_sensitivities.h"
 #include "batten/core/errors.h"
+#include "batten/scenes/shapes/shape_derivatives.h"
 #include "batten/scenes/shapes/stress_setup.h"
 
 namespace batten {
@@ -133,27 +134,6 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
   return report;
 }
 
-namespace {
-
-double step_of(const Parameter& p) {
-  constexpr double fraction = 1e-3;
-  const double range = p.max - p.min;
-  return fraction * (std::isfinite(range) && range > 0 ? range : std::max(std::abs(p.value), 1.0));
-}
-
-// The scene with a changed parameter; empty if the value is not permitted.
-std::optional<Scene> moved(const Scene& scene, const Parameter& p, double by) {
-  try {
-    Scene other = scene;
-    other.set(p.name, p.value + by, "");
-    return other;
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
-}  // namespace
-
 std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport& report,
                                                              const Scene& scene,
                                                              const BuiltModel& made,
@@ -166,23 +146,12 @@ std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport&
       goals.push_back({c.name, c.max_displacement_at, c.displacement_vector});
   const ShellSensitivities sensitivities(*shape.layout, shape.dofs, shell_problem(scene), goals);
   std::vector<StressReport::Sensitivity> found;
-  std::set<std::string> of_lines;
-  for_each_fair_parameter(scene.fairing,
-                          [&](const std::string& name, double) { of_lines.insert(name); });
-  for (const Parameter& p : scene.parameters()) {
-    if (of_lines.count(p.name)) continue;
-    progress.update("sensitivity to " + p.name, 0);
-    const auto shape_with = [&](double change) -> std::optional<Points> {
-      const auto other = change == 0 ? std::optional(scene) : moved(scene, p, change);
-      if (!other) return std::nullopt;
-      return solve_shape(*shape.layout, *other, made, {{}, progress.cancelled}).dofs;
-    };
-    const auto rate = shape_derivative(shape_with, step_of(p));
-    if (!rate || !(rate->cwiseAbs().maxCoeff() > 0)) continue;
-    const auto derivatives = sensitivities.along(*rate);
+  for (const ShapeDerivative& of : shape_derivatives(scene, made, shape, progress)) {
+    if (!(of.rate.cwiseAbs().maxCoeff() > 0)) continue;
+    const auto derivatives = sensitivities.along(of.rate);
     for (size_t g = 0; g < goals.size(); ++g)
-      found.push_back(
-          {p.name, goals[g].load_case, derivatives[g].displacement, derivatives[g].compliance});
+      found.push_back({of.parameter, goals[g].load_case, derivatives[g].displacement,
+                       derivatives[g].compliance});
   }
   return found;
 }

@@ -45,8 +45,8 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
 /// of `report`. They are those of the largest displacement (at its location, in its direction) and
 /// of the compliance (work of the loads).
 ///
-/// Cost: ShellSensitivities; per parameter two shapes. Parameters of [[fair]], driven parameters,
-/// and those at a bound in both directions are skipped.
+/// Parameters that do not change the shape are skipped. Cost: that of ShellSensitivities and of
+/// shape_derivatives().
 std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport& report,
                                                              const Scene& scene,
                                                              const BuiltModel& made,

@@ -14,7 +14,6 @@
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
 #include "batten/core/progress.h"
-#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/surfaces/layout_candidate.h"
@@ -616,15 +615,6 @@ FairingResult fair_model(const SurfaceModel& model, std::shared_ptr<const ModelL
 
 namespace {
 
-double enclosed(const SkinnedRegion& region, const Vec3& origin) {
-  const Surface& s = region.surface;
-  VecX ones = VecX::Zero(s.dof_map().count());
-  for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
-  const Points about = s.dofs() - ones * origin.transpose();
-  const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
-  return about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
-}
-
 void take_quality(ModelJoin& join, const JoinQuality& quality) {
   join.max_deg = quality.max_deg;
   join.max_inside_deg = quality.max_inside_deg;
@@ -690,7 +680,7 @@ void measure_shell(const SurfaceModel& model, ModelShell& shell) {
   if (!shell.closed) return;
   std::vector<double> under(shell.regions.size());
   parallel_for(isize(under), [&](int k) {
-    under[k] = enclosed(*model.regions[shell.regions[k]].skinned, model.layout->origin());
+    under[k] = cone_volume(*model.regions[shell.regions[k]].skinned, model.layout->origin());
   });
   for (const double volume : under) shell.volume += volume;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/core/containers.h"
+#include "batten/fem/surface_assembler.h"
 #include "batten/skinning/network/curve_network.h"
 
 namespace batten {
@@ -16,6 +17,15 @@ std::vector<const SkinnedRegion*> SurfaceModel::skinned() const {
   for (const ModelRegion& region : regions)
     if (region.skinned) all.push_back(&*region.skinned);
   return all;
+}
+
+double cone_volume(const SkinnedRegion& face, const Vec3& apex) {
+  const Surface& s = face.surface;
+  VecX ones = VecX::Zero(s.dof_map().count());
+  for (int v = 0; v < s.mesh().vertex_count(); ++v) ones[s.dof_map().vertex(v)] = 1;
+  const Points about = s.dofs() - ones * apex.transpose();
+  const SurfaceAssembler assembler(s.mesh(), s.kind(), s.trim());
+  return about.cwiseProduct(assembler.pressure_load(about)).sum() / 3;
 }
 
 namespace {

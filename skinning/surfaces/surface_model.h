@@ -135,6 +135,10 @@ struct ModelShell {
   NormalSide normals;      ///< direction of the normals; valid only if `orientable`
 };
 
+/// Signed volume between a point and a face, ⅓ ∬ (x - apex)·(x_u × x_v) du dv. The sum over the
+/// faces of a closed shell is its volume, for any apex; one close to the shell reduces rounding.
+double cone_volume(const SkinnedRegion& face, const Vec3& apex);
+
 /// The surface model of a curve network: faces in one shape, their joins, and their quality.
 struct SurfaceModel {
   /// Layout of the skinned faces; null if no face is skinned.
