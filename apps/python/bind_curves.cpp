@@ -113,12 +113,33 @@ py::list save_curves(const py::object& path, const py::dict& given, const std::s
   return py::cast(left_out);
 }
 
+std::string curve_repr(const HermiteCurve& curve) {
+  return "<batten.Curve: cubics " + std::to_string(curve.parameters().size() - 1) + ", length " +
+         format_number(curve.length()) + (curve.closed() ? ", closed>" : ">");
+}
+
+std::string fair_curve_repr(const FairCurve& fair) {
+  return "<batten.FairCurve: wavelength " + format_number(fair.wavelength) + ", deviation " +
+         format_number(fair.deviation.max) + ", outliers " + std::to_string(fair.outliers.size()) +
+         ">";
+}
+
 void bind_curve_class(py::module_& m) {
-  py::class_<HermiteCurve>(m, "Curve", "A C1 piecewise cubic curve with parameter u. Immutable.")
+  py::class_<HermiteCurve>(m, "Curve",
+                           R"(A C1 piecewise cubic curve with parameter u. Immutable.
+
+Made by fit() and fair(). Lengths are in the unit of the points.
+
+    >>> curve = batten.fit([[0, 0, 0], [1, 1, 0], [2, 0, 0]], tolerance=1e-3)
+    >>> curve.evaluate([curve.start, curve.end]).tolist()
+    [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
+    >>> u = np.linspace(curve.start, curve.end, 50)
+    >>> curve.curvature(u).shape
+    (50,))")
       .def_property_readonly("start", &HermiteCurve::start, "First parameter.")
       .def_property_readonly("end", &HermiteCurve::end, "Last parameter.")
-      .def_property_readonly("closed", &HermiteCurve::closed)
-      .def_property_readonly("length", &HermiteCurve::length, "Model units.")
+      .def_property_readonly("closed", &HermiteCurve::closed, "Whether the curve is closed.")
+      .def_property_readonly("length", &HermiteCurve::length, "Arc length, model units.")
       .def_property_readonly(
           "parameters",
           [](const HermiteCurve& curve) {
@@ -146,14 +167,20 @@ void bind_curve_class(py::module_& m) {
           "fairness", &fairness_of,
           R"(Fairness measures: length, bending ∫κ²ds (1/length), variation ∫(dκ/ds)²ds (1/length³),
 largest_curvature, largest_jump (curvature jump, 1/length), and the numbers of curvature extrema and
-inflections.)");
+inflections.)")
+      .def("__repr__", &curve_repr);
 }
 
 }  // namespace
 
 void bind_curves(py::module_& m) {
   bind_curve_class(m);
-  py::class_<FairCurve>(m, "FairCurve", "A fair curve and its statistics.")
+  py::class_<FairCurve>(m, "FairCurve", R"(A fair curve and its statistics: fair().
+
+    >>> x = np.linspace(0, 10, 60)
+    >>> fair = batten.fair(np.c_[x, np.sin(x), 0 * x], deviation=0.01)
+    >>> fair.curve.fairness()["inflections"], fair.outliers.tolist()
+    (3, []))")
       .def_readonly("curve", &FairCurve::curve, "The Curve.")
       .def_property_readonly(
           "points",
@@ -177,7 +204,8 @@ void bind_curves(py::module_& m) {
                     "Wavelength whose amplitude is halved, model units; 0: no smoothing.")
       .def_readonly("noise", &FairCurve::noise,
                     "Estimated noise perpendicular to the curve, model units.")
-      .def_readonly("converged", &FairCurve::converged, "Whether the parameters converged.");
+      .def_readonly("converged", &FairCurve::converged, "Whether the parameters converged.")
+      .def("__repr__", &fair_curve_repr);
   m.def("fair", &fair, "points"_a, py::kw_only(), "noise"_a = py::none(),
         "deviation"_a = py::none(), "wavelength"_a = py::none(), "closed"_a = py::none(),
         "corners"_a = py::none(), "corner_angle"_a = 50.0, "fix_ends"_a = false,
@@ -188,19 +216,33 @@ The amount of smoothing is determined by cross-validation, or by one of `noise` 
 `deviation` (maximum distance) and `wavelength`, model units. `corners`: indices of points, or None:
 those where the polyline turns by more than `corner_angle` degrees. `fix_ends`: interpolate the end
 points. Raises InputError, NoSolutionError.
-Reference: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).)");
+Reference: min Σ|X(u_i) - p_i|² + ρ∫(1-b)(ra)⁶|X_uuu|² + b(ra)⁴|X_uu|² du (docs/theory/curves.md).
+
+    >>> x = np.linspace(0, 10, 60)
+    >>> wavy = np.c_[x, np.sin(x) + 0.01 * np.sin(40 * x), 0 * x]
+    >>> smooth = batten.fair(wavy, wavelength=2)
+    >>> smooth.deviation < 0.05
+    True)");
   m.def(
       "write_curves", &save_curves, "path"_a, "curves"_a, py::kw_only(), "unit"_a = "mm",
       R"(Writes {name: points n×3, Curve or FairCurve}; the extension selects the format: .csv .obj .curves .vtp .dxf .svg .step .iges.
 
 Points are interpolated by a curve that is C2 between corners. Returns sentences about curves that
-were not written. Raises InputError, FileError.)");
+were not written. Raises InputError, FileError.
+
+    >>> batten.write_curves("rim.dxf", rim)
+    [])");
   m.def(
       "fit", &fitted, "points"_a, "tolerance"_a, py::kw_only(), "closed"_a = py::none(),
       "corners"_a = py::none(), "corner_angle"_a = 50.0, "name"_a = "curve",
       R"(Approximates points n×3 in their order by a Curve of few cubics within `tolerance` (model units).
 
-Raises InputError. Reference: least squares with parameters of the nearest points (docs/theory/curves.md).)");
+Raises InputError. Reference: least squares with parameters of the nearest points (docs/theory/curves.md).
+
+    >>> angle = np.linspace(0, np.pi, 200)
+    >>> arc = batten.fit(np.c_[np.cos(angle), np.sin(angle), 0 * angle], tolerance=1e-3)
+    >>> abs(arc.length - np.pi) < 1e-3
+    True)");
 }
 
 }  // namespace batten::python

@@ -79,25 +79,47 @@ py::object run_stress_file(const py::object& path, const py::object& out, const 
 }
 
 void bind_runs(py::module_& m) {
-  m.def("run", &run_scene_file, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
-        "progress"_a = py::none(),
-        "Same as `batten run`: writes all outputs of a scene into a folder. Returns the report. "
-        "Raises the exceptions of load().");
+  m.def(
+      "run", &run_scene_file, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+      "progress"_a = py::none(),
+      R"(Same as `batten run`: writes all outputs of a scene into a folder. Returns the report, a dict.
+
+`values`: parameters {name: value}. Raises the exceptions of load(), FileError.
+
+    >>> report = batten.run("examples/05-door/scene.toml", "out/door", values={"swell": 250})
+    >>> "door.step" in report["files"]
+    True)");
   m.def(
       "deform", &run_mesh, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
       "progress"_a = py::none(),
-      "Same as `batten deform`: applies the edits of a deform scene and writes its outputs into a "
-      "folder. Returns the report.");
-  m.def("sequence", &run_frames, "path"_a, "out"_a, py::kw_only(), "progress"_a = py::none(),
-        "Same as `batten sequence`: applies the operations of a sequence scene and writes its "
-        "outputs into a folder. Returns the report.");
+      R"(Same as `batten deform`: applies the edits of a deform scene and writes its outputs into a folder.
+
+`values`: parameters {name: value}. Returns the report, a dict. Raises InputError, ConflictError,
+NoSolutionError, FileError.
+
+    >>> report = batten.deform("examples/11-panel/edit.toml", "out/panel")
+    >>> "panel-longer.bdf" in report["files"]
+    True)");
+  m.def(
+      "sequence", &run_frames, "path"_a, "out"_a, py::kw_only(), "progress"_a = py::none(),
+      R"(Same as `batten sequence`: applies the operations of a sequence scene to an animated mesh.
+
+Writes its outputs into a folder. Returns the report, a dict. Raises InputError, NoSolutionError,
+FileError.
+
+    >>> report = batten.sequence("examples/29-forming/forming.toml", "out/forming")
+    >>> len(report["files"]) > 0
+    True)");
   m.def(
       "convert", &run_conversion, "source"_a, "target"_a, py::kw_only(), "chord"_a = 0.0,
       "unit"_a = "", "from_unit"_a = "", "progress"_a = py::none(),
       R"(Same as `batten convert`: converts CAD files, meshes and curves; extensions select the formats.
 
 `chord`: maximum distance of triangles from CAD faces, in the target's unit; 0: 1e-3 of the size.
-Returns the failed checks, as sentences.)");
+Returns the failed checks, as sentences. Raises InputError, FileError.
+
+    >>> batten.convert("examples/30-refit/scan.obj", "scan.stl")
+    [])");
 }
 
 }  // namespace batten::python

@@ -87,7 +87,7 @@ void add_offset(SessionObject& of, const std::string& name, const std::string& c
 
 void drive(SessionObject& of, const std::string& parameter, const py::dict& follows,
            double offset) {
-  const auto terms = values_from(follows);
+  const auto terms = values_from(follows, "follows");
   call_session(of, [&](Session& session) {
     session.drive(parameter, {terms.begin(), terms.end()}, offset);
   });
@@ -116,7 +116,73 @@ py::dict session_stress(SessionObject& of) {
                   "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
 }
 
+std::map<std::string, double> parameters_of(SessionObject& of) {
+  return call_session(of, [](Session& session) { return session.parameters(); });
+}
+
+/// Names of the parameters, in the order of `parameters`.
+py::list keys_of(SessionObject& of) {
+  py::list keys;
+  for (const auto& [name, value] : parameters_of(of)) keys.append(name);
+  return keys;
+}
+
+std::string session_repr(SessionObject& of) {
+  std::string values;
+  for (const auto& [name, value] : parameters_of(of))
+    values += (values.empty() ? ": " : ", ") + name + " = " + format_number(value);
+  return "<batten.Session of '" + of.session.contents().base->scene.name + "'" + values + ">";
+}
+
+std::string report_repr(const SolveReport& report) {
+  return std::string("<batten.SolveReport: ") + (report.converged ? "" : "not ") +
+         "converged, iterations " + std::to_string(report.iterations) + ", change " +
+         format_number(report.change) + ">";
+}
+
 using SessionClass = py::class_<SessionObject>;
+
+/// What a dict has: `in`, iteration, len() and the keys that IPython completes.
+void bind_session_mapping(SessionClass& c) {
+  c.def(
+       "__setitem__",
+       [](SessionObject& of, const std::string& name, double value) {
+         call_session(of, [&](Session& session) { session.set(name, value); });
+       },
+       "name"_a, "value"_a)
+      .def(
+          "__getitem__",
+          [](SessionObject& of, const std::string& name) {
+            return call_session(of, [&](Session& session) { return session.value(name); });
+          },
+          "name"_a)
+      .def(
+          "__contains__",
+          [](SessionObject& of, const py::object& name) { return keys_of(of).contains(name); },
+          "name"_a)
+      .def("__iter__", [](SessionObject& of) { return py::iter(keys_of(of)); })
+      .def("__len__", [](SessionObject& of) { return parameters_of(of).size(); })
+      .def("keys", &keys_of, "Names of the parameters, a list: dict(session) has their values.")
+      .def(
+          "values",
+          [](SessionObject& of) {
+            py::list values;
+            for (const auto& [name, value] : parameters_of(of)) values.append(value);
+            return values;
+          },
+          "Values of the parameters, a list.")
+      .def(
+          "items",
+          [](SessionObject& of) {
+            py::list items;
+            for (const auto& item : parameters_of(of))
+              items.append(py::make_tuple(item.first, item.second));
+            return items;
+          },
+          "Names and values of the parameters, a list of pairs.")
+      .def("_ipython_key_completions_", &keys_of)
+      .def("__repr__", &session_repr);
+}
 
 void bind_session_solves(SessionClass& c) {
   c.def(
@@ -127,18 +193,6 @@ void bind_session_solves(SessionClass& c) {
        "name"_a, "value"_a,
        "Sets a parameter; it takes effect in the next update() or solve(). Raises InputError if "
        "it is unknown, out of range, not finite, or driven by others.")
-      .def(
-          "__setitem__",
-          [](SessionObject& of, const std::string& name, double value) {
-            call_session(of, [&](Session& session) { session.set(name, value); });
-          },
-          "name"_a, "value"_a)
-      .def(
-          "__getitem__",
-          [](SessionObject& of, const std::string& name) {
-            return call_session(of, [&](Session& session) { return session.value(name); });
-          },
-          "name"_a)
       .def(
           "update",
           [](SessionObject& of, int max_iterations, double tolerance) {
@@ -179,15 +233,20 @@ void bind_session_edits(SessionClass& c) {
   c.def(
        "add_pressure",
        [](SessionObject& of, const std::string& name, double value, double low, double high,
-          const std::vector<std::string>& faces) {
+          const py::iterable& faces) {
+         const std::vector<std::string> on = names_from(faces, "faces");
          call_session(of, [&](Session& session) {
-           session.add_pressure(name, {value, low, high}, faces);
+           session.add_pressure(name, {value, low, high}, on);
          });
        },
        "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
-       "faces"_a = std::vector<std::string>(),
-       "Adds a pressure along the normal, F = p ∬ N (x_u × x_v) du dv, on the named faces (empty: "
-       "all); its value is the parameter of this name.")
+       "faces"_a = py::tuple(),
+       R"(Adds a pressure along the normal, F = p ∬ N (x_u × x_v) du dv, on the named faces (empty: all).
+
+Its value is the parameter of this name, from `min` to `max`. Raises InputError.
+
+    >>> session.add_pressure("bulge", max=50, faces=["panel"])
+    >>> session["bulge"] = 10)")
       .def(
           "add_force",
           [](SessionObject& of, const std::string& name, const py::object& at,
@@ -199,12 +258,20 @@ void bind_session_edits(SessionClass& c) {
           },
           "name"_a, py::kw_only(), "at"_a, "direction"_a, "value"_a = 0.0, "min"_a = -inf,
           "max"_a = inf,
-          "Adds the force `value` along `direction` at the surface point nearest to `at`.")
+          R"(Adds the force `value` along `direction` at the surface point nearest to `at`.
+
+`at`, `direction`: arrays of 3. Its value is the parameter of this name. Raises InputError.
+
+    >>> session.add_force("push", at=[50, 50, 0], direction=[0, 0, 1], value=2))")
       .def("add_point_constraint", &add_point_constraint, "name"_a, py::kw_only(), "at"_a,
            "target"_a = py::none(),
-           "Constrains the surface point nearest to `at` to the position `target` (None: `at`), "
-           "with the parameters name.x, name.y and name.z. Raises ConflictError if other "
-           "constraints contradict.")
+           R"(Constrains the surface point nearest to `at` to the position `target` (None: `at`).
+
+`at`, `target`: arrays of 3, model units. Its parameters are name.x, name.y and name.z. Raises
+InputError, and ConflictError if other constraints contradict.
+
+    >>> session.add_point_constraint("peak", at=[50, 50, 20])
+    >>> session["peak.z"] = 25)")
       .def(
           "add_normal_constraint",
           [](SessionObject& of, const std::string& name, const py::object& at,
@@ -214,14 +281,19 @@ void bind_session_edits(SessionClass& c) {
                 of, [&](Session& session) { session.add_normal_constraint(name, point, along); });
           },
           "name"_a, py::kw_only(), "at"_a, "normal"_a,
-          "Constrains the surface normal at the point nearest to `at` to the direction `normal`. "
-          "Raises ConflictError.")
-      .def("add_offset", &add_offset, "name"_a, "curve"_a, py::kw_only(),
-           "direction"_a = py::none(), "fade"_a = 0.0, "value"_a = 0.0, "min"_a = -inf,
-           "max"_a = inf,
-           "Adds a parameter that offsets a curve by value · direction (None: along the normal), "
-           "model units. `fade`: fraction of its length at either end over which the offset grows "
-           "from zero.")
+          R"(Constrains the surface normal at the point nearest to `at` to the direction `normal`.
+
+`at`, `normal`: arrays of 3. Raises InputError, ConflictError.
+
+    >>> session.add_normal_constraint("level", at=[50, 50, 20], normal=[0, 0, 1]))")
+      .def(
+          "add_offset", &add_offset, "name"_a, "curve"_a, py::kw_only(), "direction"_a = py::none(),
+          "fade"_a = 0.0, "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
+          R"(Adds a parameter that offsets a curve by value · direction (None: along the normal), model units.
+
+`fade`: fraction of its length at either end over which the offset grows from zero. Raises InputError.
+
+    >>> session.add_offset("lift", "front", direction=[0, 0, 1], fade=0.3, value=5))")
       .def(
           "add_parameter",
           [](SessionObject& of, const std::string& name, double value, double low, double high) {
@@ -230,15 +302,23 @@ void bind_session_edits(SessionClass& c) {
             });
           },
           "name"_a, py::kw_only(), "value"_a = 0.0, "min"_a = -inf, "max"_a = inf,
-          "Adds a parameter that can drive others: drive().")
+          "Adds a parameter that can drive others: drive(). Raises InputError.")
       .def("drive", &drive, "parameter"_a, "follows"_a, py::kw_only(), "offset"_a = 0.0,
-           "Drives a parameter by others: offset + Σ factor · value, with {name: factor}.")
+           R"(Drives a parameter by others: offset + Σ factor · value, with {name: factor}.
+
+Raises InputError for unknown names and circular rules.
+
+    >>> session.add_parameter("style", min=0, max=1)
+    >>> session.drive("swell", {"style": 40})
+    >>> session["style"] = 0.5
+    >>> session["swell"]
+    20.0)")
       .def(
           "remove",
           [](SessionObject& of, const std::string& name) {
             call_session(of, [&](Session& session) { session.remove(name); });
           },
-          "name"_a, "Removes a load, constraint or offset.")
+          "name"_a, "Removes a load, constraint or offset. Raises InputError for an unknown name.")
       .def_property_readonly(
           "names",
           [](SessionObject& of) {
@@ -248,12 +328,7 @@ void bind_session_edits(SessionClass& c) {
 }
 
 void bind_session_results(SessionClass& c) {
-  c.def_property_readonly(
-       "parameters",
-       [](SessionObject& of) {
-         return call_session(of, [](Session& session) { return session.parameters(); });
-       },
-       "Current values, {name: value}.")
+  c.def_property_readonly("parameters", &parameters_of, "Current values, {name: value}.")
       .def_property_readonly(
           "points", [](SessionObject& of) { return frame_view(of, &Frame::points); },
           "Points of the current shape, n×3 float32, model units. A view of a snapshot.")
@@ -310,23 +385,34 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
 }  // namespace
 
 void bind_sessions(py::module_& m) {
-  py::class_<SolveReport>(m, "SolveReport", "Convergence of update() or solve().")
-      .def_readonly("converged", &SolveReport::converged)
+  py::class_<SolveReport>(m, "SolveReport", R"(Convergence of Session.update() or Session.solve().
+
+    >>> session.solve().converged
+    True)")
+      .def_readonly("converged", &SolveReport::converged,
+                    "Whether the change is below the tolerance.")
       .def_readonly("iterations", &SolveReport::iterations, "Pairs of triangular solves.")
       .def_readonly("change", &SolveReport::change,
                     "Change in the last iteration, relative to the size.")
-      .def_readonly("factored", &SolveReport::factored, "Whether a new factorization was needed.");
+      .def_readonly("factored", &SolveReport::factored, "Whether a new factorization was needed.")
+      .def("__repr__", &report_repr);
   SessionClass c(m, "Session",
                  R"(Interactive sculpting: a model with its loads and constraints. Thread-safe.
 
-    session = batten.Session(model)
-    session["swell"] = 120
-    session.update()
-    show(session.points, session.triangles))");
+A session has the parameters of a model as a dict has keys: `name in session`, dict(session). It can be
+pickled: as model().
+
+    >>> session["swell"] = 20
+    >>> report = session.update()             # quick: a few triangular solves
+    >>> points, triangles = session.points, session.triangles
+    >>> report = session.solve()              # to convergence
+    >>> session.model().parameters["swell"]
+    20.0)");
   c.def(py::init(&new_session), "source"_a, py::kw_only(), "values"_a = py::none(),
         "progress"_a = py::none(),
         "A session of a Model, or of a scene file. `values`: parameters {name: value}. Raises the "
         "exceptions of load().");
+  bind_session_mapping(c);
   bind_session_solves(c);
   bind_session_edits(c);
   bind_session_results(c);

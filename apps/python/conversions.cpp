@@ -166,6 +166,14 @@ std::optional<bool> optional_bool_from(const py::object& given, const std::strin
   throw InputError(what + ": found " + std::string(py::repr(given)) + ", expected True or False");
 }
 
+std::vector<std::string> names_from(const py::iterable& given, const std::string& what) {
+  if (py::isinstance<py::str>(given))
+    throw InputError(what + ": found a single text, expected a list of names");
+  std::vector<std::string> names;
+  for (const py::handle name : given) names.push_back(py::str(name));
+  return names;
+}
+
 std::vector<Vec3> rows_of(const Points& points) {
   std::vector<Vec3> rows;
   for (long i = 0; i < points.rows(); ++i) rows.emplace_back(points.row(i).transpose());
@@ -192,18 +200,20 @@ py::array array_of(std::vector<std::array<int, 3>> triangles) {
                    static_cast<py::ssize_t>(owner->size()), 3);
 }
 
-std::vector<std::pair<std::string, double>> values_from(const py::object& given) {
+std::vector<std::pair<std::string, double>> values_from(const py::object& given,
+                                                        const std::string& what) {
   std::vector<std::pair<std::string, double>> values;
   if (given.is_none()) return values;
   if (!py::isinstance<py::dict>(given))
-    throw InputError("found " + std::string(py::repr(given)) +
-                     ", expected a dict of parameter values, as {\"swell\": 250}");
+    throw InputError(what + ": found " + std::string(py::repr(given)) +
+                     ", expected a dict of numbers such as {\"swell\": 250}");
   for (const auto& [name, value] : given.cast<py::dict>()) {
     const std::string text = py::str(name);
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred()) {
       PyErr_Clear();
-      throw InputError(text + ": found " + std::string(py::repr(value)) + ", expected a number");
+      throw InputError(what + "['" + text + "']: found " + std::string(py::repr(value)) +
+                       ", expected a number");
     }
     values.emplace_back(text, number);
   }

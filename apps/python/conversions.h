@@ -23,6 +23,7 @@ namespace batten::python {
 ///     indices_from         n integers from 0 to count - 1, or a mask of `count` booleans
 ///     faces_from           m×3 or m×4 integers, or m lists of 3 or more integers, not negative
 ///     optional_bool_from   True or False, or None: no value
+///     names_from           texts, but not a single one
 Points points_from(py::handle given, const std::string& what);
 Vec3 vector_from(py::handle given, const std::string& what);
 std::vector<double> numbers_from(py::handle given, const std::string& what);
@@ -30,6 +31,7 @@ std::vector<int> indices_from(py::handle given, const std::string& what, int cou
 std::vector<std::vector<int>> faces_from(py::handle given, const std::string& what);
 
 std::optional<bool> optional_bool_from(const py::object& given, const std::string& what);
+std::vector<std::string> names_from(const py::iterable& given, const std::string& what);
 
 /// Rows of a point matrix as vectors.
 std::vector<Vec3> rows_of(const Points& points);
@@ -67,14 +69,14 @@ py::array array_of(std::vector<std::array<int, 3>> triangles);
 
 // Other objects.
 
-/// Parameter values by name, from a dict or None. Throws InputError for values that are not
-/// numbers.
-std::vector<std::pair<std::string, double>> values_from(const py::object& given);
+/// Numbers by name, from a dict or None. Throws InputError for values that are not numbers.
+std::vector<std::pair<std::string, double>> values_from(const py::object& given,
+                                                        const std::string& what = "values");
 
 /// Sets the parameter values in any kind of scene.
 template <class AnyScene>
 void set_values(AnyScene& scene, const py::object& given) {
-  for (const auto& [name, value] : values_from(given)) scene.set(name, value, "");
+  for (const auto& [name, value] : values_from(given)) scene.set(name, value, "values: ");
 }
 
 /// Converts a JSON text to Python dicts and lists.

@@ -1,8 +1,11 @@
-// Signatures of the functions of the module, as inspect.signature() and editors read them.
+// Signatures of the functions of the module, as inspect.signature() and editors read them, and
+// messages about keyword arguments that a function does not have.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
 #include "batten/apps/python/bindings.h"
+#include "batten/core/errors.h"
 
 namespace batten::python {
 namespace {
@@ -63,10 +66,62 @@ std::string with_text_signature(const std::string& doc) {
   return text + ")\n--\n\n" + doc.substr(words);
 }
 
+/// pybind11's entry point of all functions, which the following function calls.
+PyCFunctionWithKeywords dispatcher = nullptr;
+
+/// Message about the first keyword that no overload has; empty if there is none.
+std::string unknown_keyword(const py::detail::function_record& function, const py::dict& keywords) {
+  std::vector<std::string> names;
+  for (const auto* overload = &function; overload; overload = overload->next) {
+    if (overload->has_kwargs) return "";
+    for (const py::detail::argument_record& argument : overload->args)
+      if (argument.name && std::strcmp(argument.name, "self") != 0) names.push_back(argument.name);
+  }
+  const std::string name = std::strcmp(function.name, "__init__") == 0
+                               ? py::str(function.scope.attr("__name__")).cast<std::string>()
+                               : function.name;
+  for (const auto& [key, value] : keywords) {
+    const std::string keyword = py::str(key);
+    if (std::find(names.begin(), names.end(), keyword) != names.end()) continue;
+    std::string expected;
+    for (const std::string& one : names) expected += (expected.empty() ? "" : ", ") + one;
+    return name + "() got an unexpected keyword argument '" + keyword + "', expected " +
+           (names.empty() ? "none" : expected) + did_you_mean(keyword, names);
+  }
+  return "";
+}
+
+/// Calls a function of pybind11; replaces its TypeError, which lists types of C++, if a keyword is
+/// unknown.
+PyObject* call_function(PyObject* self, PyObject* arguments, PyObject* keywords) {
+  PyObject* result = dispatcher(self, arguments, keywords);
+  if (result || !keywords || !PyErr_ExceptionMatches(PyExc_TypeError)) return result;
+  py::error_already_set raised;  // clears the error, for the calls below
+  const auto* function = static_cast<const py::detail::function_record*>(
+      PyCapsule_GetPointer(self, PyCapsule_GetName(self)));
+  const std::string message =
+      unknown_keyword(*function, py::reinterpret_borrow<py::dict>(keywords));
+  if (message.empty())
+    raised.restore();
+  else
+    PyErr_SetString(PyExc_TypeError, message.c_str());
+  return nullptr;
+}
+
+void name_unknown_keywords(PyMethodDef& definition) {
+  const auto method =
+      reinterpret_cast<PyCFunctionWithKeywords>(reinterpret_cast<void (*)()>(definition.ml_meth));
+  if (!dispatcher) dispatcher = method;
+  if (dispatcher == method)
+    definition.ml_meth =
+        reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&call_function));
+}
+
 void give_signature(PyObject* function) {
   if (PyInstanceMethod_Check(function)) function = PyInstanceMethod_Function(function);
   if (!PyCFunction_Check(function)) return;
   PyMethodDef* definition = reinterpret_cast<PyCFunctionObject*>(function)->m_ml;
+  name_unknown_keywords(*definition);
   if (!definition->ml_doc || std::strstr(definition->ml_doc, "Overloaded function.")) return;
   // pybind11 releases the docstring by free().
   char* doc = strdup(with_text_signature(definition->ml_doc).c_str());

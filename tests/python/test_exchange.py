@@ -1,5 +1,6 @@
 """Files, other packages, pictures, reports."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -8,6 +9,56 @@ import unittest
 import unittest.mock
 
 from properties import PropertyTests, batten, example, grid, np, saddle
+
+
+# Writes a model and a mesh with the VTK module and reads them again. Argument: a folder.
+READ_BACK = """
+import os, sys, numpy as np, batten
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
+from test_exchange import two_faces
+
+def read_back(data):
+    file = os.path.join(sys.argv[1], "data.vtp")
+    writer, reader = vtkXMLPolyDataWriter(), vtkXMLPolyDataReader()
+    writer.SetFileName(file), writer.SetInputData(data), writer.Write()
+    reader.SetFileName(file), reader.Update()
+    return reader.GetOutput()
+
+def array(of, name):
+    return vtk_to_numpy(of.GetArray(name))
+
+model = two_faces()
+session = batten.Session(model)
+for shown, model in ((model, model), (session, session.model())):
+    data = read_back(shown.to_vtk())
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), model.points)
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3), model.triangles)
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetPointData().GetNormals()), model.normals)
+    np.testing.assert_array_equal(array(data.GetPointData(), "Gauss_curvature"), model.curvatures.prod(axis=1))
+    np.testing.assert_array_equal(array(data.GetCellData(), "Face"), model.triangle_faces)
+    names = data.GetFieldData().GetAbstractArray("Face_names")
+    assert [names.GetValue(i) for i in range(names.GetNumberOfValues())] == model.faces
+mesh = batten.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], [[0, 1, 2, 3], [1, 4, 2]])
+data = read_back(mesh.to_vtk())
+assert vtk_to_numpy(data.GetPolys().GetOffsetsArray()).tolist() == [0, 4, 7]
+welded = model.mesh()
+data = read_back(welded.to_vtk())
+for name, members in welded.sets.items():
+    of, numbers = (data.GetCellData(), members["faces"]) if len(members["faces"]) else (data.GetPointData(), members["nodes"])
+    assert set(np.flatnonzero(array(of, name))) == set(numbers), name
+stress = batten.stress(model, material="steel", thickness=0.02, supports=["left"], loads=[{"pressure": 1}])
+data = read_back(stress.to_vtk())
+np.testing.assert_array_equal(array(data.GetPointData(), "Von_mises_top"), stress.von_mises(side="top"))
+assert model.save(os.path.join(sys.argv[1], "x.step")) == []
+"""
+
+
+def two_faces():
+    """A saddle that a curve from side to side divides in two."""
+    curves = saddle()
+    curves["middle"] = [[0, 0.5, 0.1], [0.5, 0.5, 0.4], [1, 0.5, 0.15]]
+    return batten.skin(curves, smooth=["middle"])
 
 
 class Exchange(PropertyTests):
@@ -33,67 +84,102 @@ class Exchange(PropertyTests):
         lines = batten.read_curves(example("30-refit", "rims.csv"))
         self.assertTrue(all(points.shape[1] == 3 for points in lines.values()))
 
-    def test_meshio(self):
+    def needs(self, module):
         try:
-            import meshio
+            return importlib.import_module(module)
         except ImportError:
-            self.skipTest("python3-meshio is not there")
-        for shown in (batten.skin(saddle()), batten.Session(batten.skin(saddle())), batten.Mesh(*grid(4))):
+            self.skipTest(f"{module} is not there")
+
+    def test_meshio(self):
+        meshio = self.needs("meshio")
+        model = two_faces()
+        session = batten.Session(model)
+        for shown, model in ((model, model), (session, session.model())):
             mesh = shown.to_meshio()
-            np.testing.assert_array_equal(mesh.points, shown.points)
-            np.testing.assert_array_equal(mesh.cells_dict["triangle"], shown.triangles)
-        mesh.write(self.file("grid.off"))
+            np.testing.assert_array_equal(mesh.points, model.points)
+            np.testing.assert_array_equal(mesh.cells_dict["triangle"], model.triangles)
+            for i, name in enumerate(model.faces):
+                np.testing.assert_array_equal(mesh.cell_sets[name][0], np.flatnonzero(model.triangle_faces == i))
+            np.testing.assert_array_equal(mesh.point_data["K1"], model.curvatures[:, 0])
+        model.to_meshio().write(self.file("model.vtu"))
+        read = meshio.read(self.file("model.vtu"))
+        np.testing.assert_array_equal(read.points, model.points)
+        np.testing.assert_array_equal(read.cell_data["Face"][0], model.triangle_faces)
+        np.testing.assert_array_equal(read.point_data["Normals"], model.normals)
+        flat = batten.Mesh(*grid(4))
+        flat.to_meshio().write(self.file("grid.off"))
         self.assertEqual(len(batten.read_mesh(self.file("grid.off")).points), 25)
-        self.assertEqual(meshio.Mesh, type(mesh))
+
+    def test_meshio_gets_quads_polygons_and_sets(self):
+        self.needs("meshio")
+        points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [0, 1, 0], [1.5, 2, 0], [3, 0.5, 0]]
+        faces = [[0, 1, 4, 5], [4, 3, 6], [1, 2, 3, 4], [2, 7, 3]]
+        mesh = batten.Mesh(points, faces)
+        given = mesh.to_meshio()
+        self.assertEqual([block.type for block in given.cells], ["triangle", "quad"])
+        np.testing.assert_array_equal(given.cells_dict["quad"], [faces[0], faces[2]])
+        again = batten.Mesh(given)
+        self.assertEqual(sorted(again.faces), sorted(mesh.faces))
+        pentagon = batten.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0.5, 2, 0], [0, 1, 0]], [[0, 1, 2, 3, 4]])
+        self.assertEqual(pentagon.to_meshio().cells[0].type, "polygon")
+        # The mesh of a model has a set of triangles for each face, and one of nodes for each curve.
+        model = two_faces()
+        welded, sets = model.mesh().to_meshio(), model.mesh().sets
+        for name in model.faces:
+            np.testing.assert_array_equal(welded.cell_sets[name][0], sets[name]["faces"])
+        self.assertIn("middle", welded.point_sets)
+        for name in welded.point_sets:
+            np.testing.assert_array_equal(welded.point_sets[name], sets[name]["nodes"])
 
     def test_vtk(self):
         # In a separate process, to check which VTK modules it loads.
-        code = """
-import batten, sys
-try:
-    import vtkmodules.vtkCommonDataModel
-except ImportError:
-    sys.exit(77)
-sys.path.insert(0, %r)
-from properties import saddle
-model = batten.skin(saddle())
-data = model.to_vtk()
-assert data.GetNumberOfPoints() == len(model.points) and data.GetNumberOfCells() == len(model.triangles)
-assert data.GetPointData().GetNormals().GetNumberOfTuples() == len(model.points)
-assert model.save(sys.argv[1]) == []
-""" % os.path.dirname(__file__)
-        done = subprocess.run([sys.executable, "-c", code, self.file("x.step")])
-        if done.returncode == 77:
-            self.skipTest("python3-vtk9 is not there")
+        self.needs("vtkmodules.vtkCommonDataModel")
+        done = subprocess.run([sys.executable, "-c", READ_BACK, self.folder], cwd=os.path.dirname(__file__))
         self.assertEqual(done.returncode, 0)
 
-    def test_pyvista_gets_points_facets_and_normals(self):
-        # Debian has no PyVista: a mock that stores its arguments replaces it.
-        class PolyData:
-            def __init__(self, points, faces):
-                self.points, self.faces, self.point_data = points, faces, {}
+    def test_stress(self):
+        self.needs("meshio")
+        model = batten.skin(saddle(), edge_length=0.2)
+        stress = batten.stress(model, material="steel", thickness=0.02, supports=["left"],
+                               settings='thicknesses = [{ near = "front", radius = 0.3, thickness = 0.05 }]',
+                               loads=[{"pressure": 1}, {"case": "push", "force": [0, 0, 1], "point": [1, 1, 0.3]}])
+        for case in ("loads", "push"):
+            data = stress.to_meshio(case=case).point_data
+            np.testing.assert_array_equal(data["Displacement"], stress.displacement(case=case))
+            larger = np.maximum(data["Von_mises_top"], data["Von_mises_bottom"])
+            np.testing.assert_array_equal(larger, stress.von_mises(case=case))
+            middle = stress.at(model.points[7], case=case).von_mises_middle
+            self.assertAlmostEqual(data["Von_mises_middle"][7], middle, delta=1e-4 * larger.max())
+        self.assertGreater(data["Thickness"].max(), 0.045)
+        self.assertAlmostEqual(data["Thickness"].min(), 0.02, places=12)
+        with self.assertRaisesRegex(batten.InputError, "did you mean 'push'"):
+            stress.to_meshio(case="psh")
+        with self.assertRaisesRegex(batten.InputError, "side: found 'topp'.*did you mean 'top'"):
+            stress.von_mises(side="topp")
 
-        stand_in = types.ModuleType("pyvista")
-        stand_in.PolyData = PolyData
+    def test_pyvista_wraps_the_vtk_object(self):
+        # Debian 12 has no PyVista: a mock that stores its argument replaces it.
+        self.needs("vtkmodules.vtkCommonDataModel")
+        mock = types.ModuleType("pyvista")
+        mock.wrap = lambda data: ("wrapped", data)
         model = batten.skin(saddle())
-        with unittest.mock.patch.dict(sys.modules, {"pyvista": stand_in}):
-            surface = model.to_pyvista()
-        np.testing.assert_array_equal(surface.points, model.points)
-        facets = surface.faces.reshape(-1, 4)
-        self.assertTrue((facets[:, 0] == 3).all())
-        np.testing.assert_array_equal(facets[:, 1:], model.triangles)
-        np.testing.assert_array_equal(surface.point_data["Normals"], model.normals)
+        with unittest.mock.patch.dict(sys.modules, {"pyvista": mock}):
+            words, data = model.to_pyvista()
+        self.assertEqual((words, data.GetNumberOfCells()), ("wrapped", len(model.triangles)))
 
-    def test_a_model_shows_itself(self):
-        model = batten.skin(saddle())
-        png = model._repr_png_()
-        if not os.environ.get("DISPLAY"):
-            self.assertIsNone(png)
-            with self.assertRaisesRegex(batten.InputError, "display"):
-                model.picture(self.file("x.png"))
-        else:
-            self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertIn("1 face,", repr(model))
+    def test_missing_packages_are_named(self):
+        for package, call in {"meshio": "to_meshio", "vtk": "to_vtk", "pyvista": "to_pyvista"}.items():
+            missing = {name: None for name in ("meshio", "pyvista", "vtkmodules", "vtkmodules.util.numpy_support")}
+            if package == "pyvista":
+                missing = {"pyvista": None}
+            with unittest.mock.patch.dict(sys.modules, missing):
+                with self.assertRaisesRegex(ImportError, f"pip install {package}"):
+                    getattr(batten.skin(saddle()), call)()
+
+    def test_pyvista(self):
+        pyvista = self.needs("pyvista")
+        stress = batten.stress(batten.skin(saddle()), material="steel", thickness=0.02, supports=["left"])
+        self.assertIsInstance(stress.to_pyvista(), pyvista.PolyData)
 
     def test_the_import_is_lean(self):
         code = "import sys, batten; print([m for m in ('meshio', 'vtkmodules', 'pyvista', 'json') if m in sys.modules])"

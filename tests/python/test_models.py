@@ -1,12 +1,11 @@
 """Models: evaluation, scenes, copies and pickles."""
 
 import copy
-import gc
 import multiprocessing
 import pickle
 import unittest
 
-from properties import PropertyTests, batten, np, resident_kb, saddle
+from properties import PropertyTests, batten, np, saddle
 
 
 def sculpted():
@@ -75,19 +74,33 @@ class Models(PropertyTests):
             model.volume
         self.assertIn("SurfacePoint", repr(point))
 
-    def test_memory_of_many_models(self):
-        model = batten.skin(saddle(), edge_length=0.5)
-        data = pickle.dumps(model)
+    def test_curvatures_at_the_points(self):
+        angle = np.linspace(0, 2 * np.pi, 73)
+        ring = np.c_[2 * np.cos(angle), 2 * np.sin(angle), 0 * angle]
+        ring[-1] = ring[0]
+        cylinder = batten.skin({"low": ring, "high": ring + [0, 0, 5]})
+        self.assertEqual(cylinder.curvatures.shape, (len(cylinder.points), 2))
+        self.assertFalse(cylinder.curvatures.flags.writeable)
+        # Outward normals: the surface bends away from them, with radius 2.
+        outwards = np.sign((cylinder.points * cylinder.normals)[:, :2].sum())
+        np.testing.assert_allclose(outwards * cylinder.curvatures.sum(axis=1), -0.5, atol=0.02)
+        np.testing.assert_allclose(cylinder.curvatures.prod(axis=1), 0, atol=0.01)
+        self.assertTrue((cylinder.curvatures[:, 0] >= cylinder.curvatures[:, 1]).all())
 
-        def work(count):
-            for _ in range(count):
-                batten.Session(pickle.loads(data)).model()
-        work(200)
-        gc.collect()
-        before = resident_kb()
-        work(500)
-        gc.collect()
-        self.assertLess(resident_kb() - before, 8000)
+    def test_unknown_names_are_named(self):
+        model = batten.skin(saddle())
+        for words, call in {
+            "values: found parameter 'bta'.*did you mean 'beta'": lambda: model.with_values({"bta": 1}),
+            "values: found 3, expected a dict": lambda: batten.Session(model, values=3),
+            r"values\['beta'\]: found 'x', expected a number": lambda: model.with_values({"beta": "x"}),
+            "curve name 'frnt'.*did you mean 'front'": lambda: model.curve("frnt"),
+            "face name 'srface'.*did you mean 'surface'": lambda: model.at("srface", 0, 0),
+            "crease: found the curve name 'frnt'.*did you mean 'front'": lambda: batten.skin(saddle(), crease=["frnt"]),
+            "crease: found a single text": lambda: batten.skin(saddle(), crease="front"),
+            "field: found 'meen'.*did you mean 'mean'": lambda: model.picture(self.file("x.png"), field="meen"),
+        }.items():
+            with self.assertRaisesRegex(batten.InputError, words):
+                call()
 
 
 if __name__ == "__main__":

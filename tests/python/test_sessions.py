@@ -1,6 +1,5 @@
-"""Sessions: undo, conflicts, threads, memory, and interruption of long calls."""
+"""Sessions: undo, parameters as a mapping, conflicts, threads, and interruption of long calls."""
 
-import gc
 import os
 import signal
 import subprocess
@@ -9,7 +8,7 @@ import threading
 import time
 import unittest
 
-from properties import PropertyTests, batten, example, np, resident_kb, saddle
+from properties import PropertyTests, batten, example, np, saddle
 
 
 def session_of(edge_length=None):
@@ -48,6 +47,39 @@ class Sessions(PropertyTests):
         self.assertTrue(session.redo())
         self.same_bits(session.points, after)
         self.assertEqual(session["swell"], 20)
+
+    def test_parameters_are_a_mapping(self):
+        session = session_of()
+        self.assertIn("swell", session)
+        self.assertNotIn("swel", session)
+        self.assertNotIn(3, session)
+        self.assertEqual(list(session), list(session.parameters))
+        self.assertEqual(len(session), len(session.parameters))
+        self.assertEqual(dict(session), session.parameters)
+        self.assertEqual(session.keys(), session._ipython_key_completions_())
+        self.assertEqual(list(zip(session.keys(), session.values())), session.items())
+        for name in session:
+            if name.startswith("sw"):
+                session[name] = 7
+        self.assertIn("swell = 7", repr(session))
+        report = session.solve()
+        self.assertIn(f"converged, iterations {report.iterations}", repr(report))
+
+    def test_unknown_names_are_named(self):
+        session = session_of()
+        for words, call in {
+            "parameter 'swel'.*did you mean 'swell'": lambda: session["swel"],
+            "parameter 'pusch'.*did you mean 'push'": lambda: session.set("pusch", 1),
+            "'srface'.*did you mean 'surface'": lambda: session.add_pressure("more", faces=["srface"]),
+            "faces: found a single text": lambda: session.add_pressure("more", faces="surface"),
+            "'frnt'.*did you mean 'front'": lambda: session.add_offset("lift", "frnt"),
+            "'swel'.*did you mean 'swell'": lambda: session.remove("swel"),
+            "'doubel'.*did you mean 'double'": lambda: session.drive("swell", {"doubel": 1}),
+            r"follows\['double'\]: found 'x', expected a number": lambda: session.drive("swell", {"double": "x"}),
+        }.items():
+            with self.assertRaisesRegex(batten.InputError, words):
+                call()
+        self.assertEqual(sorted(session.names), ["push", "swell"])
 
     def test_one_slider_drives_others(self):
         session = session_of()
@@ -223,27 +255,6 @@ except KeyboardInterrupt:
         finally:
             running.kill()
         self.assertEqual((running.returncode, out), (7, "stopped\n"))
-
-
-class Memory(PropertyTests):
-    def test_dropped_sessions_leave_nothing(self):
-        count = int(os.environ.get("BATTEN_SESSIONS", "300"))
-        model = batten.skin(saddle(), edge_length=0.4)
-
-        def use(times):
-            for _ in range(times):
-                session = batten.Session(model)
-                session.add_pressure("swell")
-                session["swell"] = 5
-                session.update()
-                self.assertGreater(len(session.points) + len(session.triangles), 0)
-            gc.collect()
-        use(max(50, count // 4))
-        before = resident_kb()
-        use(count)
-        grown = resident_kb() - before
-        print(f"{count} sessions: resident memory grew by {grown} KB", file=sys.stderr)
-        self.assertLess(grown, 2000 + 0.5 * count)  # a leaked session has more than 100 KB
 
 
 if __name__ == "__main__":

@@ -71,7 +71,7 @@ class Stubs(PropertyTests):
                 self.assertEqual([base.id for base in self.classes[name].bases],
                                  [base.__name__ for base in cls.__bases__])
                 continue
-            special = {"__getitem__", "__setitem__", "__len__"}
+            special = {"__contains__", "__getitem__", "__iter__", "__len__", "__setitem__"}
             names = [n for n in vars(cls) if not n.startswith("_") or n in special]
             if cls.__init__ is not object.__init__ and signature_of(cls.__init__) is not None:
                 names.append("__init__")

@@ -1,18 +1,25 @@
 """Batten: smooth surfaces through curves, and mesh morphing with exact form features.
 
-    import batten, numpy as np
-    curves = {"front": [[0, 0, 0], [1, 0, 0]], "right": [[1, 0, 0], [1, 1, .3], ...], ...}
-    model = batten.skin(curves, fit_tolerance=1e-4)
-    model.save("panel.step")
-    session = batten.Session(model)
-
 Points are arrays n×3 in model units, triangles are arrays m×3 of 0-based indices. See docs/python.md.
+The examples in the docstrings of the package use the following objects:
+
+    >>> import batten
+    >>> import numpy as np
+    >>> rim = {"front": [[0, 0, 0], [50, 0, 20], [100, 0, 0]], "right": [[100, 0, 0], [100, 100, 20]],
+    ...        "back": [[100, 100, 20], [0, 100, 0]], "left": [[0, 100, 0], [0, 0, 0]]}
+    >>> model = batten.skin(rim, name="panel")
+    >>> session = batten.Session(model)
+    >>> session.add_pressure("swell", min=-50, max=50)
+    >>> mesh = model.mesh()
+    >>> stress = batten.stress(model, material="steel", thickness=2, supports=["front", "back"],
+    ...                        loads=[{"pressure": -0.01}])
 """
 
 import os as _os
 
 from . import _batten
 from . import exchange as _exchange
+from . import pictures as _pictures
 from ._batten import (
     CancelledError,
     ConflictError,
@@ -66,12 +73,10 @@ __all__ = [
 
 _batten._find_modules(_os.path.dirname(_os.path.abspath(__file__)))
 
-for _class in (Model, Mesh, Session):
-    _class.to_meshio = _exchange.to_meshio
-    _class.to_vtk = _exchange.to_vtk
-    _class.to_pyvista = _exchange.to_pyvista
-Model._repr_png_ = _exchange.model_png
-Session._repr_png_ = _exchange.session_png
+_exchange.add_to((Model, Mesh, Session, Stress))
+for _class in (Model, Session):
+    _class.show = _pictures.show
+    _class._repr_png_ = _pictures.repr_png
 for _name in __all__:
     if isinstance(globals()[_name], type):
         globals()[_name].__module__ = "batten"
