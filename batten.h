@@ -13,7 +13,9 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/progress.h"
+#include "batten/scenes/fit_surface.h"
 #include "batten/scenes/mesh.h"
 #include "batten/scenes/model.h"
+#include "batten/scenes/sequence.h"
 #include "batten/scenes/session.h"
 #include "batten/scenes/stress.h"

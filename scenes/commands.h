@@ -66,7 +66,8 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
 // The scene of `batten fit`.
 
 /// Adds feature lines of a mesh to a network scene: its creases ("crease 1", …) and boundary edges
-/// ("free edge 1", …), and the faces they enclose ("patch 1", …). Throws InputError if there are none.
+/// ("free edge 1", …), and the faces they enclose ("patch 1", …). Sets the gap tolerance, because
+/// these lines meet exactly. Throws InputError if there are none.
 void add_mesh_lines(Scene& scene, const TriangleMesh& mesh);
 
 /// Creates a network scene whose shape is fitted to a surface. Its lines come from `lines`; if that

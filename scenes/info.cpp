@@ -511,7 +511,7 @@ bool is_sequence_file(const std::filesystem::path& file) {
 }
 
 std::string sequence_info(const SequenceSource& source, const std::string& unit) {
-  const MeshSequence s = read_sequence(source.path, source.options);
+  const MeshSequence s = read_frames(source.path, source.options);
   const MeshDiagnosis mesh = diagnose(s.shells);
   Vec3 low = s.frames.front().colwise().minCoeff(), high = s.frames.front().colwise().maxCoeff();
   double step = 0;

@@ -433,6 +433,45 @@ bool Session::redo() {
   return contents_->with_session(true, [](SculptingSession& session) { return session.redo(); });
 }
 
+void Session::start_motion(double dt) {
+  const SceneMotion& scene = contents_->base->scene.motion;
+  start_motion(Motion{dt, scene.density, scene.damping, scene.theta});
+}
+
+void Session::start_motion(const Motion& motion) {
+  contents_->with_session(true, [&](SculptingSession& session) { session.start_motion(motion); });
+}
+
+SolveReport Session::step(int count, const Progress& progress) {
+  if (count < 1) throw InputError("count: found " + std::to_string(count) + ", expected 1 or more");
+  return contents_->with_session(true, progress, [&](SculptingSession& session) {
+    for (int i = 0; i < count; ++i) {
+      if (count > 1) progress.update("motion", static_cast<double>(i) / count);
+      contents_->solve_report = session.step();
+    }
+    return contents_->solve_report;
+  });
+}
+
+void Session::stop_motion() {
+  contents_->with_session(true, [](SculptingSession& session) { session.stop_motion(); });
+}
+
+bool Session::in_motion() const {
+  return contents_->with_session(false,
+                                 [](SculptingSession& session) { return session.in_motion(); });
+}
+
+double Session::time() const {
+  return contents_->with_session(
+      false, [](SculptingSession& session) { return session.parameters().time(); });
+}
+
+double Session::total_energy() const {
+  return contents_->with_session(false,
+                                 [](SculptingSession& session) { return session.total_energy(); });
+}
+
 void Session::add_pressure(const std::string& name, const ParameterRange& range,
                            const std::vector<std::string>& faces) {
   Load::Pressure pressure;

@@ -67,9 +67,30 @@ class Session {
                      const Progress& progress = {});
   /// Solves to equilibrium, to rounding.
   SolveReport solve(const Progress& progress = {});
-  /// Undoes an edit, or all set() since the last solve(). Returns false if there is none.
+  /// Undoes an edit, all set() since the last solve(), or all time steps since the last edit. Returns
+  /// false if there is none.
   bool undo();
   bool redo();
+
+  // Motion M (ρ ẍ + μ ẋ) + K x = F, as that of `batten sculpt --time`.
+  /// Starts a motion at rest from the current shape, with the given time step. Density ρ, damping μ
+  /// and parameter θ of the theta method are those of [motion] in the scene, or 1 without it.
+  void start_motion(double dt);
+  /// The same with other values (sculpting/session/session_options.h). Throws InputError for numbers
+  /// out of range.
+  void start_motion(const Motion& motion);
+  /// Advances the motion, and parameters that depend on time, by `count` time steps dt. Throws
+  /// InputError without a motion. Cost of a step: one pair of triangular solves.
+  ///
+  /// Without damping and with θ = ½, total_energy() is constant under constant loads that do not
+  /// follow the surface; otherwise it decreases.
+  SolveReport step(int count = 1, const Progress& progress = {});
+  void stop_motion();
+  bool in_motion() const;
+  double time() const;  ///< time of the motion, and of parameters that depend on time
+  /// Elastic energy minus the work of the loads, plus the energy of springs and, during a motion, the
+  /// kinetic energy; in the units of energy().
+  double total_energy() const;
 
   // Edits. `at`: a point in space; the item acts at the nearest point of the surface.
   /// Adds a pressure along the surface normal, per area, on some faces (empty: all).

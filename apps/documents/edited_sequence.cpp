@@ -78,7 +78,7 @@ void EditedSequence::rebuild(const SceneText& text, const std::filesystem::path&
   auto made = std::make_unique<State>(
       scene, same_source ? made_->input
                          : std::make_shared<const PreparedSequence>(prepared_sequence(
-                               read_sequence(scene.source.path, scene.source.options, progress),
+                               read_frames(scene.source.path, scene.source.options, progress),
                                scene.at(scene.source.location), notes)));
   made->sections = sections;
   for (size_t k = 0;
@@ -104,7 +104,7 @@ void EditedSequence::rebuild(const SceneText& text, const std::filesystem::path&
 
 void EditedSequence::State::apply_steps(const Progress& progress) {
   const FrameReader read = [&](const SequenceSource& source) {
-    return read_sequence(source.path, source.options, progress);
+    return read_frames(source.path, source.options, progress);
   };
   for (size_t k = after.size(); k < scene.steps.size(); ++k) {
     const SequenceOperation& step = scene.steps[k];

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/containers.h"
 
@@ -254,6 +255,26 @@ std::vector<std::vector<LocatedString>> TomlTable::string_lists(const std::strin
       const auto* text = name.as_string();
       if (!text) fail_node(name, describe(name), expected);
       rows.back().push_back({text->get(), location_of(name.source())});
+    }
+  }
+  return rows;
+}
+
+std::vector<std::vector<int>> TomlTable::index_lists(const std::string& key) const {
+  const std::string expected = "a list of lists of integers from 0 for '" + key + "'";
+  const toml::node& value = node(key, "a list of lists of integers [[0, 1, 2], …]");
+  const auto* array = value.as_array();
+  if (!array || array->empty()) fail_node(value, describe(value), expected);
+  std::vector<std::vector<int>> rows;
+  for (const toml::node& item : *array) {
+    const auto* numbers = item.as_array();
+    if (!numbers || numbers->empty()) fail_node(item, describe(item), expected);
+    rows.emplace_back();
+    for (const toml::node& number : *numbers) {
+      const auto* index = number.as_integer();
+      if (!index || index->get() < 0 || index->get() > std::numeric_limits<int>::max())
+        fail_node(number, describe(number), expected);
+      rows.back().push_back(static_cast<int>(index->get()));
     }
   }
   return rows;

@@ -92,6 +92,8 @@ class TomlTable {
   std::vector<LocatedString> strings(const std::string& key) const;
   /// The value of a key that must be a non-empty list of non-empty lists of names.
   std::vector<std::vector<LocatedString>> string_lists(const std::string& key) const;
+  /// The value of a key that must be a non-empty list of non-empty lists of integers from 0.
+  std::vector<std::vector<int>> index_lists(const std::string& key) const;
   /// The value of a key that must be a name or a list of names; empty if the key is missing.
   std::vector<LocatedString> names(const std::string& key) const;
 

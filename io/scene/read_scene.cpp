@@ -439,7 +439,7 @@ RegionOptions read_region_options(const TomlTable& table) {
                "the domain '" + table.text("domain") + "'" +
                    (table.has("annulus") ? " with annulus = true" : ""),
                "annulus = true and no domain");
-  return {read_domain(table), table.positive("edge_length", 0)};
+  return {read_domain(table), table.positive("edge_length", 0), table.boolean("convex", false)};
 }
 
 RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
@@ -457,6 +457,7 @@ RegionSpec read_region(const TomlTable& table, UniqueNames& names) {
     refuse(table, "with surface = false",
            {{"name", "none: there is no face"},
             {"annulus", "none: there is no face"},
+            {"convex", "none: there is no face"},
             {"domain", "none: there is no face"},
             {"edge_length", "none: there is no face"},
             {"inner", "none: there is no face"}});
@@ -505,8 +506,8 @@ void read_network(const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : root.table("skin", skin_keys())) read_network_keys(table, network);
   if (root.has("face") || root.has("join")) check_compatible_keys(root);
   UniqueNames names("face name");
-  for (const TomlTable& t : root.tables(
-           "face", {"name", "loops", "inner", "annulus", "surface", "domain", "edge_length"}))
+  for (const TomlTable& t : root.tables("face", {"name", "loops", "inner", "annulus", "convex",
+                                                 "surface", "domain", "edge_length"}))
     network.regions.push_back(read_region(t, names));
   for (const TomlTable& t : root.tables("join", {"curves", "continuity"})) {
     const auto kind = t.choice<JoinSpec::Kind>("continuity", {{"G0", JoinSpec::Kind::Crease},
@@ -587,11 +588,34 @@ void read_skin(const TomlTable& table, SceneSkin& skin) {
   }
 }
 
+/// Reads the mesh that a target lists as points and faces.
+std::shared_ptr<const ShellMesh> read_target_mesh(const TomlTable& table) {
+  auto mesh = std::make_shared<ShellMesh>();
+  const std::vector<Vec3> points = table.points("points");
+  mesh->points.resize(static_cast<long>(points.size()), 3);
+  for (long i = 0; i < mesh->points.rows(); ++i)
+    mesh->points.row(i) = points[static_cast<size_t>(i)];
+  for (const std::vector<int>& face : table.index_lists("faces")) {
+    const int largest = *std::max_element(face.begin(), face.end());
+    if (face.size() < 3 || largest >= mesh->node_count())
+      table.fail(
+          "faces", face.size() < 3 ? "a face with fewer than 3 vertices" : std::to_string(largest),
+          "faces with 3 or more vertices from 0 to " + std::to_string(mesh->node_count() - 1));
+    mesh->add_face(face);
+  }
+  return mesh;
+}
+
 SceneTarget read_target(const TomlTable& table, const std::filesystem::path& folder,
                         const SceneSkin& skin) {
   SceneTarget target;
   target.location = table.location("file");
-  target.file = folder / table.text("file");
+  if (table.has("points") && table.has("file"))
+    table.fail("file", "a file beside 'points' and 'faces'", "one of them");
+  if (table.has("points") || table.has("faces"))
+    target.mesh = read_target_mesh(table);
+  else
+    target.file = folder / table.text("file");
   if (table.has("unit")) target.unit = read_unit(table, "unit");
   target.cage = table.choice("cage", false, {{"catmull-clark", true}, {"none", false}});
   target.tolerance = table.positive("fit_tolerance", 0);
@@ -716,7 +740,8 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
     for (JoinSpec& join : scene.network.joins)
       if (join.kind == JoinSpec::Kind::Tangent) join.kind = JoinSpec::Kind::Smooth;
 
-  for (const TomlTable& t : root.tables("target", {"file", "unit", "cage", "fit_tolerance"}))
+  for (const TomlTable& t :
+       root.tables("target", {"file", "points", "faces", "unit", "cage", "fit_tolerance"}))
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
   read_sculpting(root, folder, scene);

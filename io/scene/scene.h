@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/scene_stress.h"
+#include "batten/mesh/shell_mesh.h"
 #include "batten/sculpting/loads/parameters.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
@@ -105,6 +107,8 @@ struct SceneSkin {
 struct SceneTarget {
   SourceLocation location;
   std::filesystem::path file;  ///< the target: a CAD file or a mesh file
+  /// The target as a mesh that the scene lists in place of a file; nullptr: none.
+  std::shared_ptr<const ShellMesh> mesh = nullptr;
   std::string unit;            ///< length unit of a mesh file; empty: the unit of the scene
   /// True: the mesh is a control cage, and the target is its Catmull-Clark limit surface.
   bool cage = false;

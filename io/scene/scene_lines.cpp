@@ -264,6 +264,7 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
     line.role = read_role(table);
     line.mesh_alignment = read_mesh_alignment(table);
   }
+  line.creases = table.boolean("creases", false);
   line.only = table.strings("only");
   line.skip = table.strings("skip");
   if (roles) {
@@ -290,7 +291,7 @@ std::vector<std::string> line_keys(bool roles) {
 }
 
 std::vector<std::string> lines_keys(bool roles) {
-  std::vector<std::string> keys = {"file", "unit", "only", "skip"};
+  std::vector<std::string> keys = {"file", "unit", "only", "skip", "creases"};
   if (roles) keys.insert(keys.end(), {"role", "alignment", "inner", "holes", "trim_only"});
   return keys;
 }

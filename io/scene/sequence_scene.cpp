@@ -334,6 +334,19 @@ SequencePicture sequence_picture(const TomlTable& t, UniqueNames& files) {
   return picture;
 }
 
+/// Reads the keys that do not concern files: vertical axis, selections, handles, features and
+/// operations.
+void read_sequence_edits(const TomlTable& root, SequenceScene& scene) {
+  const std::filesystem::path folder = scene.file.parent_path();
+  scene.up = root.choice("up", 2, {{"x", 0}, {"y", 1}, {"z", 2}});
+  read_proposals(root, scene.proposals);
+  read_selections(root, folder, scene);
+  UniqueNames taken("name");
+  taken.read(root, "handle", {"name", "vertices", "parent"}, scene.handles, read_handle);
+  scene.features = read_features(root, taken);
+  read_steps(root, folder, scene);
+}
+
 SequenceScene sequence_scene(const toml::table& root_table, const std::filesystem::path& file) {
   refuse_renamed_keys(root_table, SceneKind::Sequence, file.string());
   const TomlTable root(file.string(), root_table, "the scene",
@@ -347,13 +360,7 @@ SequenceScene sequence_scene(const toml::table& root_table, const std::filesyste
   for (const TomlTable& t : root.table("sequence", kSourceKeys))
     scene.source = read_source(t, folder);
   if (scene.source.path.empty()) root.fail("", "no sequence", "[sequence] with file = …");
-  scene.up = root.choice("up", 2, {{"x", 0}, {"y", 1}, {"z", 2}});
-  read_proposals(root, scene.proposals);
-  read_selections(root, folder, scene);
-  UniqueNames taken("name");
-  taken.read(root, "handle", {"name", "vertices", "parent"}, scene.handles, read_handle);
-  scene.features = read_features(root, taken);
-  read_steps(root, folder, scene);
+  read_sequence_edits(root, scene);
   scene.frames_out = "frames/frame_*.obj";
   for (const TomlTable& t : root.table("output", {"frames", "frames_per_second"})) {
     scene.frames_out = t.text("frames", scene.frames_out);
@@ -387,6 +394,21 @@ bool is_sequence_scene(const std::filesystem::path& file) {
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file) {
   return sequence_scene(parse_toml(text, file, "edits of a sequence ([sequence], [[operation]] …)"),
                         file);
+}
+
+SequenceScene parse_sequence_edits(const std::string& text, const std::filesystem::path& file) {
+  const toml::table table =
+      parse_toml(text, file, "edits of a sequence ([[handle]], [[operation]] …)");
+  refuse_renamed_keys(table, SceneKind::Sequence, file.string());
+  const TomlTable root(file.string(), table, "the edits of a sequence",
+                       {"name", "unit", "up", "proposals", "select", "cut", "handle", "feature",
+                        "features", "operation"});
+  SequenceScene scene;
+  scene.file = file;
+  scene.name = root.text("name", file.stem().string());
+  scene.unit = root.has("unit") ? read_unit(root, "unit") : "model units";
+  read_sequence_edits(root, scene);
+  return scene;
 }
 
 SequenceScene read_sequence_scene(const std::filesystem::path& file) {

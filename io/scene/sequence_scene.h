@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -24,6 +25,8 @@ struct SequenceSource {
   std::filesystem::path path;
   SourceLocation location;
   SequenceOptions options;
+  /// Frames in memory, which take the place of the file; nullptr: none.
+  std::shared_ptr<const MeshSequence> in_memory = nullptr;
 };
 
 /// [[handle]]: a named part of the mesh that operations move.
@@ -91,6 +94,8 @@ struct SequenceOperation {
     Vec3 translation = Vec3::Zero();
     std::filesystem::path terrain;  ///< mesh file of the terrain; empty: no terrain
     SourceLocation terrain_location;
+    /// A mesh in memory, which takes the place of the terrain's file; nullptr: none.
+    std::shared_ptr<const ShellMesh> terrain_in_memory = nullptr;
     /// Handles that follow the mean translation of the feet without rotating.
     std::vector<LocatedString> unrotated;
     /// Height of the centroid of a foot above the terrain, model units. Empty: the height of the
@@ -182,5 +187,8 @@ SequenceScene read_sequence_scene(const std::filesystem::path& file);
 /// Parses a sequence scene from text. `file` appears in messages, and relative paths are resolved
 /// against its folder.
 SequenceScene parse_sequence_scene(const std::string& text, const std::filesystem::path& file);
+/// Parses the edits of a sequence in memory: a sequence scene without [sequence], [output] and
+/// [[picture]], whose lengths have the unit of the sequence. `unit`, if given, appears in messages.
+SequenceScene parse_sequence_edits(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace batten

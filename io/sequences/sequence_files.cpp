@@ -18,7 +18,7 @@ FrameRange frame_range(const SequenceOptions& options, long all, const std::stri
   return {options.first - 1, static_cast<int>(last - options.first + 1)};
 }
 
-MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOptions& options,
+MeshSequence read_frames(const std::filesystem::path& path, const SequenceOptions& options,
                            const Progress& progress) {
   static const std::map<std::string, SequenceReader*> readers{
       {".pvd", read_pvd_sequence},   {".pc2", read_pc2_sequence},  {".mdd", read_mdd_sequence},

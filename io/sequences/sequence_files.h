@@ -12,7 +12,7 @@
 
 namespace batten {
 
-/// Options of read_sequence(). Frames are numbered from 1, in the order of the numbers or times of
+/// Options of read_frames(). Frames are numbered from 1, in the order of the numbers or times of
 /// the files.
 struct SequenceOptions {
   /// Mesh file that contains the faces of a point cache. Empty: a mesh next to the cache with the
@@ -65,7 +65,7 @@ struct SequenceOptions {
 ///
 /// Throws CancelledError if `progress` requests cancellation. Cost: O(frames · size). Memory: the
 /// frames and one file.
-MeshSequence read_sequence(const std::filesystem::path& path, const SequenceOptions& options = {},
+MeshSequence read_frames(const std::filesystem::path& path, const SequenceOptions& options = {},
                            const Progress& progress = {});
 
 // Readers of sequences, one per file format.
@@ -85,7 +85,7 @@ FrameRange frame_range(const SequenceOptions& options, long all, const std::stri
 /// mesh.
 inline constexpr double kWeldTolerance = 1e-6;
 
-/// Function type of the sequence readers, one per file format; parameters as in read_sequence().
+/// Function type of the sequence readers, one per file format; parameters as in read_frames().
 using SequenceReader = MeshSequence(const std::filesystem::path&, const SequenceOptions&,
                                     const Progress&);
 SequenceReader read_numbered_sequence, read_pvd_sequence, read_pc2_sequence, read_mdd_sequence,

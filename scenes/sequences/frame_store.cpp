@@ -1,6 +1,7 @@
 #include "batten/scenes/sequences/frame_store.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -50,6 +51,16 @@ std::string Fingerprint::text() const {
   std::ostringstream out;
   out << std::hex << hash_;
   return out.str();
+}
+
+std::vector<double> written_times(const fs::path& name, std::vector<double> times,
+                                  double frames_per_second) {
+  const bool numbered =
+      std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
+  if (lower_extension(name) != ".glb" || !numbered || times.empty()) return times;
+  const double start = times.front();
+  for (double& t : times) t = (t - start) / frames_per_second;
+  return times;
 }
 
 FrameStore::FrameStore(const fs::path& folder, const fs::path& hidden, const std::string& name,

@@ -28,6 +28,11 @@ class Fingerprint {
   std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
+/// Times of the frames in the output file `name`. glTF requires seconds: frame numbers are divided
+/// by `frames_per_second`.
+std::vector<double> written_times(const std::filesystem::path& name, std::vector<double> times,
+                                  double frames_per_second);
+
 /// Writes frames first … last of a sequence. Numbered files of a run with the same fingerprint are
 /// kept; those of another run are replaced.
 class FrameStore {

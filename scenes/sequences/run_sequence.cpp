@@ -15,11 +15,10 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/mesh_pictures.h"
-#include "batten/mesh/rotation_fitting.h"
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/scenes/runs/run_support.h"
 #include "batten/scenes/sequences/frame_store.h"
-#include "batten/scenes/sequences/sequence_steps.h"
+#include "batten/scenes/sequences/sequence_edits.h"
 
 namespace batten {
 
@@ -42,69 +41,6 @@ void draw_sequence(SequenceReport& report, const SequenceScene& scene,
 
 namespace {
 
-// Measurements of the output frames.
-
-/// Largest deviation of features and handles from a rigid-body motion by a step, over all frames.
-class PartDeviation {
- public:
-  explicit PartDeviation(const SequenceParts& parts)
-      : features(parts.features.size(), 0), handles(parts.handles.size(), 0) {}
-  /// Adds one frame: its positions before and after the step.
-  void measure(const SequenceParts& parts, const Points& before, const Points& after);
-
-  std::vector<double> features, handles;  ///< largest errors, relative to each part's size
-};
-
-template <class Part>
-void measure_parts(const std::vector<Part>& parts, const Points& before, const Points& after,
-                   std::vector<double>& largest) {
-  for (size_t k = 0; k < parts.size(); ++k)
-    largest[k] =
-        std::max(largest[k], fit_similarity(before, after, parts[k].vertices, 1.0).max_error);
-}
-
-void PartDeviation::measure(const SequenceParts& parts, const Points& before, const Points& after) {
-  measure_parts(parts.features, before, after, features);
-  measure_parts(parts.handles, before, after, handles);
-}
-
-/// The nodes and frames of planted feet, for FrameMeasures.
-std::vector<FrameMeasures::Foot> measured_feet(const SequenceParts& parts,
-                                               const std::vector<SequenceReport::Foot>& feet) {
-  std::vector<FrameMeasures::Foot> measured;
-  for (const SequenceReport::Foot& foot : feet) {
-    const auto h = std::ranges::find(parts.handles, foot.handle, &Handle::name);
-    if (h == parts.handles.end()) throw std::logic_error("a foot that is no handle");
-    measured.push_back({h->vertices, foot.first - 1, foot.last - 1});
-  }
-  return measured;
-}
-
-/// Stores all measurements in the report. `feet`: those that `measures` measured. `size`: of the
-/// first frame.
-void report_measures(const FrameMeasures& measures, const SequenceParts& parts,
-                     const PartDeviation& deviation, std::vector<SequenceReport::Foot> feet,
-                     double size, SequenceReport& report) {
-  report.second_difference = measures.max_second_difference();
-  report.inverted_triangles = measures.inverted_triangles();
-  for (size_t h = 0; h < parts.handles.size(); ++h)
-    report.handles.push_back(
-        {parts.handles[h].name, isize(parts.handles[h].vertices), deviation.handles[h]});
-  for (size_t f = 0; f < parts.features.size(); ++f)
-    report.features.push_back(
-        {parts.features[f].name, isize(parts.features[f].vertices), deviation.features[f]});
-  for (int f = 0; f < isize(feet); ++f)
-    feet[f].foot_skate = std::max(feet[f].foot_skate, measures.foot_skate(f) / size);
-  report.feet = std::move(feet);
-}
-
-/// True if each frame after a step corresponds to the input frame with the same number. Exceptions:
-/// root motion, which deforms nothing, and a morph, which deforms everything.
-bool keeps_frames(const SequenceOperation& step) {
-  return !std::holds_alternative<SequenceOperation::RootMotion>(step.what) &&
-         !std::holds_alternative<SequenceOperation::Morph>(step.what);
-}
-
 /// One run of `batten sequence`.
 class SequenceRun {
  public:
@@ -114,9 +50,12 @@ class SequenceRun {
 
   SequenceReport operator()() {
     read();
-    find_parts();
+    edits_->find_parts();
+    watch_.lap("parts");
     require_input_preserved();
-    apply_steps();
+    edits_->apply([&](const SequenceSource& source) { return read_source_frames(source); },
+                  progress_);
+    watch_.lap("operations");
     write_frames();
     draw();
     finish();
@@ -125,17 +64,7 @@ class SequenceRun {
 
  private:
   void read() {
-    report_.name = scene_.name;
-    report_.unit = scene_.unit;
-    current_ = std::make_shared<const PreparedSequence>(prepared_sequence(
-        read_frames(scene_.source), scene_.at(scene_.source.location), report_.warnings));
-    input_ = current_;
-    const MeshSequence& s = current_->sequence;
-    report_.file = scene_.source.path.filename().string();
-    report_.frames_before = s.frame_count();
-    report_.nodes = s.node_count();
-    report_.faces = s.shells.face_count();
-    report_.size = size_of(s);
+    edits_.emplace(scene_, read_source_frames(scene_.source), report_);
     fingerprint_.add("batten " BATTEN_VERSION "\n" +
                      read_input_file(scene_.file, "a sequence scene (.toml)"));
     add_files(scene_.selections);
@@ -155,21 +84,14 @@ class SequenceRun {
 
   /// Reads the frames of a source, and adds them to the fingerprint. Exceptions contain the
   /// location in the scene.
-  MeshSequence read_frames(const SequenceSource& source) {
+  MeshSequence read_source_frames(const SequenceSource& source) {
     try {
-      MeshSequence frames = read_sequence(source.path, source.options, progress_);
+      MeshSequence frames = read_frames(source.path, source.options, progress_);
       fingerprint_.add(frames);
       return frames;
     } catch (const InputError& e) {
       throw InputError(scene_.at(source.location) + e.what());
     }
-  }
-
-  void find_parts() {
-    file_.emplace(MeshFile::from_shells(input_->sequence.shells));
-    select_.emplace(scene_, *file_, input_->mesh);
-    parts_ = find_sequence_parts(scene_, *select_);
-    watch_.lap("parts");
   }
 
   /// Checks that a single output file does not overwrite the input.
@@ -187,65 +109,8 @@ class SequenceRun {
               ": the frames would overwrite the input, expected another folder or name");
   }
 
-  void apply_steps() {
-    last_ = unchanged_result(current_);
-    deviation_.emplace(parts_);
-    for (size_t k = 0; k < scene_.steps.size(); ++k) {
-      if (k > 0) {
-        const auto before = std::exchange(current_, collect_frames(last_, input_->mesh, progress_));
-        for (size_t f = 0; keeps_frames(scene_.steps[k - 1]) && f < before->sequence.frames.size();
-             ++f)
-          deviation_->measure(parts_, before->sequence.frames[f], current_->sequence.frames[f]);
-      }
-      const auto start = std::chrono::steady_clock::now();
-      last_ = step(scene_.steps[k]);
-      last_.report.seconds = seconds_since(start);
-      report_.steps.push_back(last_.report);
-      for (const auto& w : last_.warnings) report_.warnings.push_back(last_.report.name + ": " + w);
-      for (const auto& foot : last_.feet)
-        if (foot.foot_skate_before > 0.05)
-          report_.warnings.push_back(
-              last_.report.name + ": the foot '" + foot.handle + "' is planted in frames " +
-              std::to_string(foot.first) + " to " + std::to_string(foot.last) +
-              ", but moves there by " + format_number(foot.foot_skate_before) +
-              " of the size: use a smaller distance in contact_detection = { distance = … }");
-      if (last_.report.unconverged_keyframes > 0)
-        report_.warnings.push_back(
-            last_.report.name + ": " + std::to_string(last_.report.unconverged_keyframes) + " of " +
-            std::to_string(last_.report.keyframes) + " keyframes did not converge in " +
-            std::to_string(last_.report.iterations) + " iterations: the last change was " +
-            format_number(last_.report.last_change) +
-            " of the size; allow more with iterations = …");
-    }
-    watch_.lap("operations");
-  }
-
-  StepResult step(const SequenceOperation& rule) {
-    const FrameReader read = [&](const SequenceSource& source) { return read_frames(source); };
-    return run_step(scene_, rule, *current_, parts_, *select_, read, progress_);
-  }
-
-  /// Times of the output; glTF requires seconds.
-  std::vector<double> written_times() const {
-    std::vector<double> times = last_.times;
-    const bool numbered =
-        std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
-    if (lower_extension(scene_.frames_out) == ".glb" && numbered)
-      for (double& t : times) t = (t - last_.times.front()) / scene_.frames_per_second;
-    return times;
-  }
-
-  /// Computes frames of the last step.
-  void make_frames(int first, int last, const std::function<void(int, const Points&)>& take) const {
-    if (scene_.steps.empty())
-      last_.frames(first, last, take, progress_);
-    else
-      with_step_context(scene_, scene_.steps.back(),
-                        [&] { last_.frames(first, last, take, progress_); });
-  }
-
   void write_frames() {
-    const int count = isize(last_.times);
+    const int count = edits_->frame_count();
     const auto [first, last] = task_.frames.value_or(std::pair(1, count));
     if (first < 1 || last < first || last > count)
       throw InputError("found --frames " + std::to_string(first) + ":" + std::to_string(last) +
@@ -253,14 +118,13 @@ class SequenceRun {
     report_.frames = count;
     report_.first = first;
     report_.last = last;
-    FrameStore store(out_.folder(), out_.file(scene_.frames_out), scene_.frames_out, last_.shells,
-                     written_times(), first - 1, last - 1, fingerprint_.text());
+    const std::vector<double> times =
+        written_times(scene_.frames_out, edits_->result().times, scene_.frames_per_second);
+    FrameStore store(out_.folder(), out_.file(scene_.frames_out), scene_.frames_out,
+                     edits_->result().shells, times, first - 1, last - 1, fingerprint_.text());
     shown_ = shown_frames(scene_, report_.frames_before, first - 1, last - 1);
-    FrameMeasures measures(input_->mesh, measured_feet(parts_, last_.feet));
     const auto look = [&](int k, const Points& p) {
-      measures.add(k, p);
-      if (!scene_.steps.empty() && keeps_frames(scene_.steps.back()))
-        deviation_->measure(parts_, current_->sequence.frames[k], p);
+      edits_->measure(k, p);
       if (std::binary_search(shown_.after.begin(), shown_.after.end(), k)) kept_.push_back(p);
     };
     for (int k = first - 1; k < last;) {
@@ -272,46 +136,27 @@ class SequenceRun {
       }
       int end = k;
       while (end + 1 < last && !store.has(end + 1)) ++end;
-      make_frames(k, end, [&](int frame, const Points& p) {
+      const auto write = [&](int frame, const Points& p) {
         store.write(frame, p);
         look(frame, p);
-      });
+      };
+      edits_->make_frames(k, end, write, progress_);
       k = end + 1;
     }
     report_.files = store.finish();
-    report_measures(measures, parts_, *deviation_, last_.feet, report_.size, report_);
-    FrameMeasures before(input_->mesh);
-    for (int k = 0; k < report_.frames_before; ++k) before.add(k, input_->sequence.frames[k]);
-    report_.second_difference_before = before.max_second_difference();
-    report_.inverted_triangles_before = before.inverted_triangles();
+    edits_->finish_measures();
     watch_.lap("frames");
   }
 
   void draw() {
-    draw_sequence(report_, scene_, *input_, parts_, last_.shells, shown_, kept_, task_, out_);
+    draw_sequence(report_, scene_, edits_->input(), edits_->parts(), edits_->result().shells,
+                  shown_, kept_, task_, out_);
     watch_.lap("pictures");
-  }
-
-  std::vector<FailedCheck> failed_checks() const {
-    std::vector<FailedCheck> failed_checks;
-    for (const auto& f : report_.features)
-      if (!(f.max_rigid_error <= 1e-10))
-        failed_checks.push_back({"features." + f.name, "is deformed by " +
-                                                           format_number(f.max_rigid_error) +
-                                                           " of its size, expected at most 1e-10"});
-    for (const auto& f : report_.feet)
-      if (!(f.foot_skate <= f.max_foot_skate))
-        failed_checks.push_back({"foot_plants." + f.handle,
-                                 "slips by " + format_number(f.foot_skate) +
-                                     " of the size in frames " + std::to_string(f.first) + " to " +
-                                     std::to_string(f.last) + ", expected at most " +
-                                     format_number(f.max_foot_skate)});
-    return failed_checks;
   }
 
   void finish() {
     watch_.total();
-    write_report(report_, failed_checks(), out_, progress_, task_.name_of("report.json"));
+    write_report(report_, edits_->failed_checks(), out_, progress_, task_.name_of("report.json"));
     out_.commit();
   }
 
@@ -322,12 +167,7 @@ class SequenceRun {
   SequenceReport report_;
   Stopwatch watch_;
   Fingerprint fingerprint_;
-  std::shared_ptr<const PreparedSequence> input_, current_;
-  std::optional<MeshFile> file_;
-  std::optional<VertexSelector> select_;
-  SequenceParts parts_;
-  std::optional<PartDeviation> deviation_;
-  StepResult last_;
+  std::optional<SequenceEdits> edits_;
   ShownFrames shown_;
   std::vector<Points> kept_;
 };

@@ -396,6 +396,7 @@ class StepRunner {
 
   TriangleMesh read_terrain(const SequenceOperation::FootContacts& what) const {
     try {
+      if (what.terrain_in_memory) return prepare(*what.terrain_in_memory).mesh;
       return prepare(MeshFile::read(what.terrain).shells()).mesh;
     } catch (const InputError& e) {
       throw InputError(scene_.at(what.terrain_location) + e.what());

@@ -492,9 +492,12 @@ std::optional<RegionSpec> spec_of(const FeaturePatch& patch, const std::vector<S
   return spec;
 }
 
+constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
+
 }  // namespace
 
 void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
+  scene.network.tolerance = kMeet * mesh.size();
   const FeatureLines found = feature_lines(mesh);
   int creases = 0, free_edges = 0;
   for (const FeatureLine& feature : found.lines) {
@@ -509,7 +512,7 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
   }
   if (found.lines.empty())
     throw InputError(
-        "found no crease and no free edge in the mesh, expected --curves with the curves to keep");
+        "found no crease and no free edge in the mesh, expected the curves to keep (--curves)");
   for (int p = 0; p < isize(found.patches); ++p)
     if (auto spec = spec_of(found.patches[p], scene.lines)) {
       spec->name = "patch " + std::to_string(p + 1);
@@ -518,8 +521,6 @@ void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
 }
 
 namespace {
-
-constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
 
 /// Adds a region for each face of a CAD file, except faces with a line that occurs twice. The
 /// region search handles these.
@@ -554,9 +555,7 @@ Scene scene_of_target(const std::filesystem::path& target,
   Scene scene;
   if (lines.empty() && mesh) {
     scene.unit = unit;
-    const TriangleMesh surface = prepare(MeshFile::read(target).shells()).mesh;
-    add_mesh_lines(scene, surface);
-    scene.network.tolerance = kMeet * surface.size();
+    add_mesh_lines(scene, prepare(MeshFile::read(target).shells()).mesh);
   } else {
     scene = scene_of_lines(lines.empty() ? std::vector{target} : lines, {}, unit);
     if (lines.empty()) {
@@ -568,7 +567,7 @@ Scene scene_of_target(const std::filesystem::path& target,
   scene.name = target.stem().string();
   scene.step = scene.name + ".step";
   scene.vtp = scene.name + ".vtp";
-  scene.targets.push_back({{}, target, "", 0});
+  scene.targets.emplace_back().file = target;
   return scene;
 }
 

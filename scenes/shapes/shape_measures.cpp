@@ -204,7 +204,7 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
   for (const Distances& region : fit.before.regions) add_distances(region, before);
   for (const Distances& region : fit.after.regions) add_distances(region, t);
   for (const SceneTarget& target : scene.targets)
-    t.files.push_back(target.file.filename().string());
+    t.files.push_back(target.mesh ? "mesh of the scene" : target.file.filename().string());
   t.size = fit.layout->size();
   t.tolerance = target_tolerance(scene, t.size);
   t.before_rms = before.rms;

@@ -289,8 +289,14 @@ namespace {
 
 void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& target, double chord) {
   const double unit = unit_in_metres(scene.unit);
+  const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
+  if (target.mesh) {
+    all.append(
+        target.cage ? catmull_clark_limit(*target.mesh, {}, chord * unit / own) : *target.mesh,
+        own / unit);
+    return;
+  }
   if (MeshFile::can_read(target.file)) {
-    const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
     const MeshFile mesh = MeshFile::read(target.file);
     const ShellMesh& shells = mesh.shells();
     all.append(

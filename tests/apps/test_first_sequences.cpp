@@ -133,7 +133,7 @@ TEST_CASE("endings of single files count in capitals, too", "[apps][sequences]")
   const CliCase c("sequence_capitals");
   make_flag(c, "flag", 5);
   REQUIRE(edit(c, scene("", "", "f.GLB")).code == 0);
-  const auto back = batten::read_sequence(c / "out/f.GLB");
+  const auto back = batten::read_frames(c / "out/f.GLB");
   CHECK(back.times.back() == Approx(4.0 / 24));
   const CliResult r = edit(c, scene("", "", "f.PC2"), {"--frames", "1:2"}, "part");
   CHECK(r.code == 1);

@@ -37,7 +37,7 @@ TEST_CASE("frames of a document are those of batten sequence", "[apps][documents
   scene.frames_out = "frames/all_*.obj";
   scene.pictures.clear();
   run_sequence(scene, folder / "out");
-  const MeshSequence written = read_sequence(folder / "out/frames/all_*.obj", {}, {});
+  const MeshSequence written = read_frames(folder / "out/frames/all_*.obj", {}, {});
   CHECK(apart(document.sequence()->frames(), written) < 1e-9);
 }
 

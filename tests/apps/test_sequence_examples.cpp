@@ -63,7 +63,7 @@ class SequenceExample {
 
   /// A sequence of the examples, by its path relative to examples/ or to the results.
   MeshSequence sequence(const std::string& path) const {
-    return batten::read_sequence(case_ / path);
+    return batten::read_frames(case_ / path);
   }
   fs::path file(const std::string& path) const { return case_ / path; }
 

@@ -97,7 +97,7 @@ TEST_CASE("every kind of step goes over a walk", "[apps][sequences]") {
   const std::string travel = "type = \"root_motion\"\ncycles = 2\ndirection = [1,0,0]\n" + feet;
   nlohmann::json j = done(c, with_step(travel));
   CHECK(j["sequence"]["frames"].get<int>() == 33);
-  const MeshSequence far = read_sequence(c / "out/frames");
+  const MeshSequence far = read_frames(c / "out/frames");
   CHECK(far.frame_count() == 33);
   const MeshSequence before = walk_on_the_spot();
   CHECK(distance(far.frames[20],
@@ -120,7 +120,7 @@ TEST_CASE("every kind of step goes over a walk", "[apps][sequences]") {
                    "box = [[0.74,-1,-1],[0.76,1,1]] }] }\npair = [{ handle = \"back\", from = "
                    "\"x\" }]\n"));
   // A handle prescribed to its own motion changes nothing.
-  CHECK(distance(read_sequence(c / "out/frames").frames[5], before.frames[5]) < 1e-9);
+  CHECK(distance(read_frames(c / "out/frames").frames[5], before.frames[5]) < 1e-9);
   j = done(c,
            with_step("type = \"morph\"\ntarget = { file = \"in/walk_*.obj\", interval = [3, 10] }\n"
                      "interval = [5, 12]\n"));
@@ -145,7 +145,7 @@ TEST_CASE("an unrotated trunk stays on the path, and on a slope follows the mean
   REQUIRE(!trunk.empty());
   const auto frames = [&](const std::string& step) {
     done(c, kSequenceHead + head + step);
-    return read_sequence(c / "out/frames").frames;
+    return read_frames(c / "out/frames").frames;
   };
   const std::string bend = "type = \"path\"\nthrough = [[0,0,0],[1,0.3,0],[2,1.2,0]]\n";
   const auto along = trajectory_of(frames(bend), trunk),
@@ -252,14 +252,14 @@ TEST_CASE("frames are written as folders, caches, scenes and lists", "[apps][seq
   const CliCase c("sequence_files");
   put_walk(c);
   done(c, kSequenceHead + kKeyframes);
-  const MeshSequence wanted = read_sequence(c / "out/frames");
+  const MeshSequence wanted = read_frames(c / "out/frames");
   for (const std::string file : {"new.pc2", "new.glb", "new.pvd", "new/walk_%03d.ply"}) {
     INFO(file);
     done(c, kSequenceHead + kKeyframes + "[output]\nframes = \"" + file + "\"\n", "as");
     SequenceOptions options;
     if (file == "new.pc2") options.mesh = c / "as/new.obj";
     const fs::path path = file.starts_with("new/") ? c / "as/new" : c / ("as/" + file);
-    const MeshSequence found = read_sequence(path, options);
+    const MeshSequence found = read_frames(path, options);
     REQUIRE(found.frame_count() == wanted.frame_count());
     for (const int k : {0, 8, 16}) {
       CHECK((found.frames[k].colwise().mean() - wanted.frames[k].colwise().mean()).norm() < 0.05);

@@ -22,7 +22,7 @@ using namespace batten;
 
 /// The error message of reading a file, or "".
 inline std::string reading(const std::filesystem::path& path, const SequenceOptions& options = {}) {
-  return error_message([&] { read_sequence(path, options); });
+  return error_message([&] { read_frames(path, options); });
 }
 
 /// A waving strip of quads; its last faces are a triangle and a pentagon.

@@ -130,7 +130,7 @@ TEST_CASE("results are frames of their skin", "[io][sequences]") {
   const fs::path folder = scratch("frd_sequence/steps"), file = folder / "a.frd";
   put_bytes(file, kHead + step("5.00000E-01", "1.00000E+00") + step("1.00000E+00", "2.50000E+00") +
                       " 9999\n");
-  const MeshSequence s = read_sequence(file);
+  const MeshSequence s = read_frames(file);
   CHECK(s.times == std::vector<double>{0.5, 1});
   CHECK(s.node_count() == 5);
   CHECK(s.shells.face_count() == 6);  // the shared face is inside
@@ -140,13 +140,13 @@ TEST_CASE("results are frames of their skin", "[io][sequences]") {
   CHECK(volume(s.shells, s.frames[1]) == Approx((3.5 + 1) / 6));
   SequenceOptions second;
   second.first = 2;
-  CHECK(read_sequence(file, second).times == std::vector<double>{1});
+  CHECK(read_frames(file, second).times == std::vector<double>{1});
   second.first = 3;
   CHECK_THAT(reading(file, second),
              Contains("a.frd: found 2 frames, expected frames 3 to the end"));
   // Modes with one frequency.
   put_bytes(file, kHead + step("3.00000E+00", "1.00000E+00") + step("3.00000E+00", "2.00000E+00"));
-  CHECK(read_sequence(file).times == std::vector<double>{1, 2});
+  CHECK(read_frames(file).times == std::vector<double>{1, 2});
   // The results of the last step are unchanged.
   CHECK(read_frd(file).nodes[3].displacement == Vec3(0, 0, 2));
 }
@@ -197,7 +197,7 @@ TEST_CASE("ccx' own results have closed skins, whatever the element", "[io][sequ
     put_bytes(folder / (kind.name + ".inp"), deck_of(kind));
     REQUIRE(std::system(
                 ("cd '" + folder.string() + "' && ccx " + kind.name + " > log 2>&1").c_str()) == 0);
-    const MeshSequence s = read_sequence(folder / (kind.name + ".frd"));
+    const MeshSequence s = read_frames(folder / (kind.name + ".frd"));
     REQUIRE(s.frame_count() == 2);
     CHECK(s.times == std::vector<double>{1, 2});
     CHECK(s.shells.face_count() == kind.faces);

@@ -76,7 +76,7 @@ MeshSequence read_at(const fs::path& path, double rate, const std::string& anima
   SequenceOptions options;
   options.frames_per_second = rate;
   options.animation = animation;
-  return read_sequence(path, options);
+  return read_frames(path, options);
 }
 
 }  // namespace
@@ -180,10 +180,10 @@ TEST_CASE("seams are one chain of nodes while their sides stay together", "[io][
   // Two triangles with coincident edges, as four plus two vertices.
   scene.primitive()["attributes"]["POSITION"] =
       scene.vectors({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0});
-  CHECK(read_sequence(scene.write(folder / "a.gltf")).node_count() == 4);
+  CHECK(read_frames(scene.write(folder / "a.gltf")).node_count() == 4);
   SequenceOptions apart;
   apart.weld_seams = false;
-  CHECK(read_sequence(folder / "a.gltf", apart).node_count() == 6);
+  CHECK(read_frames(folder / "a.gltf", apart).node_count() == 6);
   // Vertex 3 leaves vertex 2 in the last key: whichever frames are read, these are two nodes.
   scene.primitive()["targets"] = {
       {{"POSITION", scene.vectors({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0})}}};
@@ -191,7 +191,7 @@ TEST_CASE("seams are one chain of nodes while their sides stay together", "[io][
   scene.move(0, "weights", times, scene.scalars({0, 0, 1}), "LINEAR");
   SequenceOptions first;
   first.last = 1;
-  const MeshSequence s = read_sequence(scene.write(folder / "b.gltf"), first);
+  const MeshSequence s = read_frames(scene.write(folder / "b.gltf"), first);
   CHECK(s.frame_count() == 1);
   CHECK(s.node_count() == 5);
   CHECK(faces_of(s.shells) == std::vector<std::vector<int>>{{0, 1, 2}, {3, 1, 4}});
@@ -208,7 +208,7 @@ TEST_CASE("strips, fans and several parts are one mesh", "[io][sequences]") {
   SequenceOptions apart;
   apart.weld_seams = false;
   const fs::path file = scene.write(gltf_folder("strips") / "a.gltf");
-  const MeshSequence s = read_sequence(file, apart);
+  const MeshSequence s = read_frames(file, apart);
   CHECK(faces_of(s.shells) ==
         std::vector<std::vector<int>>{{0, 1, 2}, {3, 4, 5}, {5, 4, 6}, {7, 8, 10}, {7, 10, 9}});
 }
@@ -222,7 +222,7 @@ TEST_CASE("whole numbers stand for fractions where they are normalized", "[io][s
   scene.root["accessors"][position]["normalized"] = true;
   scene.root["bufferViews"][position]["byteStride"] = 8;
   scene.primitive()["attributes"]["POSITION"] = position;
-  const MeshSequence s = read_sequence(scene.write(gltf_folder("quantized") / "a.gltf"));
+  const MeshSequence s = read_frames(scene.write(gltf_folder("quantized") / "a.gltf"));
   CHECK(s.frames[0] == (Points(3, 3) << 0, 0, 0, 1, 0, 0, -1, 1, 0).finished());
 }
 
@@ -249,13 +249,13 @@ TEST_CASE("buffers are found in files, URIs and GLB", "[io][sequences]") {
   const fs::path folder = gltf_folder("buffers");
   Scene scene = triangle();
   scene.write(folder / "a.gltf");
-  CHECK(read_sequence(folder / "a.gltf").node_count() == 3);
+  CHECK(read_frames(folder / "a.gltf").node_count() == 3);
   scene.root["buffers"][0]["uri"] = "my%20data.bin";
   put_bytes(folder / "b.gltf", scene.root.dump());
   CHECK_THAT(reading(folder / "b.gltf"),
              Contains("b.gltf: ") && Contains("my data.bin: found no such file"));
   put_bytes(folder / "my data.bin", scene.data);
-  CHECK(read_sequence(folder / "b.gltf").node_count() == 3);
+  CHECK(read_frames(folder / "b.gltf").node_count() == 3);
   put_bytes(folder / "my data.bin", scene.data.substr(0, 20));
   CHECK_THAT(reading(folder / "b.gltf"), Contains("found 20 bytes in buffer 0, expected 36"));
   scene.root["buffers"][0]["uri"] = "data:application/octet-stream;base64,!!!!";
@@ -369,7 +369,7 @@ TEST_CASE("no damage to a GLB brings the reader down", "[io][sequences]") {
       SequenceOptions options;
       options.last = 1;
       options.frames_per_second = 2;
-      refused += !error_message([&] { read_sequence(folder / "b.glb", options); }).empty();
+      refused += !error_message([&] { read_frames(folder / "b.glb", options); }).empty();
     }
   INFO(refused << " of " << all);
   CHECK(refused > all / 4);
@@ -395,7 +395,7 @@ TEST_CASE("real clips are baked as others bake them", "[io][sequences]") {
     const MeshSequence ours = read_at(scene, (clip.frames - 1) / clip.seconds, clip.name);
     CHECK(ours.node_count() == clip.nodes);
     CHECK(ours.times.back() == Approx(clip.seconds));
-    const MeshSequence theirs = read_sequence(cache);
+    const MeshSequence theirs = read_frames(cache);
     CHECK(faces_of(ours.shells) == faces_of(theirs.shells));
     CHECK(apart(ours, theirs) < 3e-7 * size_of(theirs));
     ++read;

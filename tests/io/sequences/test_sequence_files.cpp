@@ -38,7 +38,7 @@ TEST_CASE("numbered files come in the order of their numbers", "[io][sequences]"
   put_bytes(folder / "other1.obj", "v 0 0 0\n");
   for (const fs::path& path : {folder, folder / "w*.obj", folder / "w%d.obj", folder / "w10.obj"}) {
     INFO(path);
-    const MeshSequence s = read_sequence(path);
+    const MeshSequence s = read_frames(path);
     CHECK(s.times == std::vector<double>{8, 9, 10, 11});
     REQUIRE(s.frame_count() == 4);
     for (int k = 0; k < 4; ++k) CHECK(s.frames[k](0, 2) == 8 + k);
@@ -47,7 +47,7 @@ TEST_CASE("numbered files come in the order of their numbers", "[io][sequences]"
   SequenceOptions part;
   part.first = 2;
   part.last = 3;
-  const MeshSequence s = read_sequence(folder, part);
+  const MeshSequence s = read_frames(folder, part);
   CHECK(s.times == std::vector<double>{9, 10});
   CHECK(s.shells.points(0, 2) == 9);
   part.last = 5;
@@ -65,9 +65,9 @@ TEST_CASE("missing numbers are named, strides are none", "[io][sequences]") {
                                        "from 0 to 50 in steps of 10"));
   SequenceOptions gaps;
   gaps.allow_gaps = true;
-  CHECK(read_sequence(folder, gaps).times == std::vector<double>{0, 10, 20, 50});
+  CHECK(read_frames(folder, gaps).times == std::vector<double>{0, 10, 20, 50});
   fs::remove(folder / "a50.obj");
-  CHECK(read_sequence(folder).times == std::vector<double>{0, 10, 20});
+  CHECK(read_frames(folder).times == std::vector<double>{0, 10, 20});
   put_bytes(folder / "a100000.obj", triangle(1));
   put_bytes(folder / "a99999.obj", triangle(1));
   CHECK_THAT(reading(folder), Contains("the numbers 1, 2, 3, 4, 5, 6, 7, 8 and 99988 more"));
@@ -85,7 +85,7 @@ TEST_CASE("names that are no series are refused", "[io][sequences]") {
   put_bytes(folder / "a01.obj", triangle(1));
   CHECK_THAT(reading(folder / "a*.obj"), Contains("found the number 1 also in a01.obj"));
   put_bytes(folder / "alone.obj", triangle(3));
-  CHECK(read_sequence(folder / "alone.obj").frame_count() == 1);
+  CHECK(read_frames(folder / "alone.obj").frame_count() == 1);
 }
 
 TEST_CASE("faces that change are refused by the first that differs", "[io][sequences]") {
@@ -134,7 +134,7 @@ TEST_CASE("STL corners that were one node stay one", "[io][sequences]") {
   };
   // Two nodes coincide: alone, this file has three nodes.
   CHECK(second(stl_text({{a, b, c}, {c, b, b}})).empty());
-  const MeshSequence s = read_sequence(folder);
+  const MeshSequence s = read_frames(folder);
   CHECK(s.node_count() == 4);
   CHECK(s.frames[1].row(3) == b.transpose());
   // A corner that differs by the rounding of its text.
@@ -151,7 +151,7 @@ TEST_CASE("decks are sequences, too", "[io][sequences]") {
     put_bytes(folder / ("d" + std::to_string(k) + ".bdf"),
               "GRID,7,,0.,0.," + std::to_string(k) + ".\nGRID,8,,1.,0.,0.\nGRID,9,,0.,1.,0.\n" +
                   "CTRIA3,1,1,7,8,9\nENDDATA\n");
-  const MeshSequence s = read_sequence(folder);
+  const MeshSequence s = read_frames(folder);
   CHECK(s.frame_count() == 2);
   CHECK(s.frames[1](0, 2) == 2);
   put_bytes(folder / "d2.bdf",
@@ -173,7 +173,7 @@ TEST_CASE("lists of ParaView are read as they are", "[io][sequences]") {
              "<DataSet\n timestep='2.5' part=\"0\" file='a b/a b_0002.vtp'/>"
              "<DataSet file=\"a b/a b_0003.vtp\" timestep=\"7e0\"></DataSet>")
             .empty());
-  const MeshSequence back = read_sequence(folder / "l.pvd");
+  const MeshSequence back = read_frames(folder / "l.pvd");
   CHECK(back.times == std::vector<double>{2.5, 7});
   CHECK(back.frames[0] == s.frames[1]);
   CHECK_THAT(list("<DataSet timestep=\"1\" file=\"a b/a b_0001.vtp\"/>"
@@ -223,7 +223,7 @@ TEST_CASE("damaged point caches are refused with their numbers", "[io][sequences
     put_bytes(file, good);
     SequenceOptions options;
     options.first = options.last = 2;
-    const MeshSequence second = read_sequence(file, options);
+    const MeshSequence second = read_frames(file, options);
     CHECK(second.frame_count() == 1);
     CHECK(second.times == std::vector<double>{1});
     CHECK((second.frames[0] - s.frames[1]).norm() < 1e-6);
@@ -253,14 +253,14 @@ TEST_CASE("the mesh of a point cache is found beside it", "[io][sequences]") {
   const MeshSequence s = wave(2, 1);
   write_sequence(folder / "a.pc2", s);
   fs::rename(folder / "a.obj", folder / "mesh.obj");
-  CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);  // the only one
+  CHECK(read_frames(folder / "a.pc2").frame_count() == 2);  // the only one
   put_bytes(folder / "small.obj", triangle(1));
   CHECK_THAT(reading(folder / "a.pc2"), Contains("found 2 mesh files next to this point cache"));
   fs::rename(folder / "mesh.obj", folder / "a_03.obj");
   put_bytes(folder / "a_12.obj", triangle(1));
-  CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);  // the first numbered one
+  CHECK(read_frames(folder / "a.pc2").frame_count() == 2);  // the first numbered one
   fs::rename(folder / "a_03.obj", folder / "a.obj");
-  CHECK(read_sequence(folder / "a.pc2").frame_count() == 2);
+  CHECK(read_frames(folder / "a.pc2").frame_count() == 2);
 }
 
 TEST_CASE("sequences are stopped by their caller", "[io][sequences]") {
@@ -272,7 +272,7 @@ TEST_CASE("sequences are stopped by their caller", "[io][sequences]") {
     int asked = 0;
     Progress progress;
     progress.cancelled = [&] { return ++asked == 3; };
-    CHECK_THROWS_AS(read_sequence(path, {}, progress), CancelledError);
+    CHECK_THROWS_AS(read_frames(path, {}, progress), CancelledError);
   }
 }
 
@@ -281,8 +281,8 @@ TEST_CASE("caches and files of real sequences agree", "[io][sequences]") {
   for (const std::string clip : {"walk", "run", "survey"}) {
     const fs::path folder = optional_data("seq-fox/" + clip);
     if (folder.empty()) continue;
-    const MeshSequence files = read_sequence(folder),
-                       cache = read_sequence(folder / ("fox_" + clip + ".pc2"));
+    const MeshSequence files = read_frames(folder),
+                       cache = read_frames(folder / ("fox_" + clip + ".pc2"));
     CHECK(files.node_count() == 290);
     CHECK(files.shells.face_count() == 576);
     CHECK(files.frame_count() == (clip == "survey" ? 40 : 24));
@@ -290,14 +290,14 @@ TEST_CASE("caches and files of real sequences agree", "[io][sequences]") {
     ++read;
   }
   if (const fs::path can = optional_data("seq-can-crush"); !can.empty()) {
-    const MeshSequence files = read_sequence(can);
+    const MeshSequence files = read_frames(can);
     CHECK(files.frame_count() == 3);
     CHECK(files.node_count() == 3682);
-    CHECK(apart(files, read_sequence(can / "can.pc2")) < 1e-6 * size_of(files));
+    CHECK(apart(files, read_frames(can / "can.pc2")) < 1e-6 * size_of(files));
     ++read;
   }
   if (const fs::path cloth = optional_data("seq-cloth-ball"); !cloth.empty()) {
-    const MeshSequence s = read_sequence(cloth);
+    const MeshSequence s = read_frames(cloth);
     CHECK(s.times == std::vector<double>{92, 93});
     CHECK(s.node_count() == 46598);
     ++read;

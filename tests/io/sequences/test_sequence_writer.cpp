@@ -36,7 +36,7 @@ TEST_CASE("numbered files come back bit by bit", "[io][sequences]") {
     write_sequence(folder / ("a_*" + extension), s);
     CHECK(names_in(folder) == std::set<std::string>{"a_0000" + extension, "a_0001" + extension,
                                                     "a_0002" + extension, "a_0003" + extension});
-    const MeshSequence back = read_sequence(folder / ("a_*" + extension));
+    const MeshSequence back = read_frames(folder / ("a_*" + extension));
     CHECK(apart(s, back) == 0);
     CHECK(back.times == s.times);
     CHECK(faces_of(back.shells) == faces_of(s.shells));
@@ -51,7 +51,7 @@ TEST_CASE("STL frames keep their triangles", "[io][sequences]") {
     for (int i = 0; i < s.node_count(); ++i) s.frames[k](i, 0) += (k - 1) * s.frames[k](i, 1);
   const fs::path folder = writer_folder("stl");
   write_sequence(folder / "a_%02d.stl", s);
-  const MeshSequence back = read_sequence(folder);
+  const MeshSequence back = read_frames(folder);
   REQUIRE(back.node_count() == s.node_count());
   CHECK(back.shells.face_count() == 3 * 2 + 3 + 1);
   CHECK(back.times == std::vector<double>{1, 2, 3});
@@ -86,8 +86,8 @@ TEST_CASE("a folder gets numbered OBJ files that VTK reads", "[io][sequences]") 
     CHECK((points_of(reader->GetOutput()) - s.frames[k]).norm() < 1e-6);
     CHECK(reader->GetOutput()->GetNumberOfPolys() == s.shells.face_count());
   }
-  CHECK(apart(read_sequence(folder), s) == 0);
-  CHECK(apart(read_sequence(folder / "frame_0002.obj"), s) == 0);
+  CHECK(apart(read_frames(folder), s) == 0);
+  CHECK(apart(read_frames(folder / "frame_0002.obj"), s) == 0);
 }
 
 TEST_CASE("ParaView's list has the times", "[io][sequences]") {
@@ -97,7 +97,7 @@ TEST_CASE("ParaView's list has the times", "[io][sequences]") {
   CHECK(names_in(folder) == std::set<std::string>{"run", "run.pvd"});
   CHECK(names_in(folder / "run") ==
         std::set<std::string>{"run_0001.vtp", "run_0002.vtp", "run_0003.vtp"});
-  const MeshSequence back = read_sequence(folder / "run.pvd");
+  const MeshSequence back = read_frames(folder / "run.pvd");
   CHECK(apart(back, s) == 0);
   CHECK(back.times == s.times);
   CHECK(faces_of(back.shells) == faces_of(s.shells));
@@ -136,7 +136,7 @@ TEST_CASE("point caches comply with their formats", "[io][sequences]") {
         CHECK(number_in<float>(mdd, 20 + 12 * (k * size_t(n) + i) + 4 * c, true) == value);
       }
   for (const std::string name : {"a.pc2", "b.mdd"}) {
-    const MeshSequence back = read_sequence(folder / name);
+    const MeshSequence back = read_frames(folder / name);
     for (int k = 0; k < 3; ++k) CHECK(back.frames[k] == s.frames[k].cast<float>().cast<double>());
     CHECK(back.times == (name == "a.pc2" ? s.times : uneven.times));
     CHECK(faces_of(back.shells) == faces_of(s.shells));
@@ -152,14 +152,14 @@ TEST_CASE("GLB files come back and move in VTK", "[io][sequences]") {
   write_sequence(file, s);
   SequenceOptions keys;
   keys.frames_per_second = 0;
-  const MeshSequence back = read_sequence(file, keys);
+  const MeshSequence back = read_frames(file, keys);
   CHECK(apart(back, s) < 2e-7 * size_of(s));
   CHECK(back.times == s.times);
   CHECK(back.shells.face_count() == 3 * 2 + 3 + 1);
   // Interpolated between frames.
   SequenceOptions between;
   between.frames_per_second = 4;
-  const MeshSequence finer = read_sequence(file, between);
+  const MeshSequence finer = read_frames(file, between);
   REQUIRE(finer.frame_count() == 9);
   for (int k = 0; k < 4; ++k)
     CHECK((finer.frames[2 * k + 1] - (s.frames[k] + s.frames[k + 1]) / 2).norm() < 1e-6);
@@ -191,7 +191,7 @@ TEST_CASE("one frame is a scene that stands still", "[io][sequences]") {
   const fs::path folder = writer_folder("one");
   for (const std::string name : {"a.glb", "a.pc2", "a.mdd", "a.pvd", "a_*.obj"}) {
     write_sequence(folder / name, s);
-    CHECK(apart(read_sequence(folder / name), s) < 1e-6);
+    CHECK(apart(read_frames(folder / name), s) < 1e-6);
   }
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("a run that was stopped goes on where it was", "[io][sequences]") {
     }
   again.finish();
   CHECK(written == std::vector<int>{2, 3});
-  CHECK(apart(read_sequence(folder), s) == 0);
+  CHECK(apart(read_frames(folder), s) == 0);
   CHECK(again.files().size() == 4);
 }
 
@@ -242,7 +242,7 @@ TEST_CASE("several runs share the frames of numbered files", "[io][sequences]") 
   SequenceWriter first(folder / "a_*.off", s.shells, s.times);
   for (int k = 0; k < 2; ++k) first.write(k, s.frames[k]);
   second.finish();
-  CHECK(apart(read_sequence(folder), s) == 0);
+  CHECK(apart(read_frames(folder), s) == 0);
 }
 
 TEST_CASE("writers refuse data that they cannot write", "[io][sequences]") {
