@@ -333,7 +333,11 @@ VecX mean_curvatures(const TriangleMesh& mesh, const VecX& area) {
   return C;
 }
 
-/// Itti's weight (1 - m̄)² of a map: m̄ is the mean of its local maxima except the global one.
+/// Local maxima of a map below this value, relative to the global one, are rounding errors of flat
+/// regions.
+constexpr double kSmallestPeak = 1e-6;
+
+/// Itti's weight (1 - m̄)² of a map whose maximum is 1: m̄ is the mean of its other local maxima.
 double normalization_weight(const TriangleMesh& mesh, const VecX& map) {
   int highest = -1;
   double sum = 0;
@@ -343,7 +347,7 @@ double normalization_weight(const TriangleMesh& mesh, const VecX& map) {
     const bool peak = !ring.empty() && std::all_of(ring.begin(), ring.end(), [&](int u) {
       return map[v] > map[u] || (map[v] == map[u] && v < u);
     });
-    if (!peak || !(map[v] > 0)) continue;
+    if (!peak || !(map[v] > kSmallestPeak)) continue;
     sum += map[v];
     ++count;
     if (highest < 0 || map[v] > map[highest]) highest = v;

@@ -93,8 +93,8 @@ int nearest_vertex(const TriangleMesh& mesh, const Vec3& point);
 ///
 /// `size` is the diagonal of the bounding box of the mesh, p_i the position and A_j the mixed area
 /// of a vertex. The operator N divides a map S_σ by its maximum and multiplies it by (1 - m̄)²,
-/// where m̄ is the mean of the other local maxima. Maps with a few high peaks therefore count more
-/// than maps with many similar ones. [Lee2005] has no weights A_j; they make the result independent
+/// where m̄ is the mean of the other local maxima above 1e-6. Maps with a few high peaks therefore
+/// count more than maps with many similar ones. [Lee2005] has no weights A_j; they make the result independent
 /// of local mesh refinement. The saliency is 0 everywhere on surfaces of nearly constant curvature
 /// (all S_σ below 1e-9 / size).
 ///
