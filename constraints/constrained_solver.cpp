@@ -82,6 +82,48 @@ Points ConstrainedSolver::solve_refined(const Points& F) const {
   return q;
 }
 
+std::optional<Points> ConstrainedSolver::solve_similar(const AffineReduction& reduction,
+                                                       const SparseMatrix& K, const Points& F,
+                                                       const Points& start, double tolerance,
+                                                       int max_iterations) const {
+  if (K.rows() != F.size() || start.rows() != F.rows())
+    throw InputError("solve_similar() needs a stiffness matrix of the stacked dofs, 3n by 3n");
+  if (reduction.free_dofs() != reduction_.free_dofs()) return std::nullopt;
+  const auto times_K = [&K](const VecX& x) -> VecX {
+    return K.selfadjointView<Eigen::Lower>() * x;
+  };
+  const auto precondition = [this](const VecX& r) {
+    MatX z = r;
+    solve_reduced(z);
+    return VecX(z);
+  };
+  VecX y(reduction.D().cols());
+  for (long f = 0; f < y.size(); ++f)
+    y[f] = start.data()[reduction.free_dofs()[static_cast<size_t>(f)]];
+  VecX x = reduction.D() * y + reduction.d0().col(0), Kx = times_K(x);
+  VecX r = reduction.D().transpose() * (Eigen::Map<const VecX>(F.data(), F.size()) - Kx);
+  VecX z = precondition(r), direction = z;
+  double rz = r.dot(z);
+  for (int iteration = 0;; ++iteration) {
+    throw_if_cancelled();
+    if (!std::isfinite(rz)) return std::nullopt;
+    if (std::sqrt(std::max(0.0, rz)) <= tolerance * std::sqrt(std::max(0.0, x.dot(Kx))))
+      return Points(Eigen::Map<const Points>(x.data(), F.rows(), 3));
+    if (iteration == max_iterations) return std::nullopt;
+    const VecX step = reduction.D() * direction, K_step = times_K(step);
+    const double curvature = step.dot(K_step);
+    if (!(curvature > 0)) return std::nullopt;
+    const double length = rz / curvature;
+    x += length * step;
+    Kx += length * K_step;
+    r -= length * (reduction.D().transpose() * K_step);
+    z = precondition(r);
+    const double before = rz;
+    rz = r.dot(z);
+    direction = z + (rz / before) * direction;
+  }
+}
+
 namespace {
 
 Points product(const SparseMatrix& A, const Points& x) {

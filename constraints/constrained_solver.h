@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
@@ -44,6 +45,18 @@ class ConstrainedSolver {
   /// Solves the reduced system (DᵀKD) y = b for the free unknowns y, with D = reduction().D(). b is
   /// overwritten by y.
   void solve_reduced(Eigen::Ref<MatX> b) const;
+  /// Solves K x = F (F: n×3) for another, similar K (lower triangle) under other constraints
+  /// `reduction`, by the conjugate gradient method with the factorization of this solver as the
+  /// preconditioner ([HestenesStiefel1952]). K must be 3n×3n.
+  ///
+  /// `start`: initial guess of the free unknowns, n×3, such as the solution of this solver. Stops
+  /// when the estimated error in the energy norm is below `tolerance`, relative to the solution.
+  /// Returns nullopt if `max_iterations` are not enough, or if the constraints leave other unknowns
+  /// free than those of this solver. Cost per iteration: one product and one pair of triangular
+  /// solves.
+  std::optional<Points> solve_similar(const AffineReduction& reduction, const SparseMatrix& K,
+                                      const Points& F, const Points& start, double tolerance,
+                                      int max_iterations) const;
   const AffineReduction& reduction() const { return reduction_; }
   const SparseMatrix& K() const { return K_; }
 

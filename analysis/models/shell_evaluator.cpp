@@ -6,39 +6,81 @@
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 
 namespace batten {
+
+// Prepares the shell for a shape: its own system, or one that is similar to it.
+void ShellEvaluator::update(const ModelLayout& layout, const Points& shape) {
+  similar_.reset();
+  const bool same_mesh = shell_ && shell_->layout().mesh() == layout.mesh();
+  if (!same_mesh) {
+    displacements_.clear();
+    shell_.reset();
+    shell_.emplace(layout, shape, problem_.definition(layout, shape));
+  } else if (shell_->shape() != shape) {
+    similar_.emplace(shell_->assemble_system(shape));
+  }
+  shape_ = shape;
+}
+
+// Factors the system of the current shape.
+void ShellEvaluator::factor() {
+  if (!similar_) return;
+  similar_.reset();
+  try {
+    shell_->update_shape(shape_);
+  } catch (...) {
+    shell_.reset();  // without a valid factorization
+    throw;
+  }
+}
+
+Points ShellEvaluator::solve(const ShellLoadCase& load_case, size_t index) {
+  if (similar_ && index < displacements_.size()) {
+    if (auto q = shell_->solve(*similar_, load_case.load, displacements_[index])) return *q;
+    factor();
+  }
+  return shell_->solve(load_case.load);
+}
+
+std::unique_ptr<const ShellEvaluator::Solved> ShellEvaluator::recovered(
+    const std::string& name, const Points& displacement) const {
+  auto solved = std::make_unique<Solved>(Solved{name, displacement, nullptr});
+  solved->stresses = std::make_unique<const ShellStresses>(assembler(), solved->displacement);
+  return solved;
+}
 
 ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Points& shape,
                                              const Progress& progress) {
   const ProgressScope scope(progress);
-  displacement_.resize(0, 3);
-  if (shell_ && shell_->layout().mesh() == layout.mesh())
-    shell_->update_shape(shape);
-  else
-    shell_.emplace(layout, shape, problem_.definition(layout, shape));
+  governing_.reset();
+  update(layout, shape);
   const std::vector<ShellLoadCase> cases =
-      problem_.load_cases(shell_->layout(), shell_->shape(), shell_->definition());
+      problem_.load_cases(shell_->layout(), shape_, shell_->definition());
   if (cases.empty()) throw InputError("found no load case, expected at least one");
-  MaxValues largest;
-  Points governing;
-  for (const ShellLoadCase& one : cases) {
-    update_progress("solving", static_cast<double>(&one - cases.data()) /
-                                   static_cast<double>(cases.size()));
-    Points q = shell_->solve(one.load);
-    largest.displacement = std::max(largest.displacement, max_displacement(*shell_, q).value);
-    const double peak = ShellStresses(*shell_, q).peak().value;
-    if (governing.size() > 0 && peak < largest.von_mises) continue;
-    largest.von_mises = peak;
-    governing_case_ = one.name;
-    governing = std::move(q);
+  std::vector<Points> displacements;
+  for (size_t i = 0; i < cases.size(); ++i) {
+    update_progress("solving", static_cast<double>(i) / static_cast<double>(cases.size()));
+    displacements.push_back(solve(cases[i], i));
   }
-  displacement_ = std::move(governing);
+  displacements_ = std::move(displacements);
+  MaxValues largest;
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const Surface moved = shell_->layout().surface(displacements_[i]);
+    largest.displacement =
+        std::max(largest.displacement, max_displacement(assembler().surface(), moved).value);
+    auto solved = recovered(cases[i].name, displacements_[i]);
+    const double peak = solved->stresses->peak().value;
+    if (governing_ && peak < largest.von_mises) continue;
+    largest.von_mises = peak;
+    governing_ = std::move(solved);
+  }
   return largest;
 }
 
 void ShellEvaluator::require_shape() const {
-  if (displacement_.size() == 0)
+  if (!governing_)
     throw InputError("found no shape of the shell, expected one that at() has evaluated");
 }
 
@@ -46,26 +88,33 @@ ShellEvaluator::Field ShellEvaluator::field(const std::vector<Location>& locatio
                                             const Progress& progress) const {
   const ProgressScope scope(progress);
   require_shape();
-  const ShellStresses stresses(*shell_, displacement_);
-  const Surface moved = shell_->layout().surface(displacement_);
+  const Surface moved = shell_->layout().surface(governing_->displacement);
   Field field;
-  field.load_case = governing_case_;
-  for (const Location& where : locations) {
-    poll_every<1024>(&where - locations.data());
-    const ShellStress stress = stresses.at(where);
-    const Vec3 u = moved.position(where);
-    field.von_mises.push_back(
-        static_cast<float>(std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)))));
-    for (const double x : u) field.displacement.push_back(static_cast<float>(x));
-  }
+  field.load_case = governing_->name;
+  field.von_mises.resize(locations.size());
+  field.displacement.resize(3 * locations.size());
+  parallel_for_each<256>(isize(locations), [&](int i) {
+    const auto at = static_cast<size_t>(i);
+    const ShellStress stress = governing_->stresses->at(locations[at]);
+    field.von_mises[at] =
+        static_cast<float>(std::max(von_mises(stress.at(1)), von_mises(stress.at(-1))));
+    const Vec3 u = moved.position(locations[at]);
+    for (size_t c = 0; c < 3; ++c)
+      field.displacement[3 * at + c] = static_cast<float>(u[static_cast<long>(c)]);
+  });
   return field;
 }
 
 ShellEvaluator::ModeShapes ShellEvaluator::mode_shapes(const std::vector<Location>& locations,
-                                                       int count,
-                                                       const Progress& progress) const {
+                                                       int count, const Progress& progress) {
   const ProgressScope scope(progress);
   require_shape();
+  if (similar_) {
+    // The stresses refer to the similar system.
+    const auto before = std::move(governing_);
+    factor();
+    governing_ = recovered(before->name, before->displacement);
+  }
   const ShellModes modes = natural_modes(*shell_, std::min(count, shell_->unknowns() / 2 - 1));
   ModeShapes mode_shapes;
   for (size_t m = 0; m < modes.shapes.size(); ++m) {

@@ -1,6 +1,7 @@
 // Stresses, displacements and natural modes of a shell whose shape changes.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,6 +24,8 @@ namespace batten {
 class ShellEvaluator {
  public:
   explicit ShellEvaluator(ShellProblem problem) : problem_(std::move(problem)) {}
+  ShellEvaluator(const ShellEvaluator&) = delete;  // members refer to one another
+  ShellEvaluator& operator=(const ShellEvaluator&) = delete;
 
   /// Largest displacement and largest von Mises stress over all load cases.
   struct MaxValues {
@@ -31,10 +34,13 @@ class ShellEvaluator {
   /// Evaluates a shape. Sections and supports are computed by ShellProblem::definition for the
   /// first shape on a mesh, and reused for all other shapes on the same mesh.
   ///
+  /// A shape close to the one that was factored last is solved with that factorization as the
+  /// preconditioner (ShellModel::solve()); the results then have a relative error of about 1e-7.
+  ///
   /// Throws the exceptions of ShellModel and of the functions in ShellProblem, and InputError if
   /// there is no load case. After an exception, no shape counts as evaluated, and at() may be called
-  /// again. Cost: one stiffness matrix and one factorization; one solve and one recovery of stresses
-  /// per load case.
+  /// again. Cost: one stiffness matrix, and one factorization unless the shape is close to another
+  /// one; one solve and one recovery of stresses per load case.
   MaxValues at(const ModelLayout& layout, const Points& shape, const Progress& progress = {});
 
   /// Results at given locations for the load case with the largest stress.
@@ -57,15 +63,31 @@ class ShellEvaluator {
   /// few unknowns. Throws the exceptions of natural_modes(), and InputError if at() has not been
   /// called.
   ModeShapes mode_shapes(const std::vector<Location>& locations, int count,
-                         const Progress& progress = {}) const;
+                         const Progress& progress = {});
 
  private:
+  /// A solved load case. The stresses refer to the other members.
+  struct Solved {
+    std::string name;
+    Points displacement;
+    std::unique_ptr<const ShellStresses> stresses;
+  };
+  void update(const ModelLayout& layout, const Points& shape);
+  Points solve(const ShellLoadCase& load_case, size_t index);
+  void factor();
+  std::unique_ptr<const Solved> recovered(const std::string& name,
+                                          const Points& displacement) const;
+  const ShellAssembler& assembler() const {
+    return similar_ ? similar_->assembler : shell_->assembler();
+  }
   void require_shape() const;
 
   ShellProblem problem_;
-  std::optional<ShellModel> shell_;
-  std::string governing_case_;  // load case of displacement_
-  Points displacement_;         // no rows: no shape has been evaluated
+  std::optional<ShellModel> shell_;     // factored for its shape
+  std::optional<ShellSystem> similar_;  // system of `shape_`; empty: that of the shell
+  Points shape_;
+  std::vector<Points> displacements_;        // of the load cases of the last shape
+  std::unique_ptr<const Solved> governing_;  // null: no shape has been evaluated
 };
 
 }  // namespace batten

@@ -139,6 +139,26 @@ ShellSystem ShellModel::assemble_system(const Points& shape,
   return {std::move(ties), std::move(assembler), std::move(K)};
 }
 
+ShellSystem ShellModel::assemble_system(const Points& shape) const {
+  RigidBodyModes motions;
+  ShellTies ties = checked_ties(layout_, shape, definition_, rigid_body_handling_, motions);
+  ShellAssembler assembler = assembler_;
+  assembler.update_shape(layout_.surface(shape));
+  SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
+  return {std::move(ties), std::move(assembler), std::move(K)};
+}
+
+std::optional<Points> ShellModel::solve(const ShellSystem& similar, const Points& F,
+                                        const Points& start) const {
+  // Beyond this number of iterations, a new factorization takes less time.
+  constexpr int iterations = 12;
+  constexpr double tolerance = 1e-8;
+  const ShellSprings& springs = similar.ties.springs;
+  return solver_.solve_similar(AffineReduction(similar.ties.constraints), similar.K,
+                               springs.empty() ? F : F + springs.load(), start, tolerance,
+                               iterations);
+}
+
 double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                                const ShellSystem& other, const Points& other_F) const {
   const Points here = residual_forces(u, F),

@@ -1,6 +1,7 @@
 // Linear static analysis of a model as one supported shell.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -86,9 +87,14 @@ class ShellModel {
   /// Assembles the system for another shape on the same layout, with other sections and supports:
   /// one stiffness matrix, no factorization.
   ShellSystem assemble_system(const Points& shape, const ShellDefinition& definition) const;
-  ShellSystem assemble_system(const Points& shape) const {
-    return assemble_system(shape, definition_);
-  }
+  /// The same with the sections and supports of this shell, in less time. Throws NoSolutionError if
+  /// there are unconstrained motions.
+  ShellSystem assemble_system(const Points& shape) const;
+  /// Displacement dofs (n×3) of another system under the load F (n×3), by the conjugate gradient
+  /// method with the factorization of this shell (ConstrainedSolver::solve_similar()); nullopt if
+  /// the systems differ too much. Accuracy: 1e-8 in the energy norm.
+  std::optional<Points> solve(const ShellSystem& similar, const Points& F,
+                              const Points& start) const;
   /// First-order change of the goal functional Gᵀu if the system changes to `other` and the load to
   /// `other_F`:
   ///

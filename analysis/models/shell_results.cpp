@@ -82,9 +82,7 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
 
 }  // namespace
 
-MaxDisplacement max_displacement(const ShellModel& shell, const Points& q) {
-  const Surface& surface = shell.assembler().surface();
-  const Surface moved = shell.layout().surface(q);
+MaxDisplacement max_displacement(const Surface& surface, const Surface& moved) {
   MaxDisplacement largest;
   visit_sample_points(surface, [&](const Location& where) {
     const Vec3 u = moved.position(where);
@@ -110,7 +108,8 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
     result.name = one.name;
     result.displacement = shell.solve(one.load);
     measure_balance(shell, one.load, result);
-    result.max_displacement = max_displacement(shell, result.displacement);
+    result.max_displacement =
+        max_displacement(shell.assembler().surface(), shell.layout().surface(result.displacement));
     const ShellStresses stresses(shell, result.displacement);
     estimate_displacement_error(shell, stresses, result.max_displacement, error_indicators);
     measure_stress(shell, one.singular_points, stresses, result);

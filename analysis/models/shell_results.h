@@ -59,8 +59,9 @@ struct ShellCaseResult {
   bool near_singularity = false;
 };
 
-/// Finds the largest displacement of a middle surface with displacement dofs q (n×3). O(triangles).
-MaxDisplacement max_displacement(const ShellModel& shell, const Points& q);
+/// Finds the largest displacement of a middle surface. `moved`: a surface on the same mesh whose
+/// positions are the displacements. O(triangles).
+MaxDisplacement max_displacement(const Surface& surface, const Surface& moved);
 
 /// Function called after each load case, with the results and the recovered stresses. Both
 /// arguments are valid during the call only.

@@ -168,6 +168,23 @@ TEST_CASE("an evaluator that follows a shape finds what a new one finds", "[anal
           Approx(largest.von_mises).epsilon(1e-5));
   }
   CHECK(definitions == 1);
+  // Shapes close to one another are solved with the factorization of the first one.
+  for (int k = 1; k <= 20; ++k) {
+    Points shape = strip.shape;
+    shape.col(0) *= 1.5 + 0.005 * k;
+    for (long m = 0; m < shape.rows(); ++m) shape(m, 2) += 0.002 * k * shape(m, 0);
+    const auto largest = moving.at(*strip.layout, shape);
+    ShellEvaluator anew(Strip::problem());
+    const auto expected = anew.at(*strip.layout, shape);
+    CHECK(largest.displacement == Approx(expected.displacement).epsilon(1e-7));
+    CHECK(largest.von_mises == Approx(expected.von_mises).epsilon(1e-6));
+    if (k % 10 != 0) continue;
+    const auto modes = moving.mode_shapes(vertices, 2), other = anew.mode_shapes(vertices, 2);
+    CHECK(modes.frequencies[1] == Approx(other.frequencies[1]).epsilon(1e-9));
+    CHECK(moving.field(vertices).von_mises[0] ==
+          Approx(anew.field(vertices).von_mises[0]).epsilon(1e-5));
+  }
+  CHECK(definitions == 1);
   const Strip finer(0.125);
   moving.at(*finer.layout, finer.shape);
   CHECK(definitions == 2);
