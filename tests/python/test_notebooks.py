@@ -95,6 +95,22 @@ class Notebooks(PropertyTests):
                         with open(os.path.join(os.environ["BATTEN_PICTURES"], name), "wb") as out:
                             out.write(picture)
 
+    def test_models_are_displayed(self):
+        try:
+            import ipykernel  # noqa: F401
+            import nbclient  # noqa: F401
+        except ImportError as error:
+            self.skipTest(f"{error.name} is not there")
+        cell = {"cell_type": "code", "id": "a", "metadata": {}, "execution_count": None, "outputs": []}
+        curves = "{'rim': [[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0], [0, 0, 0]]}"
+        source = f"import batten\nmodel = batten.skin({curves})\nmodel.show(width=300, field='mean')\nmodel"
+        with open(self.files[0], encoding="utf-8") as text:
+            notebook = {**json.load(text), "cells": [{**cell, "source": source}]}
+        pictures = run_in_jupyter(notebook)
+        if not pictures and not os.environ.get("DISPLAY"):
+            self.skipTest("there is no X server and no Xvfb")
+        self.assertEqual([int.from_bytes(picture[16:20], "big") for picture in pictures], [300, 800])
+
     def test_they_are_stored_without_outputs(self):
         for file in self.files:
             for cell in self.notebook(file)["cells"]:

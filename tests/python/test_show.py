@@ -76,6 +76,10 @@ class Show(PropertyTests):
         self.shown_in(program, None, DISPLAY=":none", PATH=path)
         with open(self.file("read")) as read:
             self.assertIn('"panel"', read.read())
+        with open(program, "w") as text:
+            text.write("#!/bin/sh\nexit 3\n")
+        with self.assertRaisesRegex(batten.Error, "exit code 3"):
+            self.shown_in(program, None, DISPLAY=":none", PATH=path)
         self.shown_in(None, "found no program batten-studio", DISPLAY=":none", PATH="/nowhere")
 
 

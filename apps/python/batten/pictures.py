@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-from ._batten import InputError, Session
+from ._batten import Error, InputError, Session
 
 
 def show(self, *, width=800, height=500, azimuth=-30.0, elevation=30.0, field="none", contours=12, zebra=0,
@@ -16,7 +16,7 @@ def show(self, *, width=800, height=500, azimuth=-30.0, elevation=30.0, field="n
 
     In Jupyter, the arguments are those of Model.picture(), and a virtual X server (Xvfb) is started if there
     is no X server. Elsewhere, they are not used, and the call returns when the window is closed. A session is
-    shown as its model(). Raises InputError without X server or batten-studio.
+    shown as its model(). Raises InputError without X server or batten-studio, Error if batten-studio fails.
 
     >>> model.show(field="mean")  # doctest: +SKIP
     """
@@ -65,7 +65,9 @@ def _open_window(model):
     with tempfile.TemporaryDirectory(prefix="batten_") as folder:
         file = os.path.join(folder, "model.toml")
         model.save(file)
-        subprocess.run([studio, file], check=True)
+        code = subprocess.run([studio, file]).returncode
+    if code:
+        raise Error(f"batten-studio ended with the exit code {code}")
 
 
 # The virtual X server and its name; it runs as long as this process. VTK as built by Debian draws through X only.
