@@ -228,6 +228,73 @@ Raises NoSolutionError for a load beyond its limit; parameters and shape are the
           "Redoes what undo() has undone. False: nothing to redo.");
 }
 
+void start_motion(SessionObject& of, double dt, const py::object& density,
+                  const py::object& damping, const py::object& theta) {
+  const SceneMotion& scene = of.session.contents().base->scene.motion;
+  const auto number = [](const py::object& given, const std::string& what, double usual) {
+    return given.is_none() ? usual : numbers_from(py::make_tuple(given), what).front();
+  };
+  const Motion motion{dt, number(density, "density", scene.density),
+                      number(damping, "damping", scene.damping),
+                      number(theta, "theta", scene.theta)};
+  call_session(of, [&](Session& session) { session.start_motion(motion); });
+}
+
+void bind_session_motion(SessionClass& c) {
+  c.def(
+       "start_motion", &start_motion, "dt"_a, py::kw_only(), "density"_a = py::none(),
+       "damping"_a = py::none(), "theta"_a = py::none(),
+       R"(Starts a motion M (ρ ẍ + μ ẋ) + K x = F at rest from the current shape, with the time step `dt`.
+
+`density` ρ, `damping` μ, `theta` (of the theta method, 0.5 to 1): None: those of [motion] in the
+scene, or 1. Same motion as `batten sculpt --time`. Raises InputError.
+
+    >>> session.add_force("push", at=[50, 50, 0], direction=[0, 0, 1], value=2)
+    >>> session.start_motion(0.01, damping=0, theta=0.5)
+    >>> report = session.step()                  # the load sets in
+    >>> energy = session.total_energy            # constant from now on
+    >>> report = session.step(9)
+    >>> round(session.time, 9), abs(session.total_energy / energy - 1) < 1e-6
+    (0.1, True))")
+      .def(
+          "step",
+          [](SessionObject& of, int count, const py::object& progress) {
+            return KernelCall(progress)([&](const Progress& hook) {
+              const ProgressScope scope(hook);
+              return of.session.step(count, hook);
+            });
+          },
+          "count"_a = 1, py::kw_only(), "progress"_a = py::none(),
+          R"(Advances the motion, and parameters that depend on time, by `count` time steps.
+
+Costs one pair of triangular solves per step. Raises InputError without a motion, NoSolutionError.)")
+      .def(
+          "stop_motion",
+          [](SessionObject& of) {
+            call_session(of, [](Session& session) { session.stop_motion(); });
+          },
+          "Ends the motion in the current shape; solve() then solves to equilibrium.")
+      .def_property_readonly(
+          "in_motion",
+          [](SessionObject& of) {
+            return call_session(of, [](Session& session) { return session.in_motion(); });
+          },
+          "Whether a motion was started and not stopped.")
+      .def_property_readonly(
+          "time",
+          [](SessionObject& of) {
+            return call_session(of, [](Session& session) { return session.time(); });
+          },
+          "Time of the motion, and of parameters that depend on time.")
+      .def_property_readonly(
+          "total_energy",
+          [](SessionObject& of) {
+            return call_session(of, [](Session& session) { return session.total_energy(); });
+          },
+          "Elastic energy - work of the loads + springs + kinetic energy of a motion, in the units "
+          "of `energy`.");
+}
+
 void bind_session_edits(SessionClass& c) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   c.def(
@@ -414,6 +481,7 @@ pickled: as model().
         "exceptions of load().");
   bind_session_mapping(c);
   bind_session_solves(c);
+  bind_session_motion(c);
   bind_session_edits(c);
   bind_session_results(c);
 }

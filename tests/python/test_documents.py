@@ -10,6 +10,10 @@ from properties import SOURCE, PropertyTests
 
 
 class Documents(PropertyTests):
+    def setUp(self):
+        super().setUp()
+        os.symlink(os.path.join(SOURCE, "examples"), self.file("examples"))
+
     def blocks_run(self, document, least):
         with open(os.path.join(SOURCE, document)) as text:
             blocks = re.findall(r"^```python\n(.*?)^```", text.read(), re.MULTILINE | re.DOTALL)
@@ -22,6 +26,10 @@ class Documents(PropertyTests):
     def test_python_md(self):
         self.blocks_run("docs/python.md", 3)
         self.assertTrue(os.path.exists(self.file("panel.step")))
+
+    def test_pages(self):
+        for page in ("fit", "sequence", "stress"):
+            self.blocks_run(f"docs/{page}.md", 1)
 
     def test_readme(self):
         self.blocks_run("README.md", 1)

@@ -8,7 +8,7 @@ import threading
 import time
 import unittest
 
-from properties import PropertyTests, batten, example, np, saddle
+from properties import PropertyTests, batten, example, np, run_program, saddle
 
 
 def session_of(edge_length=None):
@@ -218,6 +218,73 @@ class Threads(PropertyTests):
         for thread in threads:
             thread.join()
         self.assertEqual(failed, [])
+
+
+class Motion(PropertyTests):
+    def scene(self):
+        curves = "".join(f'[[curve]]\nname = "{name}"\npoints = {points}\n' for name, points in saddle().items())
+        with open(self.file("plate.toml"), "w") as out:
+            out.write('name = "plate"\nunit = "m"\n' + curves + '[mesh]\nedge_length = 0.2\n'
+                      '[[load]]\nname = "swell"\ntype = "pressure"\nvalue = [[0, 0], [0.2, 20]]\n'
+                      '[motion]\ndensity = 0.5\ndamping = 0.2\ntheta = 0.6\n[output]\nvtp = "plate.vtp"\n')
+        return self.file("plate.toml")
+
+    def test_steps_are_those_of_sculpt(self):
+        scene = self.scene()
+        self.assertIn(run_program("sculpt", scene, "--out", self.file("out"), "--time", "0.5", "--dt", "0.05"), (0, 4))
+        session = batten.Session(scene)
+        session.start_motion(0.05)
+        for k in range(11):
+            self.same_bits(session.model().points, batten.read_mesh(self.file(f"out/plate_time_{k:03}.vtp")).points)
+            session.step()
+        self.assertAlmostEqual(session.time, 0.55)
+        self.assertAlmostEqual(session["swell"], 20)
+
+    def test_several_steps_at_once(self):
+        one, many = batten.Session(self.scene()), batten.Session(self.scene())
+        stages = []
+        for session in (one, many):
+            session.start_motion(0.05)
+        for _ in range(6):
+            one.step()
+        many.step(6, progress=lambda stage, fraction: stages.append(stage))
+        self.same_bits(one.dofs, many.dofs)
+        self.assertIn("motion", stages)
+        self.assertTrue(many.undo())
+        self.assertTrue(many.in_motion)
+        self.assertEqual(many.time, 0)
+
+    def test_energy_without_damping(self):
+        session = session_of(0.2)
+        session["push"] = 2
+        session.solve()
+        session["push"] = 0
+        session.start_motion(0.01, density=1, damping=0, theta=0.5)
+        session.step()
+        energy = session.total_energy
+        elastic = []
+        for _ in range(50):
+            session.step()
+            self.assertLess(abs(session.total_energy / energy - 1), 1e-6)
+            elastic.append(session.energy)
+        self.assertGreater(max(elastic) - min(elastic), 0.1 * abs(max(elastic)))
+        session.stop_motion()
+        self.assertFalse(session.in_motion)
+
+    def test_refusals(self):
+        session = session_of(0.2)
+        for action, words in ((lambda: session.step(), "start the motion first"),
+                              (lambda: session.start_motion(0), "time step 0"),
+                              (lambda: session.start_motion(float("nan")), "time step nan"),
+                              (lambda: session.start_motion(0.1, theta=0.2), "theta = 0.2"),
+                              (lambda: session.start_motion(0.1, density=-1), "density -1"),
+                              (lambda: session.start_motion(0.1, damping="much"), "damping: found"),
+                              (lambda: session.step(0), "count: found 0")):
+            with self.subTest(words), self.assertRaisesRegex(batten.InputError, words):
+                action()
+        session.start_motion(0.1)
+        with self.assertRaisesRegex(batten.InputError, "stop_motion"):
+            session.update()
 
 
 class Stopping(PropertyTests):

@@ -15,7 +15,8 @@ def arguments_of(function):
     a = function.args
     early = [None] * (len(a.args) - len(a.defaults)) + a.defaults
     return [(x.arg, False, d is not None) for x, d in zip(a.args, early) if x.arg != "self"] + \
-        [(x.arg, True, d is not None) for x, d in zip(a.kwonlyargs, a.kw_defaults)]
+        [(x.arg, True, d is not None) for x, d in zip(a.kwonlyargs, a.kw_defaults)] + \
+        ([(a.kwarg.arg, False, False)] if a.kwarg else [])
 
 
 def signature_of(function):

@@ -50,6 +50,7 @@ from ._batten import (
     deform,
     fair,
     fit,
+    fit_surface,
     load,
     measure_hole,
     parse,
@@ -67,7 +68,7 @@ from ._batten import (
 __all__ = [
     "CancelledError", "ConflictError", "Curve", "Deformer", "Edge", "Error", "FairCurve", "FeatureRegions",
     "FileError", "Hole", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
-    "SolveReport", "Stress", "StressCase", "StressPoint", "SurfacePoint", "convert", "deform", "fair", "fit", "load", "measure_hole", "parse", "read_curves", "read_mesh",
+    "SolveReport", "Stress", "StressCase", "StressPoint", "SurfacePoint", "convert", "deform", "fair", "fit", "fit_surface", "load", "measure_hole", "parse", "read_curves", "read_mesh",
     "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_curves",
 ]
 
