@@ -23,7 +23,8 @@ struct ModelGradients {
 /// Result of Stress::gradients(), for one load case.
 struct StressGradients {
   /// Displacement of the point with the largest displacement, in the direction of that displacement.
-  /// Its value is StressCase::max_displacement.
+  /// Its value is StressCase::max_displacement. Where that point jumps to another place, the gradient
+  /// does, too.
   ValueWithGradient max_displacement;
   ValueWithGradient compliance;      ///< work of the loads, Fᵀu
   ValueWithGradient von_mises_norm;  ///< P-norm of the von Mises stress, force per area

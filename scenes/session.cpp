@@ -93,16 +93,33 @@ std::shared_ptr<const Frame> SessionContents::current_frame() {
   return shown;
 }
 
-SessionContents::Stress SessionContents::current_stress() {
-  if (!base->scene.stress)
-    throw InputError(base->scene.name +
-                     ": found no [stress], expected one with thickness, material and supports");
-  const auto frame = current_frame();
-  if (!stress) stress.emplace(shell_problem(base->scene));
-  Stress result;
-  result.largest = stress->at(session->layout(), session->dofs());
-  result.field = std::make_shared<ShellEvaluator::Field>(stress->field(frame->pattern->locations));
-  return result;
+SessionStress SessionContents::current_stress(const StressTable& table) {
+  const Scene& scene = base->scene;
+  if (table.empty() && !scene.stress)
+    throw InputError(scene.name +
+                     ": found no [stress], expected one, or settings with material, thickness, "
+                     "supports and loads");
+  try {
+    if (!stress || table != stress_settings) {
+      stress.reset();
+      stress_settings = table;
+      stress_scene = scene;
+      if (!table.empty()) {
+        stress_scene.stress = parsed_table(table, scene.unit);
+        stress_scene.file = kStressFile;
+      }
+      stress.emplace(shell_problem(stress_scene));
+    }
+    const auto frame = current_frame();
+    const ShellEvaluator::MaxValues largest = stress->at(session->layout(), session->dofs());
+    ShellEvaluator::Field field = stress->field(frame->pattern->locations);
+    return {std::move(field.load_case), largest.von_mises, largest.displacement,
+            std::move(field.von_mises), std::move(field.displacement)};
+  } catch (const InputError& e) {
+    const std::string message = with_settings(table, scene.unit, e.what());
+    if (message == e.what()) throw;
+    throw InputError(message);
+  }
 }
 
 // The scene of the current state: the scene of the base with the items that were added and removed.
@@ -562,6 +579,12 @@ double Session::volume() const {
 std::vector<Reaction> Session::reactions() const {
   return contents_->with_session(false,
                                  [](SculptingSession& session) { return session.reactions(); });
+}
+
+SessionStress Session::stress(const StressSettings& settings, const Progress& progress) const {
+  const detail::StressTable table = detail::stress_table(settings);
+  return contents_->with_session(
+      false, progress, [&](SculptingSession&) { return contents_->current_stress(table); });
 }
 
 Model Session::model(const Progress& progress) const {

@@ -13,6 +13,7 @@
 #include "batten/core/progress.h"
 #include "batten/fem/display_points.h"
 #include "batten/scenes/model.h"
+#include "batten/scenes/stress.h"
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_results.h"
 
@@ -127,6 +128,14 @@ class Session {
   double volume() const;    ///< ⅓ ∬ x·(x_u × x_v) du dv, model units³
   /// Reaction forces of curves and constraints, by name.
   std::vector<Reaction> reactions() const;
+  /// Stresses of the current shape as a linear thin shell, for use during a drag.
+  ///
+  /// The settings replace the [stress] of the model; without settings, the model's own [stress] is
+  /// used. A shape close to the one of an earlier call with the same settings is solved with its
+  /// factorization: a few iterations, to a relative error of about 1e-7. model() and the function
+  /// stress() give the exact values, with error estimates, reactions and checks. Throws as stress();
+  /// the session is unchanged.
+  SessionStress stress(const StressSettings& settings = {}, const Progress& progress = {}) const;
   /// The model in its current shape, with all that was added.
   Model model(const Progress& progress = {}) const;
 

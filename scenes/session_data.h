@@ -12,6 +12,7 @@
 #include "batten/core/cancellation.h"
 #include "batten/scenes/model_data.h"
 #include "batten/scenes/session.h"
+#include "batten/scenes/stress_data.h"
 #include "batten/sculpting/session/sculpting_session.h"
 
 namespace batten::detail {
@@ -46,13 +47,8 @@ struct SessionContents {
   /// The model in the current shape. Call it in with_session().
   Model current_model();
 
-  struct Stress {
-    ShellEvaluator::MaxValues largest;
-    std::shared_ptr<const ShellEvaluator::Field> field;
-  };
-  /// Stresses of the shell defined by [stress] in the scene, at the points of current_frame(). Call
-  /// it in with_session(). Throws InputError if there is no [stress].
-  Stress current_stress();
+  /// Session::stress() for settings as text. Call it in with_session().
+  SessionStress current_stress(const StressTable& table);
 
   std::shared_ptr<const ModelData> base;  ///< the model that the session was created from
   std::shared_ptr<const SculptModel> model;
@@ -85,6 +81,9 @@ struct SessionContents {
   std::vector<std::shared_ptr<Frame>> frames;
   std::shared_ptr<const Frame> shown;
   bool stale = true;  // `shown` does not show the current shape
+  // The shell of current_stress() and its settings.
+  Scene stress_scene;
+  StressTable stress_settings;
   std::optional<ShellEvaluator> stress;
 };
 

@@ -167,9 +167,6 @@ StressPoint StressData::at(const Vec3& p, size_t load_case) const {
 
 namespace {
 
-/// File name of the text of [stress] in messages.
-constexpr const char* kStress = "stress()";
-
 /// Text of [stress], and the setting that each of its lines comes from.
 class StressText {
  public:
@@ -189,7 +186,7 @@ class StressText {
 
   /// A message in which the setting replaces the location "stress():LINE:COLUMN: ".
   std::string with_setting(const std::string& message) const {
-    const std::string file = std::string(kStress) + ":";
+    const std::string file = std::string(kStressFile) + ":";
     const size_t line_from = file.size(), line_to = message.find(':', line_from);
     const size_t column_to = message.find(": ", line_from);
     if (!message.starts_with(file) || column_to == std::string::npos || column_to <= line_to)
@@ -224,11 +221,11 @@ class StressText {
 
 /// Reads [stress] as in a scene.
 SceneStress parsed_stress(const StressText& text) {
-  const Scene scene = parse_scene(text.whole(), kStress, false);
-  const SceneText whole(text.whole(), kStress);
+  const Scene scene = parse_scene(text.whole(), kStressFile, false);
+  const SceneText whole(text.whole(), kStressFile);
   for (const SceneTable& table : whole.tables())
     if (table.kind != "stress")  // from the further settings
-      throw InputError(std::string(kStress) + ": settings: found the table '" + table.kind +
+      throw InputError(std::string(kStressFile) + ": settings: found the table '" + table.kind +
                        "', expected keys of [stress]");
   return *scene.stress;
 }
@@ -313,6 +310,15 @@ bool StressTable::empty() const {
          settings.find_first_not_of(" \t\r\n") == std::string::npos;
 }
 
+SceneStress parsed_table(const StressTable& table, const std::string& unit) {
+  return parsed_stress(StressText(table, unit));
+}
+
+std::string with_settings(const StressTable& table, const std::string& unit,
+                          const std::string& message) {
+  return StressText(table, unit).with_setting(message);
+}
+
 Stress stress_of_table(const Model& model, const StressTable& table, const Progress& progress) {
   const ProgressScope scope(progress);
   model.data().require_surface();
@@ -327,14 +333,14 @@ Stress stress_of_table(const Model& model, const StressTable& table, const Progr
     analyse_into(*data, std::move(scene), file, progress);
     return Stress(std::move(data));
   }
-  const StressText text(table, scene.unit);
+  const std::string unit = scene.unit;
   try {
-    scene.stress = parsed_stress(text);
-    scene.file = kStress;
-    data->table = text.table();
+    scene.stress = parsed_table(table, unit);
+    scene.file = kStressFile;
+    data->table = StressText(table, unit).table();
     analyse_into(*data, std::move(scene), file, progress);
   } catch (const InputError& e) {
-    const std::string message = text.with_setting(e.what());
+    const std::string message = with_settings(table, unit, e.what());
     if (message == e.what()) throw;
     throw InputError(message);
   }
@@ -426,8 +432,10 @@ std::string load_text(const ShellLoad& load, const std::string& label) {
       .text();
 }
 
-detail::StressTable stress_table(const StressSettings& settings) {
-  detail::StressTable table;
+}  // namespace
+
+detail::StressTable detail::stress_table(const StressSettings& settings) {
+  StressTable table;
   const auto add = [&](const std::string& key, double value, double usual) {
     if (value == usual) return;
     if (!std::isfinite(value))
@@ -456,10 +464,8 @@ detail::StressTable stress_table(const StressSettings& settings) {
   return table;
 }
 
-}  // namespace
-
 Stress stress(const Model& model, const StressSettings& settings, const Progress& progress) {
-  return detail::stress_of_table(model, stress_table(settings), progress);
+  return detail::stress_of_table(model, detail::stress_table(settings), progress);
 }
 
 // Stress.

@@ -178,6 +178,16 @@ class Stress {
   std::shared_ptr<const detail::StressData> data_;
 };
 
+/// Result of Session::stress(): maxima over all load cases, and fields of the governing load case,
+/// the one with the largest von Mises stress.
+struct SessionStress {
+  std::string load_case;  ///< name of the governing load case
+  double max_von_mises = 0, max_displacement = 0;
+  /// The larger von Mises stress of top and bottom side at each point of Session::frame().
+  std::vector<float> von_mises = {};
+  std::vector<float> displacement = {};  ///< x, y, z of each of these points in turn
+};
+
 /// Analyses a model as a linear thin shell (docs/stress.md, docs/theory/shells.md).
 ///
 /// The settings replace the whole [stress] of the model; without settings, the model's own [stress]

@@ -21,7 +21,19 @@ struct StressTable {
   std::vector<std::string> supports, loads;                 ///< inline tables: { curve = "rim" }
   std::string settings = {};                                ///< further keys, any number of lines
   bool empty() const;
+  bool operator==(const StressTable&) const = default;
 };
+
+/// The settings as text. Throws InputError for numbers that are not finite.
+StressTable stress_table(const StressSettings& settings);
+/// Reads a table as the [stress] of a scene with this unit. The locations in its messages refer to
+/// the file kStressFile; with_settings() replaces them.
+SceneStress parsed_table(const StressTable& table, const std::string& unit);
+inline constexpr const char* kStressFile = "stress()";
+/// A message in which the setting that a line of the table comes from replaces its location:
+/// "stress() supports[0]: found …".
+std::string with_settings(const StressTable& table, const std::string& unit,
+                          const std::string& message);
 
 /// stress() for settings as text. Throws its exceptions.
 Stress stress_of_table(const Model& model, const StressTable& table, const Progress& progress);

@@ -13,7 +13,7 @@ void bind_gradients(py::module_& m) {
     True
     >>> gradients.area.gradient.keys() <= model.parameters.keys()
     True)")
-      .def_readonly("value", &ValueWithGradient::value)
+      .def_readonly("value", &ValueWithGradient::value, "The quantity.")
       .def_property_readonly(
           "gradient", [](const ValueWithGradient& of) { return of.gradient; },
           "Derivative with respect to each parameter, {name: number}: all parameters except driven "
@@ -22,12 +22,23 @@ void bind_gradients(py::module_& m) {
         return "<batten.ValueWithGradient " + format_number(of.value) + ", " +
                std::to_string(of.gradient.size()) + " derivatives>";
       });
-  py::class_<ModelGradients>(m, "ModelGradients", "Result of Model.gradients().")
+  py::class_<ModelGradients>(m, "ModelGradients", R"(Result of Model.gradients().
+
+    >>> model.gradients().volume is None  # an open surface
+    True)")
       .def_readonly("area", &ModelGradients::area, "Total area of all faces, model units².")
       .def_readonly("volume", &ModelGradients::volume,
                     "Enclosed volume, model units³; None if the surface is open.");
   py::class_<StressGradients>(m, "StressGradients",
-                              "Result of Stress.gradients(), for one load case.")
+                              R"(Result of Stress.gradients(), for one load case.
+
+    >>> gradients = stress.gradients(norm_exponent=8)
+    >>> gradients.mass.value > 0
+    True
+    >>> gradients.von_mises_norm.value < stress.max_von_mises
+    True
+    >>> gradients.max_displacement.gradient.keys() == model.gradients().area.gradient.keys()
+    True)")
       .def_readonly("max_displacement", &StressGradients::max_displacement,
                     "Displacement of the point with the largest one, along its direction.")
       .def_readonly("compliance", &StressGradients::compliance, "Work of the loads, Fᵀu.")

@@ -6,6 +6,7 @@
 
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/stress_settings.h"
 #include "batten/core/errors.h"
 #include "batten/scenes/session_data.h"
 
@@ -100,20 +101,55 @@ py::dict session_reactions(SessionObject& of) {
   return forces;
 }
 
-py::dict session_stress(SessionObject& of) {
-  const auto stress = call_session(of, [](Session& session) {
-    detail::SessionContents& contents = session.contents();
-    return contents.with_session(false,
-                                 [&](SculptingSession&) { return contents.current_stress(); });
-  });
-  const ShellEvaluator::Field& field = *stress.field;
-  const auto rows = static_cast<py::ssize_t>(field.displacement.size() / 3);
-  return py::dict("case"_a = field.load_case, "largest_von_mises"_a = stress.largest.von_mises,
-                  "largest_displacement"_a = stress.largest.displacement,
-                  "von_mises"_a = array_view(stress.field, field.von_mises.data(),
-                                             {static_cast<py::ssize_t>(field.von_mises.size())},
-                                             {sizeof(float)}),
-                  "displacement"_a = rows_view(stress.field, field.displacement.data(), rows, 3));
+std::shared_ptr<SessionStress> session_stress(SessionObject& of, const py::object& material,
+                                              const py::object& thickness,
+                                              const py::object& supports, const py::object& loads,
+                                              const std::string& settings,
+                                              const py::object& progress) {
+  const detail::StressTable table =
+      stress_table_from(material, thickness, supports, loads, py::none(), 0, 0, settings);
+  return call_session(
+      of,
+      [&](Session& session) {
+        detail::SessionContents& contents = session.contents();
+        return std::make_shared<SessionStress>(contents.with_session(
+            false, [&](SculptingSession&) { return contents.current_stress(table); }));
+      },
+      progress);
+}
+
+void bind_session_stress(py::module_& m) {
+  using Pointer = std::shared_ptr<SessionStress>;
+  py::class_<SessionStress, Pointer>(m, "SessionStress", R"(Result of Session.stress().
+
+    >>> live = session.stress(material="steel", thickness=1, supports=["left", "right"],
+    ...                       loads={"pressure": -0.01})
+    >>> live.displacement.shape == session.points.shape
+    True)")
+      .def_readonly("load_case", &SessionStress::load_case,
+                    "Name of the load case with the largest von Mises stress.")
+      .def_readonly("max_von_mises", &SessionStress::max_von_mises,
+                    "Largest von Mises stress over all load cases.")
+      .def_readonly("max_displacement", &SessionStress::max_displacement,
+                    "Largest displacement over all load cases, model units.")
+      .def_property_readonly(
+          "von_mises",
+          [](const Pointer& of) {
+            return array_view(of, of->von_mises.data(),
+                              {static_cast<py::ssize_t>(of->von_mises.size())}, {sizeof(float)});
+          },
+          "Larger von Mises stress of top and bottom at each of session.points, n float32. A view.")
+      .def_property_readonly(
+          "displacement",
+          [](const Pointer& of) {
+            return rows_view(of, of->displacement.data(),
+                             static_cast<py::ssize_t>(of->displacement.size() / 3), 3);
+          },
+          "Displacement at each of session.points, n×3 float32, model units. A view.")
+      .def("__repr__", [](const SessionStress& of) {
+        return "<batten.SessionStress: von Mises " + format_number(of.max_von_mises) + " in '" +
+               of.load_case + "', displacement " + format_number(of.max_displacement) + ">";
+      });
 }
 
 std::map<std::string, double> parameters_of(SessionObject& of) {
@@ -431,12 +467,21 @@ void bind_session_results(SessionClass& c) {
           "⅓ ∬ x·(x_u × x_v), model units³.")
       .def("reactions", &session_reactions,
            "Reaction forces of curves and constraints, {name: (x, y, z)}.")
-      .def("stress", &session_stress,
-           R"(Stresses of the current shape as the shell of [stress] in the scene.
+      .def("stress", &session_stress, py::kw_only(), "material"_a = py::none(),
+           "thickness"_a = py::none(), "supports"_a = py::none(), "loads"_a = py::none(),
+           "settings"_a = "", "progress"_a = py::none(),
+           R"(Stresses of the current shape as a thin shell, for use during a drag: SessionStress.
 
-A dict: case (the governing one), largest_von_mises, largest_displacement, and at the points von_mises
-(n float32) and displacement (n×3 float32). Raises InputError without [stress].
-Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
+The arguments are those of stress(); without any, the [stress] of the model is used. A shape close to
+that of an earlier call is solved with its factorization, to a relative error of about 1e-7;
+stress(session.model(), …) gives the exact values, with reactions, error estimates and checks. Raises
+InputError, ConflictError, NoSolutionError.
+Source: Kirchhoff-Love shells on the same elements (docs/stress.md).
+
+    >>> live = session.stress(material="steel", thickness=1, supports=["left", "right"],
+    ...                       loads={"pressure": -0.01})
+    >>> live.von_mises.shape == (len(session.points),)
+    True)")
       .def(
           "model",
           [](SessionObject& of) {
@@ -452,6 +497,7 @@ Source: Kirchhoff-Love shells on the same elements (docs/stress.md).)")
 }  // namespace
 
 void bind_sessions(py::module_& m) {
+  bind_session_stress(m);
   py::class_<SolveReport>(m, "SolveReport", R"(Convergence of Session.update() or Session.solve().
 
     >>> session.solve().converged

@@ -8,6 +8,7 @@
 
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"
+#include "batten/apps/python/stress_settings.h"
 #include "batten/apps/python/toml_values.h"
 #include "batten/core/errors.h"
 #include "batten/io/scene/scene_text.h"
@@ -91,6 +92,22 @@ py::object analyse(const py::object& source, const py::object& out, const py::ob
   refuse_arguments({{"out", !out.is_none()}}, "with a model: no files are written");
   refuse_arguments({{"accuracy", accuracy != 0}},
                    "with a model; use a smaller edge_length, or a scene file");
+  const detail::StressTable table = stress_table_from(material, thickness, supports, loads,
+                                                      yield_stress, modes, buckling, settings);
+  const auto numbers = values_from(values);
+  auto model = source.cast<Model>();
+  return py::cast(KernelCall(progress)([&](const Progress& hook) {
+    if (!numbers.empty()) model = model.with_values({numbers.begin(), numbers.end()}, hook);
+    return detail::stress_of_table(model, table, hook);
+  }));
+}
+
+}  // namespace
+
+detail::StressTable stress_table_from(const py::object& material, const py::object& thickness,
+                                      const py::object& supports, const py::object& loads,
+                                      const py::object& yield_stress, int modes, int buckling,
+                                      const std::string& settings) {
   detail::StressTable table;
   if (!material.is_none()) add_material(material, table);
   if (!thickness.is_none())
@@ -102,15 +119,12 @@ py::object analyse(const py::object& source, const py::object& out, const py::ob
   table.supports = entries_from(supports, "supports", true);
   table.loads = entries_from(loads, "loads", false);
   table.settings = settings;
-  const auto numbers = values_from(values);
-  auto model = source.cast<Model>();
-  return py::cast(KernelCall(progress)([&](const Progress& hook) {
-    if (!numbers.empty()) model = model.with_values({numbers.begin(), numbers.end()}, hook);
-    return detail::stress_of_table(model, table, hook);
-  }));
+  return table;
 }
 
 // Results.
+
+namespace {
 
 py::array stress_vector(const Vec3& v) { return array_of(std::vector<double>{v[0], v[1], v[2]}); }
 
@@ -333,9 +347,8 @@ the default is the governing one, with the largest von Mises stress.
           "gradients",
           [](const Stress& stress, double exponent, const std::string& load_case,
              const py::object& progress) {
-            return KernelCall(progress)([&](const Progress& hook) {
-              return stress.gradients(exponent, load_case, hook);
-            });
+            return KernelCall(progress)(
+                [&](const Progress& hook) { return stress.gradients(exponent, load_case, hook); });
           },
           py::kw_only(), "norm_exponent"_a = 8.0, "case"_a = "", "progress"_a = py::none(),
           R"(Largest displacement, compliance, P-norm of the von Mises stress and mass, with their

@@ -19,6 +19,15 @@ def session_of(edge_length=None):
     return session
 
 
+def shell_model():
+    """A vault of 100 by 100 with a pressure."""
+    arc = np.linspace(0, 1, 9)
+    front = np.c_[100 * arc, 0 * arc, 80 * arc * (1 - arc)]
+    return batten.skin({"front": front, "right": [[100, 0, 0], [100, 100, 0]],
+                        "back": front[::-1] + [0, 100, 0], "left": [[0, 100, 0], [0, 0, 0]]}, edge_length=20,
+                       settings='[[load]]\nname = "swell"\ntype = "pressure"\nvalue = 0\nmin = -50\nmax = 50')
+
+
 def drag(session, seed, answers=30):
     """Frames of a random drag."""
     frames = []
@@ -137,11 +146,40 @@ class Sessions(PropertyTests):
     def test_stress_of_the_present_shape(self):
         session = batten.Session(example("18-lean", "scene.toml"))
         stress = session.stress()
-        self.assertEqual(stress["von_mises"].shape, (len(session.points),))
-        self.assertEqual(stress["displacement"].shape, session.points.shape)
-        self.assertGreater(stress["largest_von_mises"], 0)
+        self.assertEqual(stress.von_mises.shape, (len(session.points),))
+        self.assertEqual(stress.displacement.shape, session.points.shape)
+        self.assertGreater(stress.max_von_mises, 0)
         with self.assertRaisesRegex(batten.InputError, "stress"):
             session_of().stress()
+
+    def test_stress_during_a_drag_is_that_of_the_model(self):
+        shell = {"material": "steel", "thickness": 1, "supports": ["left", "right"],
+                 "loads": [{"pressure": -0.01}, {"gravity": [0, 0, -9810], "case": "weight"}]}
+        session = batten.Session(shell_model())
+        for swell in np.linspace(0.1, 3, 6):
+            session["swell"] = swell
+            session.solve()
+            live, exact = session.stress(**shell), batten.stress(session.model(), **shell)
+            self.assertEqual(live.load_case, exact.load_case().name)
+            self.assertAlmostEqual(live.max_von_mises / exact.max_von_mises, 1, 6)
+            self.assertAlmostEqual(live.max_displacement / exact.max_displacement, 1, 6)
+            np.testing.assert_allclose(live.von_mises.max(), exact.von_mises().max(), rtol=1e-5)
+        # Other settings are another shell.
+        thicker = session.stress(**{**shell, "thickness": 2})
+        self.assertLess(thicker.max_displacement, live.max_displacement)
+        self.assertEqual(session.stress(**shell).max_von_mises, session.stress(**shell).max_von_mises)
+
+    def test_stress_names_the_setting_that_is_wrong(self):
+        session = batten.Session(shell_model())
+        shell = {"material": "steel", "thickness": 1, "supports": ["left"], "loads": {"pressure": 1}}
+        for change, message in (({"material": "steal"}, "material.*did you mean 'steel'"),
+                                ({"thickness": -1}, "thickness"), ({"supports": ["lefd"]}, "supports.*'left'"),
+                                ({"loads": {"pressur": 1}}, "loads.*pressure")):
+            with self.subTest(change), self.assertRaisesRegex(batten.InputError, message):
+                session.stress(**{**shell, **change})
+        with self.assertRaisesRegex(batten.NoSolutionError, "do not constrain"):
+            session.stress(**{**shell, "supports": {"point": [0, 0, 0]}})
+        self.assertGreater(session.stress(**shell).max_von_mises, 0)
 
 
 class Threads(PropertyTests):
