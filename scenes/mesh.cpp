@@ -7,6 +7,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/text.h"
+#include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/selection.h"
 #include "batten/scenes/mesh_data.h"
 
@@ -44,9 +45,43 @@ std::vector<int> known_nodes(const std::vector<int>& vertices, const std::string
   return vertices;
 }
 
-DeformProblem problem_of(const DeformerSettings& settings, const MeshTopology& topology) {
+PointConstraint kernel_constraint(const OnPlane& given) {
+  return {given.name, VertexCombination::mean_of(given.vertices), PointConstraint::Kind::OnPlane,
+          given.normal};
+}
+
+PointConstraint kernel_constraint(const OnLine& given) {
+  return {given.name, VertexCombination::mean_of(given.vertices), PointConstraint::Kind::OnLine,
+          given.direction};
+}
+
+void add_constraints(const DeformerSettings& settings, const TriangleMesh& mesh,
+                     DeformProblem& problem) {
+  const int count = mesh.topology().node_count();
+  for (const auto& any : settings.constraints)
+    std::visit(
+        [&](const auto& one) {
+          known_nodes(one.vertices, "constraint '" + one.name + "'", count);
+          problem.point_constraints.push_back(kernel_constraint(one));
+        },
+        any);
+  for (const CharacterChain& chain : settings.chains) {
+    known_nodes(chain.vertices, "chain '" + chain.name + "'", count);
+    problem.chains.push_back(with_default_width(chain, mesh));
+  }
+  for (const LinearConstraint& row : settings.linear_constraints) {
+    const std::string what = "linear constraint '" + row.name + "'";
+    for (const auto& entry : row.combination.entries) known_nodes({entry.vertex}, what, count);
+    if (row.rotates_with != -1) known_nodes({row.rotates_with}, what + ", rotates_with", count);
+    problem.rows.push_back(row);
+  }
+}
+
+DeformProblem problem_of(const DeformerSettings& settings, const TriangleMesh& mesh) {
+  const MeshTopology& topology = mesh.topology();
   const int count = topology.node_count();
   DeformProblem problem;
+  problem.weighting = settings.weighting;
   problem.fixed = known_nodes(settings.fixed, "fixed", count);
   for (const VertexGroup& handle : settings.handles)
     problem.handles.push_back(
@@ -60,10 +95,28 @@ DeformProblem problem_of(const DeformerSettings& settings, const MeshTopology& t
   add_features(settings.keep_orientation, FormFeature::Kind::TranslationOnly);
   if (settings.region_of_interest)
     problem.region = known_nodes(*settings.region_of_interest, "region_of_interest", count);
+  add_constraints(settings, mesh, problem);
   return expand_to_nodes(std::move(problem), topology);
 }
 
-/// Index of the handle or feature with a name. Throws InputError, with the nearest name.
+/// A point of the plane or line of each constraint. The constraints have been checked.
+std::vector<Vec3> origins_of(const DeformerSettings& settings, const TriangleMesh& mesh) {
+  std::vector<Vec3> origins;
+  for (const auto& any : settings.constraints)
+    std::visit(
+        [&](const auto& one) {
+          if (one.origin && !one.origin->allFinite())
+            throw InputError("constraint '" + one.name +
+                             "': found an origin that is not finite, expected a point");
+          origins.push_back(one.origin
+                                ? *one.origin
+                                : VertexCombination::mean_of(one.vertices).at(mesh.points()));
+        },
+        any);
+  return origins;
+}
+
+/// Index of the object with a name. Throws InputError, with the nearest name.
 template <class Named>
 size_t index_of_name(const std::string& name, const std::vector<Named>& all,
                      const std::string& what, const std::string& kind) {
@@ -83,6 +136,16 @@ std::vector<double> scales_of(const std::map<std::string, double>& given,
   for (const auto& [name, scale] : given)
     scales[index_of_name(name, features, "scales", "feature")] = scale;
   return scales;
+}
+
+std::vector<Vec3> targets_of(const std::map<std::string, Vec3>& given,
+                             const std::vector<LinearConstraint>& rows) {
+  std::vector<Vec3> targets;
+  if (given.empty()) return targets;
+  for (const LinearConstraint& row : rows) targets.push_back(row.target);
+  for (const auto& [name, target] : given)
+    targets[index_of_name(name, rows, "targets", "linear constraint")] = target;
+  return targets;
 }
 
 }  // namespace
@@ -108,9 +171,33 @@ const std::vector<std::array<int, 3>>& SharedMesh::node_triangles() const {
 }
 
 DeformerState::DeformerState(const Mesh& of, const DeformerSettings& given)
-    : mesh(of),
-      settings(given),
-      deformer(of.data().mesh(), problem_of(given, of.data().topology())) {}
+    : mesh(of), settings(given) {
+  const TriangleMesh& triangles = of.data().mesh();
+  DeformProblem problem = problem_of(given, triangles);
+  if (given.rotation_mode == RotationMode::Harmonic) {
+    linear = std::make_unique<FormFeatureDeformer>(triangles, std::move(problem));
+  } else {
+    const MeshEditorOptions options{
+        .rotation_mode = given.rotation_mode, .keep_centres = false, .centres = {}};
+    shape = triangles.points();
+    editor =
+        std::make_unique<MeshEditor>(of.data().source.prepared, shape, std::move(problem), options);
+  }
+  origins = origins_of(given, triangles);
+}
+
+void DeformerState::deform(const DeformEdit& edit, bool correct) {
+  if (linear) {
+    linear->deform(edit);
+    report.last_correction = correct ? linear->correct() : 0;
+    return;
+  }
+  editor->set(edit);
+  shape = editor->solve_to_equilibrium();
+  const MeshEditStatistics& statistics = editor->statistics();
+  report = {statistics.iterations, statistics.converged, statistics.last_correction};
+  residual = statistics.hard_residual;
+}
 
 HandleTransform transform_of(const Move& move) {
   if (move.axis.norm() == 0) throw InputError("axis: found length 0, expected a direction");
@@ -208,18 +295,51 @@ std::string Mesh::format() const { return data_->of_file ? data_->source.file.fo
 const std::vector<std::string>& Mesh::notes() const { return data_->source.prepared.notes; }
 
 std::vector<Hole> Mesh::holes(double flange_width) const {
-  if (!(flange_width >= 0) || !std::isfinite(flange_width))
-    throw InputError("flange_width: found " + format_number(flange_width) +
-                     ", expected a number from 0");
   FeatureDetectionOptions options;
   options.flange_width = flange_width;
   std::vector<Hole> holes;
-  for (DetectedFeature& found : detect_features(data_->mesh(), options))
+  for (DetectedFeature& found : suggested_features(options))
     if (found.kind == DetectedFeature::Kind::Hole)
-      holes.push_back({found.measure, std::move(found.name),
-                       data_->topology().nodes_of(std::move(found.vertices)),
-                       loop_of_nodes(std::move(found.loop), data_->topology())});
+      holes.push_back(
+          {found.measure, std::move(found.name), std::move(found.vertices), std::move(found.loop)});
   return holes;
+}
+
+std::vector<DetectedFeature> Mesh::suggested_features(
+    const FeatureDetectionOptions& options) const {
+  const auto refuse = [](const std::string& what, double found, const std::string& expected) {
+    throw InputError(what + ": found " + format_number(found) + ", expected " + expected);
+  };
+  if (!(options.crease_degrees > 0 && options.crease_degrees < 180))
+    refuse("crease_angle", options.crease_degrees, "degrees above 0 and below 180");
+  if (options.flange_rings < 1) refuse("flange_rings", options.flange_rings, "1 or more");
+  if (!(options.flange_width >= 0) || !std::isfinite(options.flange_width))
+    refuse("flange_width", options.flange_width, "a number from 0");
+  std::vector<DetectedFeature> features = detect_features(data_->mesh(), options);
+  for (DetectedFeature& feature : features) {
+    feature.vertices = data_->topology().nodes_of(std::move(feature.vertices));
+    feature.loop = loop_of_nodes(std::move(feature.loop), data_->topology());
+  }
+  return features;
+}
+
+VecX Mesh::saliency() const {
+  return mesh_saliency(data_->mesh()).head(data_->topology().node_count());
+}
+
+std::vector<int> Mesh::crease_path(const std::vector<Vec3>& through, bool closed) const {
+  try {
+    std::vector<int> vertices;
+    for (const Vec3& point : through) {
+      if (!point.allFinite())
+        throw InputError("found the point " + format_point(point) +
+                         ", expected finite coordinates");
+      vertices.push_back(nearest_vertex(data_->mesh(), point));
+    }
+    return batten::crease_path(data_->mesh(), vertices, closed);
+  } catch (const InputError& e) {
+    throw InputError("through: " + std::string(e.what()));
+  }
 }
 
 std::vector<int> Mesh::vertices_in(const Vec3& low, const Vec3& high) const {
@@ -271,30 +391,45 @@ Deformer::Deformer(Deformer&&) noexcept = default;
 Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 
 Points Deformer::deform(const std::map<std::string, Move>& moves,
-                        const std::map<std::string, double>& scales, bool correct) {
-  const DeformProblem& problem = state_->deformer.problem();
+                        const std::map<std::string, double>& scales, bool correct,
+                        const std::map<std::string, Vec3>& origins,
+                        const std::map<std::string, Vec3>& targets) {
+  const DeformProblem& problem = state_->problem();
   DeformEdit edit;
   edit.handles = detail::transforms_of(moves, problem.handles, mesh().data().mesh());
   edit.feature_scales = detail::scales_of(scales, problem.features);
+  edit.constraint_origins = state_->origins;
+  for (const auto& [name, origin] : origins)
+    edit.constraint_origins[detail::index_of_name(name, problem.point_constraints, "origins",
+                                                  "constraint")] = origin;
+  edit.targets = detail::targets_of(targets, problem.rows);
   return state_->serialize([&] {
-    state_->deformer.deform(edit);
-    if (correct) state_->deformer.correct();
-    return node_positions(state_->deformer.positions(), mesh().data().source.file);
+    state_->deform(edit, correct);
+    return node_positions(state_->positions(), mesh().data().source.file);
   });
 }
 
 Points Deformer::positions() const {
   return state_->serialize(
-      [&] { return node_positions(state_->deformer.positions(), mesh().data().source.file); });
+      [&] { return node_positions(state_->positions(), mesh().data().source.file); });
+}
+
+DeformerReport Deformer::report() const {
+  return state_->serialize([&] { return state_->report; });
 }
 
 double Deformer::residual() const {
-  return state_->serialize([&] { return state_->deformer.hard_residual(); });
+  return state_->serialize(
+      [&] { return state_->linear ? state_->linear->hard_residual() : state_->residual; });
 }
 
-int Deformer::unknowns() const { return state_->deformer.counts().unknowns; }
+int Deformer::unknowns() const {
+  return (state_->linear ? state_->linear->counts() : state_->editor->counts()).unknowns;
+}
 
-const std::vector<std::string>& Deformer::notes() const { return state_->deformer.notes(); }
+const std::vector<std::string>& Deformer::notes() const {
+  return state_->linear ? state_->linear->notes() : state_->editor->notes();
+}
 
 const Mesh& Deformer::mesh() const { return state_->mesh; }
 

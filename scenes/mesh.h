@@ -9,11 +9,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/io/meshes/mesh_file_types.h"
+#include "batten/mesh/deform/deform_problem.h"
+#include "batten/mesh/editing/feature_rotation_estimator.h"
 #include "batten/mesh/features/feature_detection.h"
 
 namespace batten {
@@ -87,6 +90,23 @@ class Mesh {
   /// units, default 0: one ring of faces). Throws InputError if the width is negative or not
   /// finite. O(n log n).
   std::vector<Hole> holes(double flange_width = 0) const;
+  /// The features that deform scenes propose (`[proposals]`): holes with their flanges, and areas
+  /// inside closed creases (detect_features()). Throws InputError unless the crease angle is above 0
+  /// and below 180 degrees, `flange_rings` is 1 or more and `flange_width` is finite and not
+  /// negative. O(n log n).
+  std::vector<DetectedFeature> suggested_features(
+      const FeatureDetectionOptions& options = {}) const;
+  /// Mesh saliency of every vertex, 0 to 1 (mesh_saliency() in mesh/selection.h). The length scale
+  /// is the diagonal of the bounding box, so the values depend slightly on the orientation of the
+  /// mesh. Cost: 10 s on one core for 100,000 vertices. Reference: [Lee2005].
+  VecX saliency() const;
+  /// The shortest path along edges through the vertices nearest to the given points, in order; it
+  /// follows creases (crease_path() in mesh/features/feature_lines.h). For a chain of a Deformer.
+  ///
+  /// `closed`: the path returns to its first vertex, which is not repeated. Throws InputError if
+  /// there are no points, a coordinate is not finite, or the points lie on parts of the mesh that
+  /// are not connected. O(n log n) per point.
+  std::vector<int> crease_path(const std::vector<Vec3>& through, bool closed = false) const;
   /// The vertices in an axis-aligned box, ascending: low ≤ p ≤ high in every coordinate, without
   /// vertices that belong to no face. Throws InputError unless low ≤ high.
   std::vector<int> vertices_in(const Vec3& low, const Vec3& high) const;
@@ -153,7 +173,27 @@ struct VertexGroup {
   std::vector<int> vertices;
 };
 
-/// What a Deformer fixes, moves and keeps. All lists contain vertex indices from 0.
+/// Constraint that keeps the mean of vertices on a plane: the centre of a hole (Hole::loop), a
+/// feature, or a single vertex.
+struct OnPlane {
+  std::string name;
+  std::vector<int> vertices;
+  Vec3 normal = Vec3::UnitZ();  ///< of any length above 0
+  /// A point of the plane, model units; empty: the mean of the vertices in the mesh.
+  std::optional<Vec3> origin = {};
+};
+
+/// Constraint that keeps the mean of vertices on a straight line.
+struct OnLine {
+  std::string name;
+  std::vector<int> vertices;
+  Vec3 direction = Vec3::UnitZ();  ///< of any length above 0
+  /// A point of the line, model units; empty: the mean of the vertices in the mesh.
+  std::optional<Vec3> origin = {};
+};
+
+/// What a Deformer fixes, moves and keeps. All vertices are indices from 0. Names and meanings are
+/// those of deform scenes (docs/deform.md).
 struct DeformerSettings {
   std::vector<int> fixed = {};             ///< vertices that stay where they are
   std::vector<VertexGroup> handles = {};   ///< groups that deform() moves
@@ -162,18 +202,48 @@ struct DeformerSettings {
   std::vector<VertexGroup> keep_orientation = {};
   /// The vertices that may move, apart from handles; empty: all.
   std::optional<std::vector<int>> region_of_interest = {};
+  /// On-plane and along-line constraints, satisfied exactly. Each couples x, y and z by one or two
+  /// equations; meant for up to a few hundred.
+  std::vector<std::variant<OnPlane, OnLine>> constraints = {};
+  /// Chains of mesh edges that keep their shape approximately, and resist bending like a strip of
+  /// the mesh. `width` 0: a tenth of the length of the chain. (A rigid chain is a feature.)
+  std::vector<CharacterChain> chains = {};
+  /// Linear combinations of vertex positions with a prescribed value; exact, or soft if they have a
+  /// weight. A position constraint is a combination of one vertex with the coefficient 1.
+  std::vector<LinearConstraint> linear_constraints = {};
+  /// How features and curvature rotate if no handle prescribes it. Harmonic: linear, for drags. The
+  /// other modes estimate the rotations for each deform(); the default of deform scenes is
+  /// Estimated.
+  RotationMode rotation_mode = RotationMode::Harmonic;
+  DeformProblem::Weighting weighting = DeformProblem::Weighting::Area;
 };
 
-/// Morphs a mesh whose form features keep their shape exactly. The linear system is factored once,
-/// and each deform() then costs one pair of triangular solves.
+/// Convergence of Deformer::deform().
+struct DeformerReport {
+  /// Iterations of the estimate of rotations; 0: the rotation mode needs none.
+  int iterations = 0;
+  bool converged = true;  ///< false: the rotations still changed after the last iteration
+  /// Largest change of a coordinate by the last correction of rounding errors, relative to the size
+  /// of the mesh; 0: no correction.
+  double last_correction = 0;
+};
+
+/// Morphs a mesh whose form features keep their shape exactly. The linear system is factored once.
+/// With RotationMode::Harmonic, each deform() then costs one pair of triangular solves; with the
+/// other modes it iterates, and gives the result of `batten deform` for a scene with the same
+/// constraints and `centres = "free"`.
 ///
 /// Mean-curvature vectors of the mesh are preserved up to a smooth field of rotations; fixed
-/// vertices, handles and features are exact constraints (mesh/deform/form_feature_deformer.h). Calls
-/// from several threads are serialised. Example: see Mesh. Reference: [Masuda2006].
+/// vertices, handles, features and constraints without weight are exact
+/// (mesh/deform/form_feature_deformer.h, mesh/editing/mesh_editor.h). With RotationMode::Nonlinear
+/// and Dual and without features, the result is an as-rigid-as-possible or a dual Laplacian
+/// deformation. Calls from several threads are serialised. Example: see Mesh. References:
+/// [Masuda2006]; [SorkineAlexa2007] (Nonlinear); [Au2006] (Dual).
 class Deformer {
  public:
-  /// Throws InputError if a vertex is out of range, a group has no vertices, two groups have the
-  /// same name, or nothing is fixed or moved; NoSolutionError if the factorization fails.
+  /// Throws InputError if a vertex is out of range, a group has no vertices, two objects of a kind
+  /// have the same name, a number is invalid, or nothing is fixed or moved; NoSolutionError if the
+  /// factorization fails.
   Deformer(const Mesh& mesh, const DeformerSettings& settings);
   ~Deformer();
   Deformer(Deformer&&) noexcept;
@@ -184,14 +254,20 @@ class Deformer {
   /// a move stay where they are.
   ///
   /// `scales`: factors above 0, default 1. `correct`: true: one more solve, which reduces rounding
-  /// errors. Throws InputError for an unknown name (with the nearest one) and for invalid numbers,
-  /// and ConflictError if moves contradict each other; positions() is then unchanged.
+  /// errors; rotation modes other than Harmonic always do this. `origins`: another point of the
+  /// plane or line of a constraint. `targets`: another value of a linear constraint. Throws
+  /// InputError for an unknown name (with the nearest one) and for invalid numbers, and
+  /// ConflictError if moves or constraints contradict each other; positions() is then unchanged.
   Points deform(const std::map<std::string, Move>& moves,
-                const std::map<std::string, double>& scales = {}, bool correct = false);
+                const std::map<std::string, double>& scales = {}, bool correct = false,
+                const std::map<std::string, Vec3>& origins = {},
+                const std::map<std::string, Vec3>& targets = {});
 
-  Points positions() const;  ///< result of the last deform(), n×3
-  double residual() const;   ///< largest violation of an exact constraint, relative to the size
-  int unknowns() const;      ///< unknowns per coordinate, after elimination of the constraints
+  Points positions() const;       ///< result of the last deform(), n×3
+  DeformerReport report() const;  ///< convergence of the last deform()
+  /// Largest violation of an exact constraint, relative to the size.
+  double residual() const;
+  int unknowns() const;  ///< unknowns per coordinate, after elimination of the constraints
   /// Sentences about parts of the mesh that contain no handle and no fixed vertex.
   const std::vector<std::string>& notes() const;
   const Mesh& mesh() const;

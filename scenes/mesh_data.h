@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,10 +43,21 @@ struct SharedMesh {
 struct DeformerState {
   DeformerState(const Mesh& of, const DeformerSettings& given);
 
+  const DeformProblem& problem() const { return linear ? linear->problem() : editor->problem(); }
+  /// All vertices after the last edit; always the same memory.
+  const Points& positions() const { return linear ? linear->positions() : shape; }
+  /// `correct`: correct rounding errors. Throws the exceptions of Deformer::deform().
+  void deform(const DeformEdit& edit, bool correct);
+
   Mesh mesh;
   DeformerSettings settings;
-  FormFeatureDeformer deformer;
-  CallSerializer serialize;  ///< of the calls of `deformer`
+  std::unique_ptr<FormFeatureDeformer> linear;  ///< for RotationMode::Harmonic
+  std::unique_ptr<MeshEditor> editor;           ///< for the other rotation modes
+  Points shape;                                 ///< result of `editor`
+  double residual = 0;                          ///< of `shape`
+  std::vector<Vec3> origins;                    ///< one of each point constraint
+  DeformerReport report;
+  CallSerializer serialize;  ///< of the calls of `deform`
 };
 
 /// A move as the transformation of a handle, about the origin unless Move::about is given. Throws

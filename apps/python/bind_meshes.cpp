@@ -12,9 +12,11 @@
 #include "batten/apps/documents/edited_mesh.h"
 #include "batten/apps/python/bindings.h"
 #include "batten/apps/python/conversions.h"
+#include "batten/apps/python/deformer_constraints.h"
 #include "batten/apps/python/kernel_call.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/toml_table.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/mesh/regions/feature_region_deformer.h"
 #include "batten/scenes/mesh.h"
@@ -220,33 +222,136 @@ py::dict hole_dict(const py::object& points, const py::object& given) {
                   "circular"_a = hole.circular);
 }
 
-std::string hole_repr(const Hole& hole) {
-  return "<batten.Hole '" + hole.name + "': radius " + format_number(hole.radius) + " at " +
-         format_point(hole.centre) + ">";
+std::string loop_repr(const std::string& type, const std::string& name, const HoleMeasure& loop) {
+  return "<batten." + type + " '" + name + "': radius " + format_number(loop.radius) + " at " +
+         format_point(loop.centre) + ">";
+}
+
+const HoleMeasure& measure_of(const Hole& hole) { return hole; }
+const HoleMeasure& measure_of(const DetectedFeature& feature) { return feature.measure; }
+
+/// Binds what holes and features have in common: name, vertices, loop and the measure of the loop.
+template <class Feature>
+void bind_loop(py::class_<Feature>& c) {
+  const auto number = [&](const char* name, double HoleMeasure::*member, const char* words) {
+    c.def_property_readonly(
+        name, [member](const Feature& one) { return measure_of(one).*member; }, words);
+  };
+  c.def_property_readonly(
+       "vertices", [](const Feature& one) { return array_of(one.vertices); },
+       "All vertices, ascending, for `features` of a Deformer.")
+      .def_property_readonly(
+          "loop", [](const Feature& one) { return array_of(one.loop); },
+          "Vertices of the loop in order, for measure_hole().")
+      .def_property_readonly(
+          "centre", [](const Feature& one) { return array_of(measure_of(one).centre); },
+          "Centre of the best-fit circle of the loop, array of 3.")
+      .def_property_readonly(
+          "axis", [](const Feature& one) { return array_of(measure_of(one).axis); },
+          "Unit normal of the plane of the circle, array of 3.")
+      .def_property_readonly(
+          "circular", [](const Feature& one) { return measure_of(one).circular; },
+          "Whether the loop is a circle (within 2 %).");
+  number("radius", &HoleMeasure::radius, "Radius of the circle.");
+  number("equivalent_radius", &HoleMeasure::equivalent_radius,
+         "Radius of the circle with the same area as the loop.");
+  number("roundness", &HoleMeasure::roundness,
+         "Largest distance of a vertex of the loop from the circle, in its plane.");
+  number("flatness", &HoleMeasure::flatness,
+         "Largest distance of a vertex of the loop from the plane.");
+  number("perimeter", &HoleMeasure::perimeter, "Length of the loop.");
 }
 
 void bind_holes(py::module_& m) {
-  py::class_<Hole>(m, "Hole", "A hole of a mesh: a boundary loop, its best-fit circle, its flange.")
-      .def_readonly("name", &Hole::name, "\"hole-1\", \"hole-2\" and so on, as in deform scenes.")
+  py::class_<Hole> hole(m, "Hole",
+                        R"(A hole of a mesh: a boundary loop, its best-fit circle, its flange.
+
+    >>> batten.read_mesh("examples/10-plate-with-holes/plate.obj").holes()[2]
+    <batten.Hole 'hole-3': radius 42 at (150, 150, 0)>
+)");
+  hole.def_readonly("name", &Hole::name, "\"hole-1\", \"hole-2\" and so on, as in deform scenes.");
+  bind_loop(hole);
+  hole.def("__repr__", [](const Hole& one) { return loop_repr("Hole", one.name, one); });
+  py::class_<DetectedFeature> feature(
+      m, "DetectedFeature",
+      R"(A suggested feature: a hole with its flange, or the area inside a closed crease.
+
+    >>> plate = batten.read_mesh("examples/10-plate-with-holes/plate.obj")
+    >>> plate.suggested_features()[2]
+    <batten.DetectedFeature 'hole-3': radius 42 at (150, 150, 0)>
+)");
+  feature
+      .def_readonly("name", &DetectedFeature::name,
+                    "\"hole-1\", \"crease-1\" and so on, as in deform scenes.")
       .def_property_readonly(
-          "vertices", [](const Hole& hole) { return array_of(hole.vertices); },
-          "Vertices of the hole and of its flange, ascending, for `features` of a Deformer.")
-      .def_property_readonly(
-          "loop", [](const Hole& hole) { return array_of(hole.loop); },
-          "Vertices of the boundary loop in order, for measure_hole().")
-      .def_property_readonly(
-          "centre", [](const Hole& hole) { return array_of(hole.centre); },
-          "Centre of the circle, array of 3.")
-      .def_property_readonly(
-          "axis", [](const Hole& hole) { return array_of(hole.axis); },
-          "Unit normal of the plane of the circle, array of 3.")
-      .def_readonly("radius", &Hole::radius, "Radius of the circle.")
-      .def_readonly("roundness", &Hole::roundness,
-                    "Largest distance of a vertex from the circle, in its plane.")
-      .def_readonly("flatness", &Hole::flatness, "Largest distance of a vertex from the plane.")
-      .def_readonly("perimeter", &Hole::perimeter, "Length of the boundary loop.")
-      .def_readonly("circular", &Hole::circular, "Whether the loop is a circle (within 2 %).")
-      .def("__repr__", &hole_repr);
+          "kind",
+          [](const DetectedFeature& one) {
+            return one.kind == DetectedFeature::Kind::Hole ? "hole" : "crease";
+          },
+          "\"hole\": `loop` is its boundary; \"crease\": `loop` is the crease.")
+      .def_readonly("flange_ends_at_crease", &DetectedFeature::flange_ends_at_crease,
+                    "Whether the flange of a hole ends at a closed crease; True for a crease.");
+  bind_loop(feature);
+  feature.def("__repr__", [](const DetectedFeature& one) {
+    return loop_repr("DetectedFeature", one.name, one.measure);
+  });
+}
+
+std::vector<DetectedFeature> suggested_features(const Mesh& mesh, double crease_angle,
+                                                int flange_rings, double flange_width,
+                                                bool outer_loops, bool nested) {
+  FeatureDetectionOptions options;
+  options.crease_degrees = crease_angle;
+  options.flange_rings = flange_rings;
+  options.flange_width = flange_width;
+  options.outer_loops = outer_loops;
+  options.nested = nested;
+  return KernelCall()([&](const Progress&) { return mesh.suggested_features(options); });
+}
+
+void bind_mesh_features(py::class_<Mesh>& c) {
+  const FeatureDetectionOptions defaults;
+  c.def(
+       "holes",
+       [](const Mesh& mesh, double flange_width) {
+         return KernelCall()([&](const Progress&) { return mesh.holes(flange_width); });
+       },
+       "flange_width"_a = 0.0,
+       R"(The holes, a list of Hole: all boundary loops except the longest one of each part, its outline.
+
+The flange around a hole ends at a crease; without a crease, it has the width `flange_width` (model
+units, 0: one ring of faces).)")
+      .def(
+          "suggested_features", &suggested_features, py::kw_only(),
+          "crease_angle"_a = defaults.crease_degrees, "flange_rings"_a = defaults.flange_rings,
+          "flange_width"_a = defaults.flange_width, "outer_loops"_a = defaults.outer_loops,
+          "nested"_a = defaults.nested,
+          R"(The features that deform scenes propose, a list of DetectedFeature, for `features` of a Deformer.
+
+Holes with their flanges, and areas inside closed creases. Options as `[proposals]` in docs/deform.md:
+`crease_angle` in degrees, above 0 and below 180; `flange_width` in model units, 0: one ring of faces.
+Raises InputError.)")
+      .def(
+          "saliency",
+          [](const Mesh& mesh) {
+            const VecX values = KernelCall()([&](const Progress&) { return mesh.saliency(); });
+            return array_of(std::vector<double>(values.begin(), values.end()));
+          },
+          R"(Mesh saliency of every vertex, n float64 from 0 to 1: how much it stands out from its surroundings.
+
+Costs 10 s on one core for 100,000 vertices. Reference: Lee, Varshney, Jacobs 2005.)")
+      .def(
+          "crease_path",
+          [](const Mesh& mesh, const py::object& through, bool closed) {
+            const std::vector<Vec3> points = rows_of(points_from(through, "through"));
+            return array_of(
+                KernelCall()([&](const Progress&) { return mesh.crease_path(points, closed); }));
+          },
+          "through"_a, py::kw_only(), "closed"_a = false,
+          R"(The shortest path along edges through the vertices nearest to the points n×3, following creases.
+
+Indices in order, for a Chain. `closed`: returns to its first vertex, which is not repeated. Raises
+InputError if the points lie on parts that are not connected.)");
 }
 
 void bind_mesh_output(py::class_<Mesh>& c) {
@@ -283,7 +388,12 @@ void bind_meshes(py::module_& m) {
       m, "Mesh",
       R"(A mesh of triangles, quads and polygons, from a file or from arrays. Immutable.
 
-Meshes can be copied and pickled; an unpickled mesh has no file for save_as_read().)");
+Meshes can be copied and pickled; an unpickled mesh has no file for save_as_read().
+
+    >>> square = batten.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> square.triangles.shape, square.boundary_loops[0].tolist()
+    ((2, 3), [0, 1, 2, 3])
+)");
   c.def(
        py::init(&mesh_from), "points"_a, "triangles"_a = py::none(),
        R"(A mesh of points n×3 and faces (indices from 0): triangles m×3, quads m×4, or a list of index lists.
@@ -306,7 +416,8 @@ Or of a meshio.Mesh with triangles and quads. Raises InputError.)")
             return array_view(mesh.shared_data(), normals.data(), {triangles, 3, 3},
                               {3 * size, size, 3 * triangles * size});
           },
-          "Unit normals of the surface at the corners of the triangles, m×3×3 float64, for the mesh "
+          "Unit normals of the surface at the corners of the triangles, m×3×3 float64, for the "
+          "mesh "
           "of a model; otherwise empty. A view.")
       .def_property_readonly("sets", &mesh_sets, "Sets of the file, {name: {nodes, faces}}.")
       .def_property_readonly("boundary_loops", &mesh_boundary_loops,
@@ -314,16 +425,6 @@ Or of a meshio.Mesh with triangles and quads. Raises InputError.)")
       .def_property_readonly("format", &Mesh::format,
                              "The file's format; empty for a mesh from arrays.")
       .def_property_readonly("notes", &Mesh::notes, "Repairs and remarks, as sentences.")
-      .def(
-          "holes",
-          [](const Mesh& mesh, double flange_width) {
-            return KernelCall()([&](const Progress&) { return mesh.holes(flange_width); });
-          },
-          "flange_width"_a = 0.0,
-          R"(The holes, a list of Hole: all boundary loops except the longest one of each part, its outline.
-
-The flange around a hole ends at a crease; without a crease, it has the width `flange_width` (model
-units, 0: one ring of faces).)")
       .def(
           "vertices_in",
           [](const Mesh& mesh, const py::object& low, const py::object& high) {
@@ -337,6 +438,7 @@ units, 0: one ring of faces).)")
             return py::make_tuple(array_of(Vec3(box.min())), array_of(Vec3(box.max())));
           },
           "Lower and upper corner of the bounding box, two arrays of 3.");
+  bind_mesh_features(c);
   bind_mesh_output(c);
   m.def(
       "read_mesh",
@@ -345,11 +447,23 @@ units, 0: one ring of faces).)")
         return KernelCall()([&](const Progress&) { return batten::read_mesh(file); });
       },
       "path"_a,
-      "Reads a mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss. Raises "
-      "InputError.");
-  m.def("measure_hole", &hole_dict, "points"_a, "loop"_a,
-        "The best-fit circle of a closed loop of points (indices): centre, axis, radius, "
-        "roundness, flatness. Lengths in the unit of the points.");
+      R"(Reads a mesh file: OBJ, OFF, PLY, STL, VTP, VTU, Nastran, Abaqus, LS-DYNA, Radioss.
+
+Raises InputError.
+
+    >>> batten.read_mesh("examples/10-plate-with-holes/plate.obj")
+    <batten.Mesh: 2784 nodes, 2548 faces>
+)");
+  m.def(
+      "measure_hole", &hole_dict, "points"_a, "loop"_a,
+      R"(The best-fit circle of a closed loop of points (indices), a dict: centre, axis, radius, roundness, flatness.
+
+Lengths in the unit of the points.
+
+    >>> t = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    >>> round(batten.measure_hole(np.c_[5 * np.cos(t), 5 * np.sin(t), 0 * t], range(12))["radius"], 9)
+    5.0
+)");
 }
 
 // Deformers that preserve the shape of features.
@@ -389,20 +503,31 @@ std::string move_repr(const Move& move) {
   return "batten.Move(" + text + ")";
 }
 
+/// Groups of vertices from a dict {name: vertices}, or from holes and detected features.
 template <class Named>
-std::vector<Named> named_from(const py::dict& given, const std::string& what, int count) {
+std::vector<Named> named_from(const py::object& given, const std::string& what, int count) {
+  const auto group = [&](const std::string& name, py::handle vertices) {
+    return Named{name, indices_from(vertices, what + " '" + name + "'", count)};
+  };
   std::vector<Named> all;
-  for (const auto& [name, vertices] : given) {
-    Named one;
-    one.name = py::str(name);
-    one.vertices = indices_from(vertices, what + " '" + one.name + "'", count);
-    all.push_back(std::move(one));
+  if (py::isinstance<py::dict>(given)) {
+    for (const auto& [name, vertices] : given.cast<py::dict>())
+      all.push_back(group(py::str(name), vertices));
+    return all;
+  }
+  const std::string expected = ", expected a dict {name: vertices}, or a list of holes or features";
+  if (!py::isinstance<py::iterable>(given) || py::isinstance<py::str>(given))
+    throw InputError(what + "s: found " + std::string(py::repr(given)) + expected);
+  for (const py::handle one : given) {
+    if (!py::isinstance<Hole>(one) && !py::isinstance<DetectedFeature>(one))
+      throw InputError(what + "s: found " + std::string(py::repr(one)) + expected);
+    all.push_back(group(py::str(one.attr("name")), one.attr("vertices")));
   }
   return all;
 }
 
 /// The inverse of named_from().
-py::dict dict_of(const std::vector<VertexGroup>& groups) {
+py::dict groups_dict(const std::vector<VertexGroup>& groups) {
   py::dict result;
   for (const VertexGroup& group : groups)
     result[py::str(group.name)] = array_of(std::vector<int>(group.vertices));
@@ -430,11 +555,53 @@ std::map<std::string, double> scales_from(const py::dict& given) {
   return scales;
 }
 
+/// Points by name, for the argument `what`.
+std::map<std::string, Vec3> named_points_from(const py::dict& given, const std::string& what) {
+  std::map<std::string, Vec3> points;
+  for (const auto& [key, value] : given) {
+    const std::string name = py::str(key);
+    points[name] = vector_from(value, what + " '" + name + "'");
+  }
+  return points;
+}
+
+/// Choices of an argument, by name.
+template <class Choice>
+using Choices = std::vector<std::pair<std::string, Choice>>;
+
+const Choices<RotationMode> kRotationModes{{"harmonic", RotationMode::Harmonic},
+                                           {"estimated", RotationMode::Estimated},
+                                           {"dual", RotationMode::Dual},
+                                           {"nonlinear", RotationMode::Nonlinear}};
+const Choices<DeformProblem::Weighting> kWeightings{{"area", DeformProblem::Weighting::Area},
+                                                    {"uniform", DeformProblem::Weighting::Uniform}};
+
+template <class Choice>
+Choice choice_from(const std::string& given, const std::string& what,
+                   const Choices<Choice>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, choice] : choices) {
+    if (name == given) return choice;
+    names.push_back(name);
+  }
+  throw InputError(what + ": found '" + given + "', expected " + expected_one_of(given, names));
+}
+
+template <class Choice>
+std::string name_of(Choice wanted, const Choices<Choice>& choices) {
+  for (const auto& [name, choice] : choices)
+    if (choice == wanted) return name;
+  return "";
+}
+
 using DeformerPtr = std::shared_ptr<Deformer>;
 
 DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
-                         const py::object& fixed, const py::dict& handles, const py::dict& features,
-                         const py::dict& keep_orientation, const py::object& region) {
+                         const py::object& fixed, const py::object& handles,
+                         const py::object& features, const py::object& keep_orientation,
+                         const py::object& region, const py::dict& constraints,
+                         const py::dict& chains, const py::dict& linear_constraints,
+                         const std::string& rotation_mode, const std::string& weighting) {
   const Mesh mesh = mesh_from(given, triangles);
   const int count = mesh.data().shells().node_count();
   DeformerSettings settings;
@@ -444,18 +611,26 @@ DeformerPtr new_deformer(const py::object& given, const py::object& triangles,
   settings.keep_orientation = named_from<VertexGroup>(keep_orientation, "feature", count);
   if (!region.is_none())
     settings.region_of_interest = indices_from(region, "region_of_interest", count);
+  settings.constraints = constraints_from(constraints, count);
+  settings.chains = chains_from(chains, count);
+  settings.linear_constraints = linear_constraints_from(linear_constraints, count);
+  settings.rotation_mode = choice_from(rotation_mode, "rotation_mode", kRotationModes);
+  settings.weighting = choice_from(weighting, "weighting", kWeightings);
   return KernelCall()([&](const Progress&) { return std::make_shared<Deformer>(mesh, settings); });
 }
 
-py::array deform(Deformer& deformer, const py::dict& given, const py::dict& factors, bool correct) {
+py::array deform(Deformer& deformer, const py::dict& given, const py::dict& factors, bool correct,
+                 const py::dict& given_origins, const py::dict& given_targets) {
   const auto moves = moves_from(given);
   const auto scales = scales_from(factors);
-  return array_of(
-      KernelCall()([&](const Progress&) { return deformer.deform(moves, scales, correct); }));
+  const auto origins = named_points_from(given_origins, "origins"),
+             targets = named_points_from(given_targets, "targets");
+  return array_of(KernelCall()(
+      [&](const Progress&) { return deformer.deform(moves, scales, correct, origins, targets); }));
 }
 
 py::array deformer_positions(const DeformerPtr& of) {
-  return nodes_view(of, of->state().deformer.positions(), of->mesh().data().shells().node_count());
+  return nodes_view(of, of->state().positions(), of->mesh().data().shells().node_count());
 }
 
 /// The mesh and the settings of a deformer, for pickle: the arguments of new_deformer().
@@ -463,12 +638,17 @@ py::tuple deformer_state(const Deformer& of) {
   const DeformerSettings& s = of.settings();
   py::object region = py::none();
   if (s.region_of_interest) region = array_of(std::vector<int>(*s.region_of_interest));
-  return py::make_tuple(of.mesh(), array_of(std::vector<int>(s.fixed)), dict_of(s.handles),
-                        dict_of(s.features), dict_of(s.keep_orientation), region);
+  return py::make_tuple(of.mesh(), array_of(std::vector<int>(s.fixed)), groups_dict(s.handles),
+                        groups_dict(s.features), groups_dict(s.keep_orientation), region,
+                        dict_of(s.constraints), dict_of(s.chains), dict_of(s.linear_constraints),
+                        name_of(s.rotation_mode, kRotationModes),
+                        name_of(s.weighting, kWeightings));
 }
 
 DeformerPtr deformer_of_state(const py::tuple& state) {
-  return new_deformer(state[0], py::none(), state[1], state[2], state[3], state[4], state[5]);
+  return new_deformer(state[0], py::none(), state[1], state[2], state[3], state[4], state[5],
+                      state[6], state[7], state[8], state[9].cast<std::string>(),
+                      state[10].cast<std::string>());
 }
 
 /// A deformer that preserves feature regions in the result of any other deformer.
@@ -494,7 +674,7 @@ std::vector<FeatureRegion> feature_regions_from(const py::dict& given, int trian
 
 std::unique_ptr<RegionsObject> new_regions(const py::object& given, const py::object& triangles,
                                            const py::dict& regions, const py::object& fixed,
-                                           const py::dict& handles, bool soft, double weight) {
+                                           const py::object& handles, bool soft, double weight) {
   const Mesh whole = mesh_from(given, triangles);
   const TriangleMesh& mesh = whole.data().mesh();
   const int count = mesh.topology().vertex_count();
@@ -519,38 +699,22 @@ py::array keep_regions(RegionsObject& of, const py::object& estimate, const py::
   }));
 }
 
-void bind_deformer(py::module_& m) {
-  py::class_<Deformer, DeformerPtr>(
-      m, "Deformer",
-      R"(Morphs a mesh whose form features keep their shape exactly; factorized once.
-
-min ½|A p - b|² subject to C p = d: mean-curvature vectors are preserved up to a smooth field of
-rotations; fixed vertices, handles and features are exact constraints. A copied or unpickled deformer
-is computed again from the mesh and the settings, and starts without an edit.
-Reference: Masuda, Yoshioka, Furukawa 2006 (docs/theory/deformers.md).)")
-      .def(
-          py::init(&new_deformer), "mesh"_a, "triangles"_a = py::none(), py::kw_only(),
-          "fixed"_a = py::tuple(), "handles"_a = py::dict(), "features"_a = py::dict(),
-          "keep_orientation"_a = py::dict(), "region_of_interest"_a = py::none(),
-          R"(`mesh`: a Mesh, or points n×3 with `triangles` (faces, as for a Mesh). Vertices are indices from 0 or masks of n.
-
-`handles`, `features` (rotate with the sheet), `keep_orientation` (features without rotation): {name:
-vertices}. `region_of_interest`: vertices that may move (None: all). Raises InputError, NoSolutionError.)")
-      .def("deform", &deform, "moves"_a, py::kw_only(), "scales"_a = py::dict(),
-           "correct"_a = false,
-           R"(Positions of all vertices after an edit of the original mesh, n×3 float64.
-
-`moves`: {handle: Move}; `scales`: {feature: factor}. Costs a pair of triangular solves; `correct`: one
-more, to reduce rounding errors. Raises InputError, ConflictError; positions are then unchanged.)")
-      .def_property_readonly(
-          "positions", &deformer_positions,
-          "Positions of the last deform(), n×3: a view, which the next call overwrites.")
+void bind_deformer_results(py::class_<Deformer, DeformerPtr>& c) {
+  c.def_property_readonly("positions", &deformer_positions,
+                          "Positions of the last deform(), n×3: a view, which the next call "
+                          "overwrites.")
       .def_property_readonly(
           "residual",
           [](const Deformer& of) {
             return KernelCall()([&](const Progress&) { return of.residual(); });
           },
           "Largest violation of the exact constraints, relative to the size.")
+      .def_property_readonly(
+          "report",
+          [](const Deformer& of) {
+            return KernelCall()([&](const Progress&) { return of.report(); });
+          },
+          "Convergence of the last deform(), a DeformerReport.")
       .def_property_readonly("unknowns", &Deformer::unknowns,
                              "Number of unknowns per coordinate, after elimination of the "
                              "constraints.")
@@ -561,8 +725,70 @@ more, to reduce rounding errors. Raises InputError, ConflictError; positions are
       .def(py::pickle(&deformer_state, &deformer_of_state));
 }
 
+void bind_deformer(py::module_& m) {
+  py::class_<DeformerReport>(m, "DeformerReport", R"(Convergence of Deformer.deform().
+
+    >>> plate = batten.read_mesh("examples/10-plate-with-holes/plate.obj")
+    >>> x = plate.points[:, 0]
+    >>> deformer = batten.Deformer(plate, fixed=x == 0, handles={"end": x == 300}, rotation_mode="nonlinear")
+    >>> bent = deformer.deform({"end": batten.Move(translate=[-40, 0, 110])})
+    >>> deformer.report.converged
+    True
+)")
+      .def_readonly("iterations", &DeformerReport::iterations,
+                    "Iterations of the estimate of rotations; 0: the rotation mode needs none.")
+      .def_readonly("converged", &DeformerReport::converged,
+                    "False: the rotations still changed after the last iteration.")
+      .def_readonly("last_correction", &DeformerReport::last_correction,
+                    "Largest change of a coordinate by the last correction of rounding errors, "
+                    "relative to the size of the mesh; 0: no correction.");
+  py::class_<Deformer, DeformerPtr> c(
+      m, "Deformer",
+      R"(Morphs a mesh whose form features keep their shape exactly; factorized once.
+
+min ½|A p - b|² subject to C p = d: mean-curvature vectors are preserved up to a smooth field of
+rotations; fixed vertices, handles, features and constraints are exact. A copied or unpickled deformer
+is computed again from the mesh and the settings, and starts without an edit.
+Reference: Masuda, Yoshioka, Furukawa 2006 (docs/theory/deformers.md).
+
+    >>> plate = batten.read_mesh("examples/10-plate-with-holes/plate.obj")
+    >>> x = plate.points[:, 0]
+    >>> deformer = batten.Deformer(plate, fixed=x == 0, handles={"end": x == 300}, features=plate.holes())
+    >>> bent = deformer.deform({"end": batten.Move(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75)})
+    >>> round(batten.measure_hole(bent, plate.holes()[2].loop)["radius"], 9)
+    42.0
+)");
+  c.def(
+       py::init(&new_deformer), "mesh"_a, "triangles"_a = py::none(), py::kw_only(),
+       "fixed"_a = py::tuple(), "handles"_a = py::dict(), "features"_a = py::dict(),
+       "keep_orientation"_a = py::dict(), "region_of_interest"_a = py::none(),
+       "constraints"_a = py::dict(), "chains"_a = py::dict(), "linear_constraints"_a = py::dict(),
+       "rotation_mode"_a = "harmonic", "weighting"_a = "area",
+       R"(`mesh`: a Mesh, or points n×3 with `triangles` (faces, as for a Mesh). Vertices are indices from 0 or masks of n.
+
+`handles`, `features` (rotate with the sheet), `keep_orientation` (features without rotation): {name:
+vertices}, or a list of Hole or DetectedFeature. `region_of_interest`: vertices that may move (None: all).
+`constraints`: {name: OnPlane or OnLine}; `chains`: {name: Chain}; `linear_constraints`: {name:
+LinearConstraint}. `rotation_mode`: "harmonic" (linear), "estimated", "dual" or "nonlinear" (ARAP): how
+features and curvature rotate if no handle prescribes it (docs/deform.md). `weighting`: "area" or
+"uniform". Raises InputError, NoSolutionError.)")
+      .def("deform", &deform, "moves"_a, py::kw_only(), "scales"_a = py::dict(),
+           "correct"_a = false, "origins"_a = py::dict(), "targets"_a = py::dict(),
+           R"(Positions of all vertices after an edit of the original mesh, n×3 float64.
+
+`moves`: {handle: Move}; `scales`: {feature: factor}; `origins`: {constraint: another point of its plane or
+line}; `targets`: {linear constraint: another value}. With rotation_mode "harmonic", costs a pair of
+triangular solves; `correct`: one more, to reduce rounding errors. The other modes iterate and always
+correct (`report`). Raises InputError, ConflictError; positions are then unchanged.)");
+  bind_deformer_results(c);
+}
+
 void bind_moves(py::module_& m) {
-  py::class_<Move>(m, "Move", "Motion of a handle: p = about + s R (p⁰ - about) + translate.")
+  py::class_<Move>(m, "Move", R"(Motion of a handle: p = about + s R (p⁰ - about) + translate.
+
+    >>> batten.Move(translate=[0, 0, 10], angle=30)
+    batten.Move(translate=(0.0, 0.0, 10.0), angle=30.0)
+)")
       .def(py::init(&new_move), py::kw_only(), "translate"_a = py::make_tuple(0., 0., 0.),
            "axis"_a = py::make_tuple(0., 0., 1.), "angle"_a = 0.0, "scale"_a = 1.0,
            "about"_a = py::none(),
@@ -574,7 +800,7 @@ void bind_moves(py::module_& m) {
       .def_property_readonly(
           "axis", [](const Move& move) { return array_of(move.axis); }, "Array of 3.")
       .def_readonly("angle", &Move::angle, "Degrees.")
-      .def_readonly("scale", &Move::scale)
+      .def_readonly("scale", &Move::scale, "Factor above 0.")
       .def_property_readonly("about", &about_of, "Array of 3, model units, or None.")
       .def("__repr__", &move_repr)
       .def(py::pickle(
@@ -592,12 +818,24 @@ void bind_moves(py::module_& m) {
 
 void bind_deformers(py::module_& m) {
   bind_moves(m);
+  bind_constraints(m);
   bind_deformer(m);
   py::class_<RegionsObject>(
       m, "FeatureRegions",
       R"(Preserves regions of a mesh in the result of any deformer; factorized once.
 
-Reference: Hu, Song, Cao 2012, Mesh editing with feature region preservation (docs/theory/deformers.md).)")
+Reference: Hu, Song, Cao 2012, Mesh editing with feature region preservation (docs/theory/deformers.md).
+
+    >>> plate = batten.read_mesh("examples/10-plate-with-holes/plate.obj")
+    >>> x, hole = plate.points[:, 0], plate.holes()[2]
+    >>> kept = {"fixed": x == 0, "handles": {"end": x == 300}}
+    >>> moves = {"end": batten.Move(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75)}
+    >>> estimate = batten.Deformer(plate, **kept).deform(moves)
+    >>> inside = np.isin(plate.triangles, hole.vertices).all(1)
+    >>> regions = batten.FeatureRegions(plate, regions={"hole": inside}, **kept)
+    >>> round(batten.measure_hole(regions.deform(estimate, moves), hole.loop)["radius"], 9)
+    42.0
+)")
       .def(
           py::init(&new_regions), "mesh"_a, "triangles"_a = py::none(), py::kw_only(), "regions"_a,
           "fixed"_a = py::tuple(), "handles"_a = py::dict(), "soft"_a = false, "weight"_a = 2e7,
@@ -685,7 +923,16 @@ void bind_edits(py::module_& m) {
       R"(Interactive edits of a deform scene: the parameters of the last edit's handles can be changed.
 
 Features and constraints are those of the scene; factorized once. The result of solve() is the same as
-the output of `batten deform` (docs/deform.md).)")
+the output of `batten deform` (docs/deform.md).
+
+    >>> edit = batten.MeshEdit("examples/10-plate-with-holes/direction.toml")
+    >>> edit["edit.right.angle"]
+    75.0
+    >>> edit["edit.right.angle"] = 60
+    >>> edit.solve()
+    >>> edit.points.shape
+    (2784, 3)
+)")
       .def(py::init(&new_mesh_edit), "path"_a, py::kw_only(), "progress"_a = py::none(),
            "Reads a deform scene and applies its edits. Raises InputError, ConflictError, "
            "NoSolutionError.")

@@ -1,6 +1,7 @@
 #include "batten/apps/python/conversions.h"
 
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 
@@ -96,7 +97,9 @@ Vec3 vector_from(py::handle given, const std::string& what) {
 }
 
 std::vector<int> indices_from(py::handle given, const std::string& what, int count) {
-  const std::string expected = "whole numbers from 0, or a mask of " + std::to_string(count);
+  std::string expected = "whole numbers from 0";
+  if (count < std::numeric_limits<int>::max())
+    expected += ", or a mask of " + std::to_string(count);
   std::vector<int> indices;
   const py::array any = py::array::ensure(given);
   if (any && any.dtype().kind() == 'b') {

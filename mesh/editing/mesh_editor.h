@@ -100,6 +100,8 @@ class MeshEditor {
   const DeformProblem& problem() const { return problem_; }
   /// The edit that was passed to the last set().
   const DeformEdit& edit() const { return edit_; }
+  /// Sizes of the linear system.
+  FormFeatureDeformer::Counts counts() const { return deformer_->counts(); }
   /// Messages for the user about parts of the mesh that do not move, because they have no
   /// constraints.
   const std::vector<std::string>& notes() const { return deformer_->notes(); }

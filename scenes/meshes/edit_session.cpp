@@ -38,6 +38,14 @@ double chain_length(const TriangleMesh& mesh, const std::vector<int>& chain, boo
   return sum;
 }
 
+void check_chain(const std::string& name, const std::vector<int>& chain, bool rigid) {
+  const size_t different = std::set<int>(chain.begin(), chain.end()).size();
+  if (different < 3 || (!rigid && different < chain.size()))
+    throw InputError("the chain '" + name + "': found " + std::to_string(chain.size()) +
+                     " nodes, " + std::to_string(different) +
+                     " of them different, expected at least three, each once");
+}
+
 /// Collects form features, single ones and several of one kind.
 void gather_features(const DeformScene& scene, VertexSelector& select, SharedConstraints& shared) {
   const auto taken = [&](const std::string& name) {
@@ -83,19 +91,18 @@ void gather_lines(const DeformScene& scene, VertexSelector& select, const Triang
                   SharedConstraints& shared) {
   for (const LineSpec& rule : scene.lines) {
     const std::vector<int> chain = select.path(rule);
-    const size_t different = std::set<int>(chain.begin(), chain.end()).size();
-    if (different < 3 || (!rule.rigid && different < chain.size()))
-      throw InputError(scene.at(rule.location) + "the chain '" + rule.name + "': found " +
-                       std::to_string(chain.size()) + " nodes, " + std::to_string(different) +
-                       " of them different, expected at least three, each once");
+    try {
+      check_chain(rule.name, chain, rule.rigid);
+    } catch (const InputError& e) {
+      throw InputError(scene.at(rule.location) + e.what());
+    }
     shared.lines.push_back(chain);
     if (rule.closed) shared.lines.back().push_back(chain.front());
-    if (rule.rigid) {
+    if (rule.rigid)
       shared.features.push_back({rule.name, chain, FormFeature::Kind::Free});
-      continue;
-    }
-    const double width = rule.width > 0 ? rule.width : chain_length(mesh, chain, rule.closed) / 10;
-    shared.chains.push_back({rule.name, chain, rule.closed, width});
+    else
+      shared.chains.push_back(
+          with_default_width({rule.name, chain, rule.closed, rule.width}, mesh));
   }
 }
 
@@ -261,6 +268,12 @@ std::vector<Vec3> guide_points(const DeformScene& scene, const EditSpec& rule,
 }
 
 }  // namespace
+
+CharacterChain with_default_width(CharacterChain chain, const TriangleMesh& mesh) {
+  check_chain(chain.name, chain.vertices, false);
+  if (chain.width == 0) chain.width = chain_length(mesh, chain.vertices, chain.closed) / 10;
+  return chain;
+}
 
 double distance_from(const MeshCurve& curve, const Points& p) {
   double worst = 0;

@@ -56,6 +56,10 @@ struct SharedConstraints {
                                         // chains repeat the first vertex
 };
 
+/// Checks a chain that keeps its shape approximately, and replaces the width 0 by the default, a
+/// tenth of its length. Throws InputError unless the chain has three or more vertices, each once.
+CharacterChain with_default_width(CharacterChain chain, const TriangleMesh& mesh);
+
 /// Largest distance of the vertices, at positions p (n×3), from the curve.
 double distance_from(const MeshCurve& curve, const Points& p);
 

@@ -142,6 +142,364 @@ class Deformers(PropertyTests):
             frames[3]
 
 
+class Constraints(PropertyTests):
+    """Constraints and rotation modes of a Deformer, compared with deform scenes of the same edit."""
+
+    move = {"translate": [-40, 0, 110], "axis": [0, -1, 0], "angle": 75}
+
+    def setUp(self):
+        super().setUp()
+        self.plate = batten.read_mesh(example("10-plate-with-holes", "plate.obj"))
+        self.holes = self.plate.holes()
+        self.settings = {"fixed": self.plate.vertices_in([0, 0, 0], [0, 300, 0]),
+                         "handles": {"end": self.plate.vertices_in([300, 0, 0], [300, 300, 0])},
+                         "features": self.holes}
+        self.moves = {"end": batten.Move(**self.move)}
+
+    def refused(self, words, call, *arguments, **named):
+        with self.assertRaises(batten.InputError) as raised:
+            call(*arguments, **named)
+        self.assertIn(words, str(raised.exception))
+
+    def of_scene(self, shared="", edit="", top=""):
+        """Positions that a deform scene of the same edit gives."""
+        with open(self.file("edit.toml"), "w") as file:
+            file.write(f"""unit = "mm"
+mesh = "{self.plate_file()}"
+{top}
+[[select]]
+name = "left"
+box = [[0, 0, 0], [0, 300, 0]]
+[[select]]
+name = "end"
+box = [[300, 0, 0], [300, 300, 0]]
+[[features]]
+of = ["hole-*"]
+{shared}
+[[edit]]
+fixed = "left"
+centres = "free"
+{edit}
+[[edit.handle]]
+name = "end"
+translate = {self.move["translate"]}
+rotate = {{ axis = {self.move["axis"]}, angle = {self.move["angle"]} }}
+""")
+        return batten.MeshEdit(self.file("edit.toml")).points
+
+    def plate_file(self):
+        return example("10-plate-with-holes", "plate.obj")
+
+    def deformed(self, **named):
+        deformer = batten.Deformer(self.plate, **self.settings, **named)
+        return deformer, deformer.deform(self.moves, correct=True)
+
+    def near(self, found, expected, tolerance=1e-9):
+        self.assertLess(np.abs(found - expected).max(), tolerance * 300)
+
+    def test_each_rotation_mode_equals_the_scene(self):
+        found = {}
+        for mode in ("harmonic", "estimated", "dual", "nonlinear"):
+            deformer, points = self.deformed(rotation_mode=mode)
+            self.near(points, self.of_scene(edit=f'rotation_mode = "{mode}"'))
+            self.assertLess(deformer.residual, 1e-12)
+            self.assertTrue(deformer.report.converged)
+            self.assertEqual(deformer.report.iterations > 0, mode != "harmonic")
+            self.assertLess(deformer.report.last_correction, 1e-9)
+            self.assertGreater(deformer.unknowns, 0)
+            self.same_bits(points, deformer.positions)
+            # Edits do not add up, and a copy gives the same bits.
+            deformer.deform({"end": batten.Move(translate=[0, 50, 0])})
+            self.same_bits(deformer.deform(self.moves, correct=True), points)
+            again = pickle.loads(pickle.dumps(deformer))
+            self.same_bits(np.ascontiguousarray(again.positions), np.ascontiguousarray(self.plate.points))
+            self.same_bits(again.deform(self.moves, correct=True), points)
+            found[mode] = points
+        for mode, points in found.items():
+            for other in found:
+                if other != mode:
+                    self.assertGreater(np.abs(points - found[other]).max(), 1e-3, (mode, other))
+
+    def test_each_rotation_mode_equals_the_program(self):
+        for mode in ("estimated", "nonlinear"):
+            self.of_scene(edit=f'rotation_mode = "{mode}"')
+            self.assertEqual(run_program("deform", self.file("edit.toml"), "--out", self.file(mode)), 0)
+            written = batten.read_mesh(os.path.join(self.file(mode), "plate-deformed.obj"))
+            self.near(self.deformed(rotation_mode=mode)[1], written.points)
+
+    def test_each_rotation_mode_reproduces_rigid_motions(self):
+        points, triangles = grid(12)
+        points[:, 2] = 0.2 * np.sin(3 * points[:, 0]) * points[:, 1]
+        axis = np.array([1, 2, -1]) / math.sqrt(6)
+        cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        angle = math.radians(40)
+        rotation = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+        expected = points @ rotation.T + [1, -2, 3]
+        ends = {"left": points[:, 0] < 0.1, "right": points[:, 0] > 0.9}
+        move = batten.Move(translate=[1, -2, 3], axis=axis, angle=40, about=[0, 0, 0])
+        for mode in ("harmonic", "estimated", "dual", "nonlinear"):
+            deformer = batten.Deformer(points, triangles, handles=ends, features={"patch": [60, 61, 62, 73, 74, 75]},
+                                       rotation_mode=mode)
+            found = deformer.deform({"left": move, "right": move}, correct=True)
+            self.assertLess(np.abs(found - expected).max(), 1e-9, mode)
+            np.testing.assert_allclose(deformer.deform({}), points, atol=1e-14)
+
+    def test_the_uniform_weighting_equals_the_scene(self):
+        found = self.deformed(rotation_mode="estimated", weighting="uniform")[1]
+        self.near(found, self.of_scene(top='weighting = "uniform"'))
+        self.assertGreater(np.abs(found - self.deformed(rotation_mode="estimated")[1]).max(), 1e-3)
+
+    def test_features_slide_on_planes_and_lines(self):
+        top, side = self.holes[2], self.holes[0]
+        named = {"constraints": {"plane": batten.OnPlane(top.loop, [1, 0, 2]),
+                                 "line": batten.OnLine(side.loop, direction=[3, 0, 1], origin=[45, 50, 5])}}
+        shared = """[[constraint]]
+name = "plane"
+of = "hole-3"
+plane = { normal = [1, 0, 2] }
+[[constraint]]
+name = "line"
+of = "hole-1"
+axis = { direction = [3, 0, 1], origin = [45, 50, 5] }
+"""
+        for mode in ("harmonic", "estimated", "nonlinear"):
+            deformer, found = self.deformed(rotation_mode=mode, **named)
+            self.near(found, self.of_scene(shared, f'rotation_mode = "{mode}"'))
+            centre = found[top.loop].mean(0) - self.plate.points[top.loop].mean(0)
+            self.assertLess(abs(centre @ [1, 0, 2]), 1e-10)
+            self.assertGreater(np.abs(centre).max(), 1)
+            self.assertLess(np.abs(np.cross(found[side.loop].mean(0) - [45, 50, 5], [3, 0, 1])).max(), 1e-10)
+            self.assertLess(deformer.residual, 1e-12)
+            # The plane moves with its origin.
+            moved = deformer.deform(self.moves, origins={"plane": [150, 150, 20]}, correct=True)
+            self.assertLess(abs((moved[top.loop].mean(0) - [150, 150, 20]) @ [1, 0, 2]), 1e-10)
+            self.near(moved, self.of_scene(shared, f'''rotation_mode = "{mode}"
+[[edit.constraint]]
+name = "plane"
+origin = [150, 150, 20]'''))
+            again = copy.deepcopy(deformer)
+            self.same_bits(again.deform(self.moves, correct=True), found)
+        free = self.deformed()[1]
+        self.assertGreater(abs((free[top.loop].mean(0) - [150, 150, 0]) @ [1, 0, 2]), 1)
+
+    def test_vertices_slide_on_a_plane(self):
+        edge = self.plate.vertices_in([1, 0, 0], [299, 0, 0])
+        deformer = batten.Deformer(
+            self.plate, **self.settings,
+            constraints={f"symmetry {v}": batten.OnPlane([v], [0, 1, 0]) for v in edge})
+        found = deformer.deform({"end": batten.Move(translate=[0, 0, 60], axis=[1, 0, 0], angle=0)}, correct=True)
+        self.assertLess(np.abs(found[edge, 1]).max(), 1e-10)
+        self.assertGreater(found[edge, 2].max(), 10)
+
+    def test_a_chain_equals_that_of_the_scene(self):
+        chain = self.plate.crease_path([[100, 0, 0], [100, 300, 0]])
+        along = self.plate.points[chain]
+        self.assertLess(np.abs(np.diff(along[:, 1])).max(), 40)
+        numbers = [int(v) + 1 for v in chain]
+        for width, key in ((None, ""), (500, "width = 500")):
+            made = batten.Chain(chain, width=width)
+            found = self.deformed(rotation_mode="estimated", chains={"rib": made})[1]
+            self.near(found, self.of_scene(f"[[chain]]\nname = \"rib\"\nnodes = {numbers}\n{key}\n"))
+            self.assertGreater(np.abs(found - self.deformed(rotation_mode="estimated")[1]).max(), 1e-3)
+
+        # A closed chain, and the same one through points.
+        loop = self.plate.boundary_loops[0]
+        found = self.deformed(rotation_mode="estimated", chains={"rim": batten.Chain(loop, closed=True)})[1]
+        numbers = [int(v) + 1 for v in loop]
+        self.near(found, self.of_scene(f"[[chain]]\nname = \"rim\"\nnodes = {numbers}\nclosed = true\n"))
+
+    def test_crease_paths_follow_creases(self):
+        points, triangles = grid(10)
+        points[:, 2] = np.abs(points[:, 0] - 0.5)  # a crease at x = 0.5
+        mesh = batten.Mesh(points, triangles)
+        path = mesh.crease_path([[0.5, 0, 0], [0.5, 1, 0]])
+        np.testing.assert_allclose(points[path, 0], 0.5)
+        self.assertEqual(len(path), 11)
+        rim = mesh.crease_path([[0, 0, 0.5], [1, 0, 0.5], [1, 1, 0.5], [0, 1, 0.5]], closed=True)
+        self.assertEqual((set(rim), len(rim)), (set(mesh.boundary_loops[0]), 40))
+        self.refused("through: found an array of 3", mesh.crease_path, [0, 0, 0])
+        self.refused("through: found nan", mesh.crease_path, [[0, 0, math.nan]])
+        self.refused("through: found a path through no vertices", mesh.crease_path, np.zeros((0, 3)))
+        two = batten.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]], [[0, 1, 2], [3, 4, 5]])
+        self.refused("parts of the mesh that are not connected", two.crease_path, [[0, 0, 0], [5, 0, 0]])
+
+    def test_linear_constraints(self):
+        v, target = 1300, np.array([100.0, 200, 30])
+        self.assertFalse(any(v in hole.vertices for hole in self.holes))
+        for weight, key in ((None, ""), (0.01, "weight = 0.01")):
+            pull = batten.LinearConstraint({v: 1}, target, weight=weight)
+            deformer, found = self.deformed(rotation_mode="estimated", linear_constraints={"pull": pull})
+            self.near(found, self.of_scene(f"""[[position_constraint]]
+name = "pull"
+node = {v + 1}
+to = {list(target)}
+{key}"""))
+            gap = np.abs(found[v] - target).max()
+            self.assertEqual(gap < 1e-9, weight is None)
+            other = deformer.deform(self.moves, targets={"pull": target + [0, 0, 20]}, correct=True)
+            self.assertGreater(other[v, 2], found[v, 2] + (19.999999 if weight is None else 0.001))
+            self.same_bits(pickle.loads(pickle.dumps(deformer)).deform(self.moves, correct=True), found)
+
+        # The distance vector of two vertices, as it is in the mesh, or rotated like the mesh.
+        a, b = 900, 1300
+        apart = self.plate.points[b] - self.plate.points[a]
+        fixed = batten.LinearConstraint({b: 1, a: -1}, apart)
+        rotated = batten.LinearConstraint({b: 1, a: -1}, apart, rotates_with=a)
+        found = self.deformed(linear_constraints={"vector": fixed})[1]
+        self.assertLess(np.abs(found[b] - found[a] - apart).max(), 1e-9)
+        found = self.deformed(linear_constraints={"vector": rotated})[1]
+        self.assertGreater(np.abs(found[b] - found[a] - apart).max(), 1)
+        self.assertAlmostEqual(np.linalg.norm(found[b] - found[a]), np.linalg.norm(apart), places=9)
+
+    def test_constraints_can_be_read_copied_and_pickled(self):
+        mask = np.zeros(len(self.plate.points), bool)
+        mask[[3, 5]] = True
+        plane = batten.OnPlane(mask, [0, 0, 2])
+        line = batten.OnLine([5, 3], [1, 0, 0], origin=[0, 1, 2])
+        chain = batten.Chain([1, 2, 3], closed=True, width=4)
+        row = batten.LinearConstraint({2: 0.5, 7: -1}, [1, 2, 3], weight=4, rotates_with=9)
+        for copied in (copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))):
+            self.assertEqual((list(copied(plane).vertices), list(copied(plane).normal), copied(plane).origin),
+                             (list(mask), [0, 0, 2], None))
+            self.assertEqual([list(x) for x in (copied(line).vertices, copied(line).direction, copied(line).origin)],
+                             [[5, 3], [1, 0, 0], [0, 1, 2]])
+            again = copied(chain)
+            self.assertEqual((list(again.vertices), again.closed, again.width), ([1, 2, 3], True, 4))
+            again = copied(row)
+            self.assertEqual((again.coefficients, list(again.target), again.weight, again.rotates_with),
+                             ({2: 0.5, 7: -1}, [1, 2, 3], 4, 9))
+        self.assertEqual((batten.Chain([1, 2, 3]).width, batten.LinearConstraint({0: 1}, [0, 0, 0]).weight,
+                          batten.LinearConstraint({0: 1}, [0, 0, 0]).rotates_with), (None, None, None))
+        self.assertEqual(repr(plane), "<batten.OnPlane: normal (0, 0, 2)>")
+        self.assertEqual(repr(line), "<batten.OnLine: direction (1, 0, 0), origin (0, 1, 2)>")
+        self.assertEqual(repr(chain), "<batten.Chain of 3 vertices, closed>")
+        self.assertEqual(repr(row), "<batten.LinearConstraint of 2 vertices: target (1, 2, 3)>")
+        # A mask and the same indices are the same constraint.
+        given = [batten.Deformer(self.plate, **self.settings, constraints={"p": batten.OnPlane(v, [0, 1, 1])})
+                 for v in (mask, [3, 5])]
+        self.same_bits(*(one.deform(self.moves) for one in given))
+
+    def test_invalid_constraints_are_refused(self):
+        nan = math.nan
+        self.refused("normal: found length 0, expected a direction", batten.OnPlane, [0], [0, 0, 0])
+        self.refused("normal: found nan", batten.OnPlane, [0], [0, 0, nan])
+        self.refused("direction: found an array of 2", batten.OnLine, [0], [0, 1])
+        self.refused("origin: found inf", batten.OnLine, [0], [0, 0, 1], origin=[0, math.inf, 0])
+        self.refused("vertices: found no vertices", batten.OnLine, [], [0, 0, 1])
+        self.refused("vertices: found -1", batten.OnLine, [-1], [0, 0, 1])
+        self.refused("vertices: found a mask", batten.Chain, [True, True, False])
+        self.refused("width: found 0, expected a number above 0", batten.Chain, [0, 1, 2], width=0)
+        self.refused("width: found nan", batten.Chain, [0, 1, 2], width=nan)
+        self.refused("coefficients: found no vertices", batten.LinearConstraint, {}, [0, 0, 0])
+        self.refused("coefficients[3]: found nan", batten.LinearConstraint, {3: nan}, [0, 0, 0])
+        self.refused("coefficients, vertex: found -3", batten.LinearConstraint, {-3: 1}, [0, 0, 0])
+        self.refused("coefficients, vertex: found 1.5, expected a whole number from 0", batten.LinearConstraint, {1.5: 1},
+                     [0, 0, 0])
+        self.refused("rotates_with: found 'a', expected a whole number", batten.LinearConstraint, {1: 1}, [0, 0, 0],
+                     rotates_with="a")
+        self.refused("expected whole numbers from 0", batten.OnPlane, [0.5], [0, 0, 1])
+        self.refused("target: found a single value", batten.LinearConstraint, {3: 1}, 5)
+        self.refused("weight: found -1, expected a number above 0", batten.LinearConstraint, {3: 1}, [0, 0, 0], weight=-1)
+
+        def made(**named):
+            return batten.Deformer(self.plate, **self.settings, **named)
+        many = len(self.plate.points)
+        self.refused("constraint 'p': found 5, expected a batten.OnPlane or batten.OnLine", made, constraints={"p": 5})
+        self.refused(f"constraint 'p': found {many}, expected 0 to {many - 1}", made,
+                     constraints={"p": batten.OnPlane([many], [0, 0, 1])})
+        self.refused("constraint 'p': found an array of 3 as a mask", made,
+                     constraints={"p": batten.OnPlane(np.ones(3, bool), [0, 0, 1])})
+        self.refused("chain 'rib': found <batten.OnPlane", made, chains={"rib": batten.OnPlane([0], [0, 0, 1])})
+        self.refused("chain 'rib': found 100000, expected 0 to", made, chains={"rib": batten.Chain([0, 1, 100000])})
+        self.refused("the chain 'rib': found 4 nodes, 3 of them different", made,
+                     chains={"rib": batten.Chain([0, 1, 2, 0])})
+        self.refused("linear constraint 'pull': found 100000, expected 0 to", made,
+                     linear_constraints={"pull": batten.LinearConstraint({100000: 1}, [0, 0, 0])})
+        self.refused("linear constraint 'pull', rotates_with: found 100000, expected 0 to", made,
+                     linear_constraints={"pull": batten.LinearConstraint({1: 1}, [0, 0, 0], rotates_with=100000)})
+        self.refused("rotation_mode: found 'nonlinar', expected one of: harmonic, estimated, dual, nonlinear; "
+                     "did you mean 'nonlinear'?", made, rotation_mode="nonlinar")
+        self.refused("weighting: found 'areas', expected one of: area, uniform; did you mean 'area'?", made,
+                     weighting="areas")
+        with self.assertRaisesRegex(TypeError, "rotation_mode"):
+            made(rotation_mod="dual")
+
+    def test_unknown_origins_and_targets_are_refused_with_the_nearest_name(self):
+        deformer = batten.Deformer(self.plate, **self.settings, constraints={"rail": batten.OnLine([700], [1, 0, 0])},
+                                   linear_constraints={"pull": batten.LinearConstraint({900: 1}, [0, 0, 0], weight=1)})
+        self.refused("origins: found 'rails', expected a constraint's name; did you mean 'rail'?", deformer.deform, {},
+                     origins={"rails": [0, 0, 0]})
+        self.refused("targets: found 'pul', expected a linear constraint's name; did you mean 'pull'?", deformer.deform,
+                     {}, targets={"pul": [0, 0, 0]})
+        self.refused("origins 'rail': found an array of 2", deformer.deform, {}, origins={"rail": [0, 0]})
+        self.refused("targets 'pull': found nan", deformer.deform, {}, targets={"pull": [0, math.nan, 0]})
+        self.same_bits(np.ascontiguousarray(deformer.positions), np.ascontiguousarray(self.plate.points))
+
+    def test_contradictory_constraints_are_named_and_change_nothing(self):
+        v = self.settings["handles"]["end"][0]
+        for mode in ("harmonic", "estimated"):
+            deformer = batten.Deformer(self.plate, **self.settings, rotation_mode=mode,
+                                       constraints={"floor": batten.OnPlane([v], [0, 0, 1])})
+            kept = deformer.deform({"end": batten.Move(translate=[10, 0, 0])})
+            with self.assertRaises(batten.ConflictError) as raised:
+                deformer.deform({"end": batten.Move(translate=[0, 0, 5])})
+            self.assertIn("floor", str(raised.exception))
+            self.same_bits(np.ascontiguousarray(deformer.positions), np.ascontiguousarray(kept))
+
+
+class Saliency(PropertyTests):
+    def bumps(self):
+        points, triangles = grid(30)
+        for centre, height in (((0.3, 0.4), 0.05), ((0.7, 0.6), 0.03)):
+            points[:, 2] += height * np.exp(-((points[:, :2] - centre) ** 2).sum(1) / 0.002)
+        return points, triangles
+
+    def test_saliency_is_largest_at_a_bump_and_invariant_under_rigid_motions(self):
+        points, triangles = self.bumps()
+        saliency = batten.Mesh(points, triangles).saliency()
+        self.assertEqual((saliency.shape, saliency.dtype), ((len(points),), np.float64))
+        self.assertEqual((saliency.max(), saliency.min() >= 0), (1, True))
+        most = points[saliency.argmax()]
+        self.assertLess(np.abs(most[:2] - [0.3, 0.4]).max(), 0.1)
+        # The length scale is the diagonal of the bounding box: rotations of the axes onto each other keep it.
+        moved = batten.Mesh(points[:, [1, 2, 0]] * [1, -1, -1] + [5, -7, 2], triangles)
+        np.testing.assert_allclose(moved.saliency(), saliency, atol=1e-9)
+        np.testing.assert_allclose(batten.Mesh(1000 * points, triangles).saliency(), saliency, atol=1e-9)
+        np.testing.assert_array_equal(batten.Mesh(*grid(4)).saliency(), np.zeros(25))  # a plane
+
+    def test_suggested_features_are_the_proposals_of_a_scene(self):
+        file = example("11-panel", "panel.bdf")
+        panel = batten.read_mesh(file)
+        features = panel.suggested_features()
+        self.assertEqual([one.name for one in features if one.kind == "hole"], [hole.name for hole in panel.holes()])
+        for hole, one in zip(panel.holes(), features):
+            self.assertEqual((list(one.vertices), list(one.loop)), (list(hole.vertices), list(hole.loop)))
+            self.assertEqual((one.radius, one.equivalent_radius, list(one.centre), list(one.axis)),
+                             (hole.radius, hole.equivalent_radius, list(hole.centre), list(hole.axis)))
+        self.assertIn("crease", [one.kind for one in features])
+        text = subprocess.run([os.environ["BATTEN_PROGRAM"], "info", file], capture_output=True, text=True).stdout
+        for one in features:
+            self.assertIn(f"feature '{one.name}': {len(one.vertices)} nodes", text)
+            self.assertIn("'%s': radius " % one.name, repr(one))
+            self.assertTrue(set(one.loop) <= set(one.vertices))
+        self.assertEqual(text.count("feature '"), len(features))
+        outlines = panel.suggested_features(outer_loops=True)
+        self.assertGreater(len(outlines), len(features))
+        self.assertLess(sum(one.kind == "crease" for one in panel.suggested_features(crease_angle=170)),
+                        sum(one.kind == "crease" for one in features))
+
+    def test_invalid_options_are_refused(self):
+        mesh = batten.Mesh(*grid(4))
+        for named, words in (({"crease_angle": 0}, "crease_angle: found 0, expected degrees above 0 and below 180"),
+                             ({"crease_angle": math.nan}, "crease_angle: found nan"),
+                             ({"flange_rings": 0}, "flange_rings: found 0, expected 1 or more"),
+                             ({"flange_width": -1}, "flange_width: found -1, expected a number from 0"),
+                             ({"flange_width": math.inf}, "flange_width: found inf")):
+            with self.assertRaises(batten.InputError) as raised:
+                mesh.suggested_features(**named)
+            self.assertIn(words, str(raised.exception))
+
+
 class Meshes(PropertyTests):
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]])
 
@@ -240,6 +598,17 @@ class Meshes(PropertyTests):
         self.refused("expected a handle's name; did you mean 'end'?", deformer.deform, {"ende": batten.Move()})
         self.refused("expected a feature's name; did you mean 'hole-1'?", deformer.deform, {}, scales={"hole1": 2})
         self.same_bits(np.ascontiguousarray(deformer.positions), np.ascontiguousarray(bent))
+
+    def test_groups_are_holes_or_features(self):
+        mesh, by_dict = self.plate()
+        moves = {"end": batten.Move(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75)}
+        named = {"fixed": mesh.vertices_in([0, 0, 0], [0, 300, 0]),
+                 "handles": {"end": mesh.vertices_in([300, 0, 0], [300, 300, 0])}}
+        for features in (mesh.holes(), mesh.suggested_features(), iter(mesh.holes())):
+            self.same_bits(batten.Deformer(mesh, features=features, **named).deform(moves), by_dict.deform(moves))
+        for wrong in ([5], "hole-1", 3):
+            self.refused("expected a dict {name: vertices}, or a list of holes or features", batten.Deformer, mesh,
+                         features=wrong, **named)
 
     def test_a_move_can_be_read_and_pickled(self):
         move = batten.Move(translate=[0, 0, 0.4], axis=[0, 1, 0], angle=-60, about=[1, 0, 0])

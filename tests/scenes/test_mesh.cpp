@@ -13,7 +13,10 @@
 #include "batten/batten.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/mesh/regions/arap_deformer.h"
+#include "batten/mesh/selection.h"
 #include "batten/scenes/mesh_data.h"
+#include "batten/scenes/meshes/vertex_selector.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 
@@ -343,6 +346,239 @@ TEST_CASE("a mesh with a rib has one vertex per node for its users", "[scenes][d
   REQUIRE(moved.allFinite());
   for (const int v : settings.handles[0].vertices) CHECK(moved(v, 2) == Approx(1));
   CHECK(deformer.residual() < 1e-12);
+}
+
+namespace {
+
+/// The square with two bumps of different heights.
+Mesh bumps(const Vec3& shift = Vec3::Zero(), const Mat3& rotation = Mat3::Identity()) {
+  constexpr int n = 30;
+  Square square(n);
+  for (Vec3& p : square.points) {
+    p.z() = 2 * std::exp(-(p - Vec3(9, 12, 0)).squaredNorm() / 3) +
+            std::exp(-(p - Vec3(20, 20, 0)).squaredNorm() / 3);
+    p = rotation * p + shift;
+  }
+  return square.mesh();
+}
+
+}  // namespace
+
+TEST_CASE("saliency is that of the kernel, and invariant under rigid motions", "[scenes][mesh]") {
+  const Mesh mesh = bumps();
+  const VecX saliency = mesh.saliency();
+  CHECK(saliency == mesh_saliency(mesh.data().mesh()));
+  CHECK(saliency.maxCoeff() == 1);
+  // The length scale is the diagonal of the bounding box: these rotations keep it.
+  const Mat3 rotation = Eigen::Quaterniond(1, 1, 1, 1).normalized().toRotationMatrix();
+  CHECK((bumps({5, -7, 2}, rotation).saliency() - saliency).cwiseAbs().maxCoeff() < 1e-9);
+
+  constexpr int n = 6;
+  Square square(n);
+  square.add_rib(n, 3);
+  CHECK(square.mesh().saliency().size() == static_cast<long>(square.points.size()));
+}
+
+TEST_CASE("suggested features are the proposals of scenes", "[scenes][mesh]") {
+  const Mesh panel = read_mesh(deck_file);
+  SceneSelections scene;
+  scene.proposals.nested = true;
+  VertexSelector select(scene, panel.data().source.file, panel.data().mesh());
+  const std::vector<DetectedFeature> features = panel.suggested_features(scene.proposals);
+  REQUIRE(features.size() == select.proposals().size());
+  REQUIRE(features.size() > 1);
+  for (const DetectedFeature& feature : features) {
+    CHECK(feature.vertices == select.of(LocatedString{feature.name, {}}));
+    CHECK(feature.loop == select.proposal(feature.name)->loop);
+  }
+  const auto refusal = [&](const FeatureDetectionOptions& options) {
+    return error_message([&] { panel.suggested_features(options); });
+  };
+  CHECK(refusal({.crease_degrees = 180}).starts_with("crease_angle: found 180"));
+  CHECK(refusal({.flange_rings = 0}).starts_with("flange_rings: found 0"));
+  CHECK(refusal({.flange_width = -2}).starts_with("flange_width: found -2"));
+}
+
+TEST_CASE("rotation modes give the bits of the kernel's editor", "[scenes][deformer]") {
+  const Mesh plate = read_mesh(plate_file);
+  DeformerSettings settings = plate_settings(plate);
+  DeformProblem problem;
+  problem.fixed = settings.fixed;
+  problem.handles = {{"end", settings.handles[0].vertices}};
+  for (const VertexGroup& group : settings.features)
+    problem.features.push_back({group.name, group.vertices});
+  const Vec3 about(300, 150, 0);
+  Move move = up_and_round;
+  move.about = about;
+  DeformEdit edit;
+  edit.handles = {
+      {about, to_rotation_vector({0, -1, 0}, 75 * std::numbers::pi / 180), {-40, 0, 110}}};
+  for (const RotationMode mode :
+       {RotationMode::Estimated, RotationMode::Dual, RotationMode::Nonlinear}) {
+    MeshEditor editor(plate.data().source.prepared, plate.points(), problem,
+                      {.rotation_mode = mode, .keep_centres = false, .centres = {}});
+    editor.set(edit);
+    settings.rotation_mode = mode;
+    Deformer deformer(plate, settings);
+    CHECK(deformer.positions() == plate.points());
+    CHECK(deformer.report().iterations == 0);
+    const Points bent = deformer.deform({{"end", move}});
+    CHECK(bent == editor.solve_to_equilibrium());
+    CHECK(deformer.positions() == bent);
+    CHECK(deformer.residual() == editor.statistics().hard_residual);
+    CHECK(deformer.report().iterations == editor.statistics().iterations);
+    CHECK(deformer.report().converged);
+    CHECK(deformer.report().last_correction == editor.statistics().last_correction);
+    CHECK(deformer.unknowns() == editor.counts().unknowns);
+    CHECK(change_of_radii(plate.holes(), bent) < 1e-12);
+  }
+}
+
+TEST_CASE("without features, a rotation mode gives the shape of its estimate",
+          "[scenes][deformer]") {
+  const Mesh plate = read_mesh(plate_file);
+  DeformerSettings settings = plate_settings(plate);
+  settings.features.clear();
+  settings.rotation_mode = RotationMode::Nonlinear;
+  const TriangleMesh& mesh = plate.data().mesh();
+  ArapDeformer arap(mesh, settings.fixed, {{"end", settings.handles[0].vertices}});
+  const auto moves =
+      detail::transforms_of({{"end", up_and_round}}, {{"end", settings.handles[0].vertices}}, mesh);
+  const Points found = Deformer(plate, settings).deform({{"end", up_and_round}});
+  CHECK((found - arap.deform(moves)).cwiseAbs().maxCoeff() < 1e-7 * mesh.size());
+}
+
+TEST_CASE("constraints keep points on planes and lines", "[scenes][deformer]") {
+  const Mesh plate = read_mesh(plate_file);
+  const std::vector<Hole> holes = plate.holes();
+  DeformerSettings settings = plate_settings(plate);
+  const Vec3 normal(1, 0, 2), direction(3, 0, 1), origin(45, 50, 5);
+  settings.constraints = {OnPlane{"plane", holes[2].loop, normal},
+                          OnLine{"line", holes[0].loop, direction, origin}};
+  const auto centre = [](const Points& points, const Hole& hole) {
+    return VertexCombination::mean_of(hole.loop).at(points);
+  };
+  const Vec3 before = centre(plate.points(), holes[2]);
+  for (const RotationMode mode : {RotationMode::Harmonic, RotationMode::Estimated}) {
+    settings.rotation_mode = mode;
+    Deformer deformer(plate, settings);
+    const Points bent = deformer.deform({{"end", up_and_round}}, {}, true);
+    CHECK(std::abs((centre(bent, holes[2]) - before).dot(normal)) < 1e-10);
+    CHECK((centre(bent, holes[0]) - origin).cross(direction).norm() < 1e-10);
+    CHECK((centre(bent, holes[2]) - before).norm() > 1);
+    CHECK(deformer.residual() < 1e-12);
+    const Vec3 other(150, 150, 20);
+    const Points moved = deformer.deform({{"end", up_and_round}}, {}, true, {{"plane", other}});
+    CHECK(std::abs((centre(moved, holes[2]) - other).dot(normal)) < 1e-10);
+    CHECK((centre(moved, holes[0]) - origin).cross(direction).norm() < 1e-10);
+    CHECK(deformer.deform({{"end", up_and_round}}, {}, true) == bent);
+    CHECK(error_message([&] {
+            deformer.deform({}, {}, false, {{"plan", other}});
+          }) == "origins: found 'plan', expected a constraint's name; did you mean 'plane'?");
+  }
+}
+
+TEST_CASE("chains and linear constraints shape a mesh", "[scenes][deformer]") {
+  const Mesh mesh = Square(12).mesh();
+  DeformerSettings settings;
+  settings.fixed = mesh.vertices_in({0, 0, 0}, {1, 12, 0});
+  settings.handles = {{"end", mesh.vertices_in({11, 0, 0}, {12, 12, 0})}};
+  const std::map<std::string, Move> up{{"end", {.translate = {0, 0, 6}}}};
+  const std::vector<int> rib = mesh.crease_path({{2, 6, 0}, {10, 6, 0}});
+  REQUIRE(rib.size() == 9);
+  const auto bend = [&](const Points& p) {  // second difference in the middle of the rib
+    double sum = 0;
+    for (size_t i = 1; i + 1 < rib.size(); ++i)
+      sum += (p.row(rib[i - 1]) - 2 * p.row(rib[i]) + p.row(rib[i + 1])).norm();
+    return sum;
+  };
+  const double free = bend(Deformer(mesh, settings).deform(up));
+  settings.chains = {{"rib", rib, false, 100}};
+  CHECK(bend(Deformer(mesh, settings).deform(up)) < 0.5 * free);
+  const double length = (mesh.points().row(rib.back()) - mesh.points().row(rib.front())).norm();
+  settings.chains[0].width = length / 10;
+  const Points stated = Deformer(mesh, settings).deform(up);
+  settings.chains[0].width = 0;
+  CHECK(Deformer(mesh, settings).deform(up) == stated);
+
+  const int v = rib[4];
+  const Vec3 target(6, 6, 5);
+  settings.linear_constraints = {{"pull", {{{v, 1.0}}}, target, -1, std::nullopt}};
+  Deformer exact(mesh, settings);
+  CHECK((exact.deform(up, {}, true).row(v).transpose() - target).norm() < 1e-10);
+  const Vec3 higher(6, 6, 7);
+  CHECK((exact.deform(up, {}, true, {}, {{"pull", higher}}).row(v).transpose() - higher).norm() <
+        1e-10);
+  CHECK(error_message([&] {
+          exact.deform({}, {}, false, {}, {{"pill", higher}});
+        }) == "targets: found 'pill', expected a linear constraint's name; did you mean 'pull'?");
+  settings.linear_constraints[0].weight = 1;
+  const double gap = (Deformer(mesh, settings).deform(up).row(v).transpose() - target).norm();
+  settings.linear_constraints[0].weight = 100;
+  const double less = (Deformer(mesh, settings).deform(up).row(v).transpose() - target).norm();
+  CHECK(less > 1e-6);
+  CHECK(less < gap);
+}
+
+TEST_CASE("invalid constraints are refused by name", "[scenes][deformer]") {
+  const Mesh mesh = Square(4).mesh();
+  const auto refusal = [&](const auto& change) {
+    DeformerSettings settings{.fixed = {0}};
+    change(settings);
+    return error_message([&] { Deformer(mesh, settings); });
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refusal([](auto& s) {
+          s.constraints = {OnPlane{"p", {25}}};
+        }) == "constraint 'p': found 25, expected 0 to 24");
+  CHECK(refusal([](auto& s) {
+          s.constraints = {OnLine{"p", {}}};
+        }).find("'p'") != std::string::npos);
+  CHECK(refusal([](auto& s) {
+          s.constraints = {OnPlane{"p", {3}, Vec3::Zero()}};
+        }).find("'p'") != std::string::npos);
+  CHECK(refusal([&](auto& s) {
+          s.constraints = {OnPlane{"p", {3}, Vec3::UnitZ(), Vec3(0, 0, nan)}};
+        }).starts_with("constraint 'p': found an origin that is not finite"));
+  CHECK(refusal([](auto& s) {
+          s.constraints = {OnPlane{"p", {3}}, OnLine{"p", {4}}};
+        }).find("two") != std::string::npos);
+  CHECK(refusal([](auto& s) {
+          s.chains = {{"c", {1, 2, 25}}};
+        }) == "chain 'c': found 25, expected 0 to 24");
+  CHECK(refusal([](auto& s) { s.chains = {{"c", {1, 2}}}; }).find("'c'") != std::string::npos);
+  CHECK(refusal([](auto& s) {
+          s.chains = {{"c", {1, 2, 3}, false, -1}};
+        }).find("width") != std::string::npos);
+  CHECK(refusal([](auto& s) {
+          s.linear_constraints = {{"l", {{{25, 1.0}}}, Vec3::Zero(), -1, std::nullopt}};
+        }) == "linear constraint 'l': found 25, expected 0 to 24");
+  CHECK(refusal([](auto& s) {
+          s.linear_constraints = {{"l", {{{1, 1.0}}}, Vec3::Zero(), 25, std::nullopt}};
+        }) == "linear constraint 'l', rotates_with: found 25, expected 0 to 24");
+  CHECK(error_message([&] { mesh.crease_path({}); }).starts_with("through: found"));
+  CHECK(error_message([&] { mesh.crease_path({{0, nan, 0}}); }).starts_with("through: found"));
+}
+
+TEST_CASE("constraints apply to the nodes of a rib", "[scenes][deformer]") {
+  constexpr int n = 6;
+  Square square(n);
+  square.add_rib(n, 3);
+  const Mesh mesh = square.mesh();
+  const std::vector<int> foot = mesh.vertices_in({3, 0, 0}, {3, n, 0});
+  DeformerSettings settings;
+  settings.fixed = mesh.vertices_in({0, 0, 0}, {1, n, 0});
+  settings.handles = {{"end", mesh.vertices_in({5, 0, 0}, {n, n, 0})}};
+  settings.constraints = {OnPlane{"foot", foot, {0, 0, 1}, Vec3(0, 0, 2)}};
+  settings.chains = {{"foot", foot}};
+  for (const RotationMode mode : {RotationMode::Harmonic, RotationMode::Nonlinear}) {
+    settings.rotation_mode = mode;
+    Deformer deformer(mesh, settings);
+    const Points moved = deformer.deform({{"end", {.translate = {0, 0, 1}}}}, {}, true);
+    CHECK(moved.rows() == mesh.points().rows());
+    CHECK(VertexCombination::mean_of(foot).at(moved).z() == Approx(2).epsilon(1e-12));
+    CHECK(deformer.residual() < 1e-12);
+  }
 }
 
 TEST_CASE("several threads may call one deformer", "[scenes][deformer]") {
