@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <thread>
 
 #include "batten/batten.h"
@@ -166,6 +167,31 @@ TEST_CASE("A point of the surface is found again by its parameters", "[scenes]")
   CHECK_THROWS_WITH(model.at(model.faces().front(), 1e3, 0), Catch::Contains("expected a point"));
   CHECK_THROWS_WITH(model.at("nothing", 0, 0), Catch::Contains("face"));
   CHECK_THROWS_AS(model.volume(), InputError);
+}
+
+TEST_CASE("Facets of a cylinder have its curvatures", "[scenes]") {
+  constexpr double radius = 2, full = 2 * std::numbers::pi;
+  std::vector<InputLine> circles = {{"low", {}}, {"high", {}}};
+  constexpr int count = 72;
+  for (int i = 0; i <= count; ++i) {
+    const double angle = full * (i % count) / count;
+    const Vec3 p(radius * std::cos(angle), radius * std::sin(angle), 0);
+    circles[0].points.push_back(p);
+    circles[1].points.push_back(p + Vec3(0, 0, 5));
+  }
+  const Model cylinder = skin(circles);
+  const Facets& facets = cylinder.facets();
+  REQUIRE(facets.curvatures.size() / 2 == facets.points.size() / 3);
+  for (size_t i = 0; i < facets.curvatures.size() / 2; ++i) {
+    const double k1 = facets.curvatures[2 * i], k2 = facets.curvatures[2 * i + 1];
+    const Vec3 outwards(facets.points[3 * i], facets.points[3 * i + 1], 0);
+    // Negative where the surface bends away from its normal.
+    const double sign =
+        outwards.dot(Eigen::Map<const Vec3>(facets.normals.data() + 3 * i)) > 0 ? -1 : 1;
+    CHECK(k1 + k2 == Approx(sign / radius).margin(0.01));
+    CHECK(k1 * k2 == Approx(0).margin(0.01));
+    CHECK(k1 >= k2);
+  }
 }
 
 TEST_CASE("A closed model has the area, volume and edges of a box", "[scenes]") {

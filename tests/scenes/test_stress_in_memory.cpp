@@ -131,11 +131,16 @@ TEST_CASE("maxima, reactions and fields of a stress analysis agree", "[scenes][s
           &moves = found.displacement(c.name);
     REQUIRE(3 * stresses.size() == facets.points.size());
     REQUIRE(moves.size() == facets.points.size());
+    const std::vector<double> top = found.von_mises(c.name, "top"),
+                              middle = found.von_mises(c.name, "middle"),
+                              bottom = found.von_mises(c.name, "bottom");
     CHECK(*std::max_element(stresses.begin(), stresses.end()) >= 0.9 * c.max_von_mises);
     for (size_t i = 0; i < stresses.size(); i += 37) {
       const StressPoint p = found.at(Eigen::Map<const Vec3>(facets.points.data() + 3 * i), c.name);
       CHECK(std::max(p.von_mises_top, p.von_mises_bottom) ==
             Approx(stresses[i]).epsilon(1e-4).margin(1e-4 * c.max_von_mises));
+      CHECK(std::max(top[i], bottom[i]) == stresses[i]);
+      CHECK(p.von_mises_middle == Approx(middle[i]).margin(1e-4 * c.max_von_mises));
       CHECK(distance(p.displacement, Eigen::Map<const Vec3>(moves.data() + 3 * i)) <
             1e-6 * c.max_displacement);
       CHECK((p.forces * p.normal).norm() <= 1e-9 * p.forces.norm());
@@ -145,6 +150,8 @@ TEST_CASE("maxima, reactions and fields of a stress analysis agree", "[scenes][s
   const std::string& governing = found.load_case().name;
   CHECK(found.load_case().max_von_mises == found.max_von_mises());
   CHECK(found.von_mises() == found.von_mises(governing));
+  CHECK(found.thickness() == std::vector<double>(found.von_mises().size(), 1.0));
+  CHECK_THROWS_WITH(found.von_mises("", "topp"), Contains("side: ") && Contains("'top'"));
 }
 
 TEST_CASE("stresses and displacements are proportional to the loads", "[scenes][stress]") {
