@@ -22,9 +22,12 @@ from . import exchange as _exchange
 from . import pictures as _pictures
 from ._batten import (
     CancelledError,
+    Chain,
     ConflictError,
     Curve,
     Deformer,
+    DeformerReport,
+    DetectedFeature,
     Edge,
     Error,
     FairCurve,
@@ -32,19 +35,26 @@ from ._batten import (
     FileError,
     Hole,
     InputError,
+    LinearConstraint,
     Mesh,
     MeshEdit,
     MeshError,
     Model,
+    ModelGradients,
     Move,
     NoSolutionError,
+    OnLine,
+    OnPlane,
     Sequence,
     Session,
+    SessionStress,
     SolveReport,
     Stress,
     StressCase,
+    StressGradients,
     StressPoint,
     SurfacePoint,
+    ValueWithGradient,
     __version__,
     convert,
     deform,
@@ -66,9 +76,9 @@ from ._batten import (
 )
 
 __all__ = [
-    "CancelledError", "ConflictError", "Curve", "Deformer", "Edge", "Error", "FairCurve", "FeatureRegions",
-    "FileError", "Hole", "InputError", "Mesh", "MeshEdit", "MeshError", "Model", "Move", "NoSolutionError", "Sequence", "Session",
-    "SolveReport", "Stress", "StressCase", "StressPoint", "SurfacePoint", "convert", "deform", "fair", "fit", "fit_surface", "load", "measure_hole", "parse", "read_curves", "read_mesh",
+    "CancelledError", "Chain", "ConflictError", "Curve", "Deformer", "DeformerReport", "DetectedFeature", "Edge", "Error", "FairCurve", "FeatureRegions",
+    "FileError", "Hole", "InputError", "LinearConstraint", "Mesh", "MeshEdit", "MeshError", "Model", "ModelGradients", "Move", "NoSolutionError", "OnLine", "OnPlane", "Sequence", "Session", "SessionStress",
+    "SolveReport", "Stress", "StressCase", "StressGradients", "StressPoint", "SurfacePoint", "ValueWithGradient", "convert", "deform", "fair", "fit", "fit_surface", "load", "measure_hole", "parse", "read_curves", "read_mesh",
     "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_curves",
 ]
 
