@@ -46,7 +46,8 @@ ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sectio
     : surface_(std::move(surface)),
       sections_(std::move(sections)),
       outside_(outside),
-      pattern_(3 * surface_.dof_map().count(), 36, stacked_dofs(surface_)) {
+      pattern_(std::make_shared<const ElementPattern>(3 * surface_.dof_map().count(), 36,
+                                                      stacked_dofs(surface_))) {
   if (sections_.size() != 1 && isize(sections_) != surface_.mesh().triangle_count())
     throw InputError("found " + std::to_string(sections_.size()) + " shell sections for " +
                      std::to_string(surface_.mesh().triangle_count()) +
@@ -166,8 +167,8 @@ ShellAssembler::Resultants ShellAssembler::resultants(int triangle, const Vec3& 
 SparseMatrix ShellAssembler::stiffness() const {
   const TabulatedRule& whole = whole_rule(surface_.kind());
   const Trim* trim = surface_.trim().get();
-  SparseMatrix result = pattern_.zero();
-  pattern_.assemble(
+  SparseMatrix result = pattern_->zero();
+  pattern_->assemble(
       [&](int t, double* out) {
         Eigen::Map<ElementMatrix> mapped(out);
         ElementMatrix K = ElementMatrix::Zero();

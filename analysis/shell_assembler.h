@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "batten/analysis/shell_section.h"
@@ -218,7 +219,7 @@ class ShellAssembler {
   Surface surface_;
   std::vector<ShellSection> sections_;
   double outside_;
-  ElementPattern pattern_;
+  std::shared_ptr<const ElementPattern> pattern_;  // shared by copies
 };
 
 }  // namespace batten

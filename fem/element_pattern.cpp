@@ -110,7 +110,7 @@ ElementPattern::ElementPattern(int dof_count, std::vector<int> starts, std::vect
   column_.assign(1, 0);
   std::vector<int> place(dof_count, -1), rows;
   for (int d = 0; d < dof_count; ++d) {
-    poll_every<2048>(d);
+    poll_every<512>(d);
     if (elements.same(d - 1, d))
       rows.erase(rows.begin());  // the previous column without its diagonal entry
     else
@@ -211,9 +211,9 @@ void ElementPattern::assemble(const std::function<void(int, double*)>& element,
     std::vector<double> K(static_cast<size_t>(largest_) * largest_);
     const Part& mine = split_parts[part];
     const auto report = [&](size_t done) {
-      update_progress("assembly", (part + static_cast<double>(done) /
-                                              static_cast<double>(mine.elements.size())) /
-                                      parts);
+      update_progress(
+          "assembly",
+          (part + static_cast<double>(done) / static_cast<double>(mine.elements.size())) / parts);
     };
     for (size_t i = 0; i < mine.elements.size(); ++i) {
       if (i % kPollElements == 0) report(i);

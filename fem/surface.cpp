@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
@@ -150,11 +151,13 @@ double Surface::area() const {
   // Degree of the rule on cut triangles. Its cones do not follow the borders between the cubics of
   // a triangle, so a higher degree would not be more accurate.
   constexpr int degree = 4;
-  for (int t = 0; t < mesh_->triangle_count(); ++t)
+  for (int t = 0; t < mesh_->triangle_count(); ++t) {
+    poll_every<4096>(t);
     if (!trim_ || trim_->side(t) == Trim::Side::Inside)
       add_whole(t);
     else
       add_part(t, trim_->rule(t, degree));
+  }
   return sum;
 }
 

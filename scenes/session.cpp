@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "batten/core/cancellation.h"
 #include "batten/fem/triangle_locator.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/session_data.h"
@@ -582,6 +583,7 @@ std::vector<Reaction> Session::reactions() const {
 }
 
 SessionStress Session::stress(const StressSettings& settings, const Progress& progress) const {
+  const ProgressScope scope(progress);
   const detail::StressTable table = detail::stress_table(settings);
   return contents_->with_session(
       false, progress, [&](SculptingSession&) { return contents_->current_stress(table); });

@@ -162,7 +162,7 @@ void SupernodalSolve::pack(double* values) {
   const auto pack_chunk = [&](int c) {
     const Chunk& chunk = chunks_[c];
     std::vector<double> block;
-    constexpr long kPollEntries = 2'000'000;  // 10 ms
+    constexpr long kPollEntries = 1'000'000;  // 10 ms
     long unpolled = 0;
     // In-place packing: the write position never overtakes the values that are still to be read.
     double* to = values + value_starts_[chunk.first_supernode];

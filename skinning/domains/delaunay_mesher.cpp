@@ -1,3 +1,4 @@
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -35,7 +36,7 @@ using Triangulation =
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Triangulation>;
 using Point = Triangulation::Point;
 
-constexpr long kProgressInterval = 1024;  // refinement steps between two polls for cancellation
+constexpr int kPollInterval = 1024;  // refinement steps between two polls for cancellation
 // Longest edge over the target length. Meshes come out with a mean edge of about three quarters of
 // the longest.
 constexpr double kMaxEdgeRatio = 1.3;
@@ -78,7 +79,7 @@ double quality(const Vec2& a, const Vec2& b, const Vec2& c) {
 // optimizers are not used: they sum in the order of addresses, so that the last bits change from
 // run to run.
 void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Triangle>& triangles,
-            const std::vector<char>& fixed, int sweeps, const Progress& progress) {
+            const std::vector<char>& fixed, int sweeps) {
   std::vector<std::vector<int>> around(vertices.size());
   for (size_t t = 0; t < triangles.size(); ++t)
     for (const int v : triangles[t]) around[v].push_back(static_cast<int>(t));
@@ -91,8 +92,8 @@ void smooth(std::vector<Vec2>& vertices, const std::vector<ParametricMesh::Trian
     return q;
   };
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    progress.throw_if_cancelled();
     for (size_t v = 0; v < vertices.size(); ++v) {
+      poll_every<4096>(static_cast<long>(v));
       if (fixed[v]) continue;
       Vec2 moment = Vec2::Zero();
       double total = 0;
@@ -170,7 +171,7 @@ class Refinement {
     for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
       if (f->is_in_domain()) enqueue_if_bad(f);
     for (long round = 0; !queue_.empty(); ++round) {
-      if (round % kProgressInterval == 0) task_.progress.throw_if_cancelled();
+      poll_every<kPollInterval>(round);
       const BadTriangle bad = queue_.top();
       queue_.pop();
       if (!still_exists(bad)) continue;
@@ -277,7 +278,10 @@ using VertexHandle = Triangulation::Vertex_handle;
 // Inserts the points and segments of the input; returns the vertices of its points.
 std::vector<VertexHandle> insert(const PlanarMeshInput& task, Triangulation& triangulation) {
   std::vector<VertexHandle> handle;
-  for (const Vec2& p : task.points) handle.push_back(triangulation.insert(Point(p.x(), p.y())));
+  for (const Vec2& p : task.points) {
+    poll_every<kPollInterval>(isize(handle));
+    handle.push_back(triangulation.insert(Point(p.x(), p.y())));
+  }
   const auto constrain = [&](const std::vector<std::array<int, 2>>& segments) {
     for (const auto& [a, b] : segments) triangulation.insert_constraint(handle[a], handle[b]);
   };
@@ -304,7 +308,7 @@ void refine_everywhere(Triangulation& triangulation, const std::vector<Point>& h
               static_cast<double>(task.points.size()) + 1000);
   mesher.init();
   for (long round = 0; !mesher.is_refinement_done(); ++round) {
-    if (round % kProgressInterval == 0) task.progress.throw_if_cancelled();
+    poll_every<kPollInterval>(round);
     mesher.step_by_step_refine_mesh();
     if (static_cast<double>(triangulation.number_of_vertices()) > most)
       throw InputError(
@@ -345,7 +349,7 @@ ParametricMesh smoothed_mesh(const Triangulation& triangulation,
   }
   for (const int i : spatial_order(centres)) triangles.push_back(found[i]);
   constexpr int sweeps = 6;
-  smooth(vertices, triangles, fixed, sweeps, task.progress);
+  smooth(vertices, triangles, fixed, sweeps);
   return {std::move(vertices), std::move(triangles)};
 }
 

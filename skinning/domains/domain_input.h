@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "batten/constraints/constraint_set.h"
-#include "batten/core/progress.h"
 #include "batten/skinning/domains/outline.h"
 #include "batten/skinning/region/skinned_region.h"
 
@@ -17,7 +16,6 @@ struct DomainInput {
   SkinOptions options;   ///< with tolerance and edge_length above 0: defaults are resolved
   double size;           ///< diagonal of the bounding box of all lines
   double gap_tolerance;  ///< ends of lines within this distance are joined
-  Progress progress{};
 };
 
 /// Rounds a domain coordinate to a multiple of 2⁻³⁰. The same lines given in mm and in m differ in

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/progress.h"
 #include "batten/fem/parametric_mesh.h"
 #include "batten/fem/triangle_locator.h"
 
@@ -48,7 +47,6 @@ struct PlanarMeshInput {
   /// Target length of mesh edges that varies over the domain, below `edge_length`; used only with
   /// `keep_segments`. Null: `edge_length` everywhere.
   std::shared_ptr<const SizeField> size_field{};
-  Progress progress{};  ///< checked for cancellation every thousand vertices
 };
 
 /// Computes a constrained Delaunay triangulation (CGAL Mesh_2), refined to `task.edge_length`, and

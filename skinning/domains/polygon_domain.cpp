@@ -433,7 +433,6 @@ ParametricMesh delaunay(PolygonDomain& domain) {
   task.edge_length = round_to_grid(domain.task.options.edge_length / domain.task.size);
   task.keep_segments = domain.prescribed();
   task.size_field = domain.task.options.size_field;
-  task.progress = domain.task.progress;
   // Points that aligned segments share (corners, loop vertices, junctions) are merged.
   std::map<std::pair<long long, long long>, int> known;
   const auto add = [&](const Vec2& p) {

@@ -9,6 +9,7 @@
 
 #include "batten/constraints/constrained_solver.h"
 #include "batten/constraints/shape/shape_constraints.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -291,13 +292,13 @@ RegionLayout::RegionLayout(std::string name, const std::vector<CharacterLine>& l
                            const SkinOptions& options, const Progress& progress)
     : name_(std::move(name)), options_(options) {
   require_names(lines, name_);
+  const ProgressScope scope(progress);
   progress.update("fitting curves", 0);
   size_ = diagonal_of(lines);
   tolerance_ = options.tolerance > 0 ? options.tolerance : 1e-4 * size_;
   require_tolerance(tolerance_, size_);
   gap_tolerance_ = std::max(tolerance_, 1e-6 * size_);
   DomainInput task = this->task();
-  task.progress = progress;
 
   // 1. Split and join.
   const JoinedLines joined = cut_and_join(lines, task);

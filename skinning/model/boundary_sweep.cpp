@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
@@ -525,6 +526,7 @@ std::optional<Points> BoundarySweep::dofs() const {
   const Surface surface(region_->mesh(), region_->element(), q, region_->trim());
   const Trim* trim = region_->trim().get();
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<2048>(t);
     if (trim && trim->side(t) != Trim::Side::Inside) continue;
     const Vec3 middle = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
     for (int k = 0; k < 3; ++k)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -192,6 +193,7 @@ class ElementMeasures {
   void measure(SkinQuality& q) {
     AreaVectors area_vectors(surface_, sample_points());
     for (int t = 0; t < mesh_.triangle_count(); ++t) {
+      poll_every<2048>(t);
       const std::vector<Vec3>& found = area_vectors.at(t);
       compare_sides(t, found, q);
       if (!trim_ || trim_->side(t) != Trim::Side::Outside) add_jacobians(t, found);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "batten/core/box_tree.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
@@ -179,6 +180,7 @@ std::vector<std::pair<int, int>> boundary_sides(const std::vector<Facet>& facets
       const auto [v, w] = std::minmax(facets[f][i], facets[f][(i + 1) % 3]);
       sides.push_back({v, w, surface_of.empty() ? 0 : surface_of[f], f, i});
     }
+  throw_if_cancelled();
   std::sort(sides.begin(), sides.end());
   const auto same = [&](size_t i, size_t j) {
     return std::equal(sides[i].begin(), sides[i].begin() + 3, sides[j].begin());

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 
 namespace batten {
@@ -499,6 +500,7 @@ FittedPrimitive fit_primitive(const SkinnedRegion& region, double tolerance) {
   const std::array<Vec3, 4> points{Vec3::Constant(1.0 / 3), Vec3(kNear, kFar, kFar),
                                    Vec3(kFar, kNear, kFar), Vec3(kFar, kFar, kNear)};
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<2048>(t);
     const auto side = trim ? trim->side(t) : Trim::Side::Inside;
     if (side == Trim::Side::Outside) continue;
     for (const Vec3& L : points)

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -59,6 +60,7 @@ bool suspicious(const SkinnedRegion& region, double filling_area) {
   std::vector<double> sizes;
   double least = std::numeric_limits<double>::infinity(), area = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) {
+    poll_every<2048>(t);
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     middle[t] = surface.area_vector({t, Vec3::Constant(1.0 / 3)});
     const double size = middle[t].norm();
@@ -116,7 +118,7 @@ void score(ScoredCandidate& made, double filling_area) {
 RegionLayout layout_of(const RegionRequest& request, const LayoutStrategy& strategy) {
   std::vector<CharacterLine> lines = request.lines;
   if (!strategy.inner) lines.resize(lines.size() - static_cast<size_t>(request.inner));
-  return {request.name, lines, strategy.skin, request.progress};
+  return {request.name, lines, strategy.skin};
 }
 
 LayoutCandidate laid_out(const RegionRequest& request, const SkinOptions& skin, bool inner,

@@ -26,7 +26,6 @@ struct RegionRequest {
   SkinOptions skin;                  ///< `domain`: the first one to try
   double filling_area = 0;           ///< area of the hole-filling triangulation; 0: unknown
   int max_triangles = 8'000;         ///< approximate budget for all candidates but the first
-  Progress progress{};               ///< for cancellation; called by several threads at once
 };
 
 /// Options with which a region was laid out.

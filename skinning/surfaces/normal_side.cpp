@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
@@ -24,6 +25,7 @@ SideIntegrals of_region(const SkinnedRegion& region) {
   const Trim* trim = surface.trim().get();
   SideIntegrals sum;
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    poll_every<2048>(t);
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     std::array<Vec3, 3> x, n;
     for (int k = 0; k < 3; ++k) {

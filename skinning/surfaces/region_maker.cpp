@@ -340,13 +340,8 @@ RegionRequest RegionMaker::request_of(size_t r) const {
   constexpr int kMinTrialTriangles = 1'000, kMaxTrialTriangles = 8'000;
   const int budget = std::clamp(kMaxModelTriangles / isize(model_.regions), kMinTrialTriangles,
                                 kMaxTrialTriangles);
-  return {plan.name,
-          lines_of(plan),
-          isize(plan.inner),
-          skin,
-          orientation_.filling_areas[r],
-          budget,
-          {.report = {}, .cancelled = progress_.cancelled}};
+  return {plan.name, lines_of(plan), isize(plan.inner), skin, orientation_.filling_areas[r],
+          budget};
 }
 
 void RegionMaker::take(size_t r, LayoutCandidate candidate) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <tuple>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -96,6 +97,7 @@ void look_at_jacobian(const Regions& regions, int r, const SkinQuality& quality,
   double least = std::numeric_limits<double>::infinity();
   Vec3 location = Vec3::Zero();
   for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    poll_every<2048>(t);
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     const Vec3 middle = Vec3::Constant(1.0 / 3);
     const Location where[4] = {
@@ -142,7 +144,8 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
   constexpr double most = 120;  // degrees; inner lines with corners may require a ridge of 90°
   double worst = most;
   Vec3 location = Vec3::Zero();
-  for (size_t f = 0; f < shell.facets.size(); ++f)
+  for (size_t f = 0; f < shell.facets.size(); ++f) {
+    poll_every<8192>(static_cast<long>(f));
     for (int i = 0; i < 3; ++i) {
       const int a = shell.facets[f][i], b = shell.facets[f][(i + 1) % 3];
       const auto [it, first] = across.try_emplace(std::minmax(a, b), static_cast<int>(f));
@@ -154,6 +157,7 @@ void look_at_inner_folds(const Regions& regions, int r, const Shell& shell,
       worst = angle;
       location = 0.5 * (shell.points[a] + shell.points[b]);
     }
+  }
   if (worst > most)
     defects.push_back({SurfaceDefect::Kind::Fold,
                        {r},
@@ -227,6 +231,7 @@ FacetSoup soup_of(const Regions& regions, const std::vector<SkinQuality>& qualit
       soup.boundary.push_back({{i, 0}, soup.facets.size() + static_cast<size_t>(f), normals});
     }
     for (size_t f = 0; f < shells[r].facets.size(); ++f) {
+      poll_every<65536>(static_cast<long>(f));
       auto facet = shells[r].facets[f];
       for (int& v : facet) v += base;
       soup.facets.push_back(facet);

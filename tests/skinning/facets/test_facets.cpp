@@ -1,4 +1,5 @@
 // Facets of a region: nothing outside the curves, nothing missing, no folds.
+#include "batten/core/cancellation.h"
 #include "batten/skinning/facets/facets.h"
 
 #include <Eigen/Geometry>
@@ -126,7 +127,9 @@ TEST_CASE("meshing stops when it is cancelled", "[skinning][facets]") {
   task.edge_length = 0.003;  // some 250,000 triangles
   task.keep_segments = GENERATE(false, true);
   int requested = 0;
-  task.progress.cancelled = [&] { return ++requested == 3; };
+  Progress progress;
+  progress.cancelled = [&] { return ++requested == 3; };
+  const ProgressScope scope(progress);
   CHECK_THROWS_AS(delaunay_mesh(task), CancelledError);
   CHECK(requested == 3);
 }
