@@ -12,6 +12,8 @@
 #pragma once
 
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
+#include "batten/core/parallel.h"
 #include "batten/core/progress.h"
 #include "batten/scenes/fit_surface.h"
 #include "batten/scenes/mesh.h"

@@ -96,6 +96,9 @@ std::shared_ptr<const Frame> SessionContents::current_frame() {
 
 SessionStress SessionContents::current_stress(const StressTable& table) {
   const Scene& scene = base->scene;
+  if (table.accuracy != 0)
+    throw InputError("accuracy: found " + format_number(table.accuracy) +
+                     ", expected 0: the stresses of a session are those on its own elements");
   if (table.empty() && !scene.stress)
     throw InputError(scene.name +
                      ": found no [stress], expected one, or settings with material, thickness, "

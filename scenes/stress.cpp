@@ -8,8 +8,10 @@
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
 #include "batten/core/parallel.h"
 #include "batten/io/scene/scene_text.h"
+#include "batten/scenes/shapes/stress_analysis.h"
 #include "batten/scenes/shapes/stress_results.h"
 #include "batten/scenes/shapes/stress_setup.h"
 #include "batten/scenes/stress_data.h"
@@ -279,14 +281,36 @@ StressCase stress_case(const StressReport::Case& c) {
   return result;
 }
 
+/// Replaces the model by one with elements that are small enough for this accuracy; 0: keeps it.
+/// Returns the results on each mesh.
+std::vector<StressReport::Mesh> refine(StressData& data, const Scene& scene, double accuracy,
+                                       RunReport& notes, const Progress& progress) {
+  if (accuracy == 0) return {};
+  if (!(accuracy > 0) || !std::isfinite(accuracy))
+    throw InputError("accuracy: found " + format_number(accuracy) +
+                     ", expected a relative error above 0, or 0 for the elements of the model");
+  const ModelData& model = *data.model;
+  RefinedShape refined = refine_adaptively(scene, model.shape, accuracy, {}, progress);
+  if (!refined.converged)
+    notes.failed_checks.push_back(
+        {"stress.accuracy", "is " + format_number(refined.meshes.back().error) +
+                                ", expected at most " + format_number(accuracy)});
+  if (refined.meshes.size() > 1)
+    data.model = std::make_shared<const ModelData>(model.text, model.scene, model,
+                                                   std::move(refined.shape), std::nullopt);
+  return std::move(refined.meshes);
+}
+
 /// Analyses the shape of a model. `scene`: its scene with the [stress] to use; `file`: that of the
 /// model, to which the locations of all other tables belong.
-void analyse_into(StressData& data, Scene scene, const std::filesystem::path& file,
+void analyse_into(StressData& data, Scene scene, const std::filesystem::path& file, double accuracy,
                   const Progress& progress) {
-  const ModelData& model = *data.model;
   RunReport notes;
+  const std::vector<StressReport::Mesh> meshes = refine(data, scene, accuracy, notes, progress);
+  const ModelData& model = *data.model;
   StressCollector collector(data);
   data.report = compute_stresses(scene, model.shape, {}, notes, collector, progress);
+  data.report.meshes = meshes;
   if (scene.stress->sensitivities) {
     scene.file = file;
     data.report.sensitivities =
@@ -295,6 +319,7 @@ void analyse_into(StressData& data, Scene scene, const std::filesystem::path& fi
   for (const FailedCheck& one : non_finite_numbers(data.report)) notes.failed_checks.push_back(one);
   data.failed_checks = sentences(notes.failed_checks);
   data.warnings = notes.warnings;
+  for (const std::string& warning : notes.warnings) log(LogLevel::Warning, [&] { return warning; });
   for (const StressReport::Case& c : data.report.cases) {
     data.cases.push_back(stress_case(c));
     if (c.stress > data.cases[data.governing].max_von_mises) data.governing = data.cases.size() - 1;
@@ -330,7 +355,7 @@ Stress stress_of_table(const Model& model, const StressTable& table, const Progr
       throw InputError(scene.name +
                        ": found no [stress], expected one, or settings with material, thickness, "
                        "supports and loads");
-    analyse_into(*data, std::move(scene), file, progress);
+    analyse_into(*data, std::move(scene), file, table.accuracy, progress);
     return Stress(std::move(data));
   }
   const std::string unit = scene.unit;
@@ -338,7 +363,7 @@ Stress stress_of_table(const Model& model, const StressTable& table, const Progr
     scene.stress = parsed_table(table, unit);
     scene.file = kStressFile;
     data->table = StressText(table, unit).table();
-    analyse_into(*data, std::move(scene), file, progress);
+    analyse_into(*data, std::move(scene), file, table.accuracy, progress);
   } catch (const InputError& e) {
     const std::string message = with_settings(table, unit, e.what());
     if (message == e.what()) throw;
@@ -461,6 +486,7 @@ detail::StressTable detail::stress_table(const StressSettings& settings) {
   for (size_t i = 0; i < settings.loads.size(); ++i)
     table.loads.push_back(load_text(settings.loads[i], "loads[" + std::to_string(i) + "]"));
   table.settings = settings.settings;
+  table.accuracy = settings.accuracy;
   return table;
 }
 

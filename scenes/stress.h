@@ -69,6 +69,9 @@ struct StressSettings {
   std::vector<ShellLoad> loads = {};
   int modes = 0;     ///< number of natural frequencies
   int buckling = 0;  ///< number of buckling factors of each load case
+  /// Relative error of the displacements: the elements are refined adaptively until the estimated
+  /// error is below it (refine_shell()). 0: the elements of the model.
+  double accuracy = 0;
   /// Further keys as TOML text, such as "hinges = [\"lid\"]".
   std::string settings = {};
 };
@@ -167,7 +170,8 @@ class Stress {
   /// All results, as the JSON text of the section "stress" of report.json.
   std::string report() const;
 
-  Model model() const;  ///< the model that was analysed
+  /// The model that was analysed, with smaller elements if StressSettings::accuracy required them.
+  Model model() const;
   /// The scene of the model with this [stress]; `batten stress` gives the same results.
   std::string scene() const;
 

@@ -20,6 +20,7 @@ struct StressTable {
   std::vector<std::pair<std::string, std::string>> values;  ///< keys with their values
   std::vector<std::string> supports, loads;                 ///< inline tables: { curve = "rim" }
   std::string settings = {};                                ///< further keys, any number of lines
+  double accuracy = 0;  ///< StressSettings::accuracy; not part of the text
   bool empty() const;
   bool operator==(const StressTable&) const = default;
 };

@@ -90,10 +90,9 @@ py::object analyse(const py::object& source, const py::object& out, const py::ob
     return run_stress_file(source, out, values, accuracy, progress);
   }
   refuse_arguments({{"out", !out.is_none()}}, "with a model: no files are written");
-  refuse_arguments({{"accuracy", accuracy != 0}},
-                   "with a model; use a smaller edge_length, or a scene file");
-  const detail::StressTable table = stress_table_from(material, thickness, supports, loads,
-                                                      yield_stress, modes, buckling, settings);
+  detail::StressTable table = stress_table_from(material, thickness, supports, loads, yield_stress,
+                                                modes, buckling, settings);
+  table.accuracy = accuracy;
   const auto numbers = values_from(values);
   auto model = source.cast<Model>();
   return py::cast(KernelCall(progress)([&](const Progress& hook) {
@@ -384,7 +383,9 @@ keys: docs/stress.md. `settings`: further keys of [stress] as TOML text. These a
 natural frequencies, and of buckling factors per load case. `values`: parameters of the model.
 
 stress(path, out) writes the files of `batten stress` into a folder and returns the report.
-`accuracy`: relative error of the displacements below which the mesh is refined; 0: no refinement.
+
+`accuracy`: relative error of the displacements below which the elements are refined adaptively, on
+the same surface; 0: no refinement. Stress.model is the model on these elements.
 
 Raises InputError, ConflictError for contradictory supports, NoSolutionError that names an
 unconstrained motion. Reference: docs/theory/shells.md (Kirchhoff-Love theory).)");

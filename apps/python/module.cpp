@@ -4,6 +4,7 @@
 
 #include "batten/apps/python/bindings.h"
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
@@ -16,6 +17,33 @@ namespace {
 void find_plugins(const std::string& package) {
   add_plugin_folder(package);
   add_plugin_folder(std::filesystem::path(package) / BATTEN_PYTHON_TO_LIBDIR);
+}
+
+/// Forwards messages to a Python callable(level, message); None: to nothing.
+void set_python_log(const py::object& function) {
+  if (function.is_none()) {
+    const py::gil_scoped_release free;  // a thread that logs waits for the GIL
+    set_log({});
+    return;
+  }
+  if (!PyCallable_Check(function.ptr()))
+    throw InputError("function: found " + py::repr(function).cast<std::string>() +
+                     ", expected a function of (level, message), or None");
+  // The last reference may be dropped without the GIL.
+  const std::shared_ptr<py::object> shared(new py::object(function), [](py::object* object) {
+    const py::gil_scoped_acquire gil;
+    delete object;
+  });
+  LogFunction forward = [shared](LogLevel level, std::string_view message) {
+    const py::gil_scoped_acquire gil;
+    try {
+      (*shared)(static_cast<int>(level), py::str(message.data(), message.size()));
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("batten.set_log");
+    }
+  };
+  const py::gil_scoped_release free;
+  set_log(std::move(forward));
 }
 
 void set_threads(int count) {
@@ -46,6 +74,19 @@ PYBIND11_MODULE(_batten, m) {
         R"(Sets the number of threads of the kernel; 0: all cores. Results do not depend on it.
 
     >>> batten.set_threads(0))");
+  m.def(
+      "set_log", &set_python_log, py::arg("function"),
+      R"(Sets the function that receives messages of the kernel: function(level, message); None: no messages.
+
+`level` is that of the module logging: 10 (debug: steps of the solvers), 20 (info: models, files) or 30
+(warnings, which are also in the reports). It may be called by any thread, one at a time.
+
+    >>> import logging
+    >>> batten.set_log(logging.getLogger("batten").log)
+    >>> batten.set_log(None))");
+  // Before the interpreter ends, and the function with it.
+  py::module_::import("atexit").attr("register")(
+      py::cpp_function([] { set_python_log(py::none()); }));
   give_signatures(m);
 }
 

@@ -5,6 +5,7 @@
 
 #include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
 #include "batten/core/op_counter.h"
 #include "batten/core/solvers/supernodal_solve.h"
 
@@ -103,6 +104,10 @@ bool SparseCholesky::factorize(const SparseMatrix& A) {
   if (d.solve.entries() == 0) d.solve = SupernodalSolve(d.factor->pattern(), d.factor->order());
   d.solve.pack(d.factor->values());
   update_progress("factorization", 1);
+  log(LogLevel::Debug, [&] {
+    return "factorization of " + std::to_string(d.n) + " unknowns with " +
+           std::to_string(d.solve.entries()) + " entries";
+  });
   d.factored = true;
   return true;
 }

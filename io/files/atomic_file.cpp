@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -95,6 +96,7 @@ void AtomicFile::commit() {
   commit_files([&] { fs::rename(temporary_, path_, error); });
   if (error) fail(path_, error.message());
   temporary_.clear();
+  log(LogLevel::Info, [&] { return "wrote " + path_.string(); });
 }
 
 void write_file_atomically(const fs::path& path, const std::function<void(std::ostream&)>& write) {

@@ -7,6 +7,7 @@
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/log.h"
 #include "batten/sculpting/session/session_data.h"
 #include "batten/skinning/facets/facets.h"
 
@@ -156,7 +157,12 @@ std::vector<SculptingSession::ActingItem> SculptingSession::items() const {
 SolveReport SculptingSession::solve_to_equilibrium() {
   SessionData& d = *data_;
   const ProgressScope scope(d.progress);
-  return d.recorded({}, [&] { return d.solve_to_equilibrium_or_keep(); });
+  const SolveReport report = d.recorded({}, [&] { return d.solve_to_equilibrium_or_keep(); });
+  log(LogLevel::Debug, [&] {
+    return "equilibrium after " + std::to_string(report.iterations) + " iterations, last change " +
+           format_number(report.change);
+  });
+  return report;
 }
 
 SolveReport SculptingSession::solve_preview(int max_iterations, double tolerance) {

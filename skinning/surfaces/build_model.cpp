@@ -8,6 +8,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/core/log.h"
 #include "batten/skinning/domains/outline.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/search/find_regions.h"
@@ -222,9 +223,30 @@ FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOption
   throw InputError(text);
 }
 
+namespace {
+
+void log_model(const SurfaceModel& model) {
+  log(LogLevel::Info, [&] {
+    const auto count = [](size_t n, const std::string& what) {
+      return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+    };
+    return "model of " + count(model.regions.size(), "face") + ", " +
+           count(model.layout ? static_cast<size_t>(model.layout->mesh()->triangle_count()) : 0,
+                 "element");
+  });
+  for (const std::string& warning : model.warnings) log(LogLevel::Warning, [&] { return warning; });
+  for (const ModelRegion& region : model.regions)
+    for (const std::string& warning : region.warnings)
+      log(LogLevel::Warning, [&] { return "face '" + region.plan.name + "': " + warning; });
+}
+
+}  // namespace
+
 BuiltModel build_model(const std::vector<CharacterLine>& lines, const ModelBuildOptions& options,
                        const Progress& progress) {
-  return ModelBuilder(lines, options, progress).build();
+  BuiltModel built = ModelBuilder(lines, options, progress).build();
+  log_model(built.model);
+  return built;
 }
 
 }  // namespace batten

@@ -21,6 +21,10 @@ class Documents(PropertyTests):
         for block in blocks:
             done = subprocess.run([sys.executable, "-c", block], cwd=self.folder, stdout=subprocess.DEVNULL,
                                   stderr=subprocess.PIPE, text=True)
+            missing = re.search(r"No module named '(scipy|meshio)'", done.stderr)
+            if missing:
+                print(f"skipped: a program of {document} needs {missing[1]}")
+                continue
             self.assertEqual(done.returncode, 0, block + done.stderr)
 
     def test_python_md(self):

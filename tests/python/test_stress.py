@@ -131,7 +131,8 @@ class Messages(PropertyTests):
         self.refused(r"modes", modes=-1)
         self.refused(r"settings:1:\d+: found the curve 'lid'", settings='hinges = ["lid"]')
         self.refused(r"out: ", out=self.folder)
-        self.refused(r"accuracy: ", accuracy=0.01)
+        self.refused(r"accuracy: found -1, expected", accuracy=-1)
+        self.refused(r"accuracy: found nan", accuracy=float("nan"))
         endless = []
         endless.append(endless)
         self.refused(r"nested", loads=[{"force": endless}])

@@ -85,6 +85,33 @@ TEST_CASE("a model and its scene have the same stresses, to the bit", "[scenes][
   CHECK(stress(parse(other.scene())).report() == other.report());
 }
 
+TEST_CASE("adaptive refinement in memory is that of the command", "[scenes][stress]") {
+  StressSettings settings = steel();
+  settings.accuracy = 0.02;
+  const Model model = vault();
+  const Stress accurate = stress(model, settings);
+  unsetenv("DISPLAY");  // no pictures
+  const auto folder = batten_test::scratch("stress_accuracy");
+  StressTask task;
+  task.accuracy = settings.accuracy;
+  const Report report =
+      run_stress(parse_scene(accurate.scene(), folder / "scene.toml"), folder / "out", task);
+  CHECK(accurate.report() == to_json(*report.stress));
+  CHECK(accurate.failed_checks().empty());
+  CHECK(accurate.model().element_count() > model.element_count());
+  CHECK(accurate.model().area() == Approx(model.area()).epsilon(1e-9));
+  CHECK(accurate.von_mises().size() == accurate.model().facets().points.size() / 3);
+  settings.accuracy = 10;  // the elements of the model are small enough
+  CHECK(stress(model, settings).model().element_count() == model.element_count());
+  for (const double wrong : {-1.0, std::nan(""), kInfinity}) {
+    settings.accuracy = wrong;
+    CHECK_THAT(error_message([&] { stress(model, settings); }), Contains("accuracy: found"));
+  }
+  settings.accuracy = 0.1;
+  Session session(model);
+  CHECK_THAT(error_message([&] { session.stress(settings); }), Contains("accuracy: found 0.1"));
+}
+
 TEST_CASE("variants of a model have the stresses of their scenes", "[scenes][stress]") {
   const Model model = vault();
   std::vector<double> most;

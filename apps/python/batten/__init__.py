@@ -69,6 +69,7 @@ from ._batten import (
     read_sequence,
     run,
     sequence,
+    set_log,
     set_threads,
     skin,
     stress,
@@ -79,7 +80,7 @@ __all__ = [
     "CancelledError", "Chain", "ConflictError", "Curve", "Deformer", "DeformerReport", "DetectedFeature", "Edge", "Error", "FairCurve", "FeatureRegions",
     "FileError", "Hole", "InputError", "LinearConstraint", "Mesh", "MeshEdit", "MeshError", "Model", "ModelGradients", "Move", "NoSolutionError", "OnLine", "OnPlane", "Sequence", "Session", "SessionStress",
     "SolveReport", "Stress", "StressCase", "StressGradients", "StressPoint", "SurfacePoint", "ValueWithGradient", "convert", "deform", "fair", "fit", "fit_surface", "load", "measure_hole", "parse", "read_curves", "read_mesh",
-    "read_sequence", "run", "sequence", "set_threads", "skin", "stress", "write_curves",
+    "read_sequence", "run", "sequence", "set_log", "set_threads", "skin", "stress", "write_curves",
 ]
 
 _batten._find_modules(_os.path.dirname(_os.path.abspath(__file__)))
