@@ -44,15 +44,19 @@ const TabulatedRule& mass_rule(TriangleElement kind) {
 
 ShellAssembler::ShellAssembler(Surface surface, std::vector<ShellSection> sections, double outside)
     : surface_(std::move(surface)),
-      sections_(std::move(sections)),
       outside_(outside),
       pattern_(std::make_shared<const ElementPattern>(3 * surface_.dof_map().count(), 36,
                                                       stacked_dofs(surface_))) {
-  if (sections_.size() != 1 && isize(sections_) != surface_.mesh().triangle_count())
-    throw InputError("found " + std::to_string(sections_.size()) + " shell sections for " +
+  update_sections(std::move(sections));
+}
+
+void ShellAssembler::update_sections(std::vector<ShellSection> sections) {
+  if (sections.size() != 1 && isize(sections) != surface_.mesh().triangle_count())
+    throw InputError("found " + std::to_string(sections.size()) + " shell sections for " +
                      std::to_string(surface_.mesh().triangle_count()) +
                      " triangles, expected one, or one for each");
-  for (const ShellSection& section : sections_) require_section(section);
+  for (const ShellSection& section : sections) require_section(section);
+  sections_ = std::move(sections);
 }
 
 void ShellAssembler::update_shape(Surface surface) {

@@ -145,6 +145,8 @@ class ShellAssembler {
 
   /// Replaces the surface by one on the same mesh. Throws InputError if the mesh differs.
   void update_shape(Surface surface);
+  /// Replaces the sections: one for all triangles, or one per triangle. Throws as the constructor.
+  void update_sections(std::vector<ShellSection> sections);
 
   /// Stiffness matrix of the shell, 3n×3n (lower triangle). Cost: O(triangles), on all threads;
   /// results are bit-identical for any number of them.

@@ -100,27 +100,36 @@ std::optional<Points> ConstrainedSolver::solve_similar(const AffineReduction& re
   VecX y(reduction.D().cols());
   for (long f = 0; f < y.size(); ++f)
     y[f] = start.data()[reduction.free_dofs()[static_cast<size_t>(f)]];
-  VecX x = reduction.D() * y + reduction.d0().col(0), Kx = times_K(x);
-  VecX r = reduction.D().transpose() * (Eigen::Map<const VecX>(F.data(), F.size()) - Kx);
-  VecX z = precondition(r), direction = z;
+  VecX x = reduction.D() * y + reduction.d0().col(0);
+  const auto residual = [&]() -> VecX {
+    return reduction.D().transpose() * (Eigen::Map<const VecX>(F.data(), F.size()) - times_K(x));
+  };
+  VecX r = residual(), z = precondition(r), direction = z;
   double rz = r.dot(z);
+  bool confirmed = true;  // r is the residual of x, not only updated
   for (int iteration = 0;; ++iteration) {
     throw_if_cancelled();
     if (!std::isfinite(rz)) return std::nullopt;
-    if (std::sqrt(std::max(0.0, rz)) <= tolerance * std::sqrt(std::max(0.0, x.dot(Kx))))
-      return Points(Eigen::Map<const Points>(x.data(), F.rows(), 3));
-    if (iteration == max_iterations) return std::nullopt;
+    if (rz <= tolerance * tolerance) {
+      if (confirmed) return Points(Eigen::Map<const Points>(x.data(), F.rows(), 3));
+      r = residual();
+      direction = z = precondition(r);
+      rz = r.dot(z);
+      confirmed = true;
+      if (rz <= tolerance * tolerance) continue;
+    }
+    if (iteration >= max_iterations) return std::nullopt;
     const VecX step = reduction.D() * direction, K_step = times_K(step);
     const double curvature = step.dot(K_step);
     if (!(curvature > 0)) return std::nullopt;
     const double length = rz / curvature;
     x += length * step;
-    Kx += length * K_step;
     r -= length * (reduction.D().transpose() * K_step);
     z = precondition(r);
     const double before = rz;
     rz = r.dot(z);
     direction = z + (rz / before) * direction;
+    confirmed = false;
   }
 }
 

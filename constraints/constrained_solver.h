@@ -50,10 +50,11 @@ class ConstrainedSolver {
   /// preconditioner ([HestenesStiefel1952]). K must be 3n×3n.
   ///
   /// `start`: initial guess of the free unknowns, n×3, such as the solution of this solver. Stops
-  /// when the estimated error in the energy norm is below `tolerance`, relative to the solution.
-  /// Returns nullopt if `max_iterations` are not enough, or if the constraints leave other unknowns
-  /// free than those of this solver. Cost per iteration: one product and one pair of triangular
-  /// solves.
+  /// when √(rᵀ z) ≤ `tolerance`, with the residual r and the preconditioned residual z: this
+  /// estimates the error in the energy norm, √(eᵀ K e). The residual is then computed anew to confirm
+  /// it. Returns nullopt if `max_iterations` are not enough, or if the constraints leave other
+  /// unknowns free than those of this solver. Cost per iteration: one product and one pair of
+  /// triangular solves.
   std::optional<Points> solve_similar(const AffineReduction& reduction, const SparseMatrix& K,
                                       const Points& F, const Points& start, double tolerance,
                                       int max_iterations) const;

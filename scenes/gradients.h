@@ -8,7 +8,7 @@
 namespace batten {
 
 /// A quantity and its derivatives with respect to the parameters of a model, by name: all parameters
-/// except driven ones and those of [[fair]], which change the mesh.
+/// except driven ones, those of [[fair]], which change the mesh, and those with min = max.
 struct ValueWithGradient {
   double value = 0;
   std::map<std::string, double> gradient;

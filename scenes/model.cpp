@@ -91,46 +91,40 @@ void ModelData::require_surface() const {
     throw InputError(scene.name + ": found no surface, expected curves that bound a face");
 }
 
-void ModelData::make_facets() const {
-  const std::lock_guard lock(mutex_);
-  if (facets_) return;
-  const std::vector<FacetsOfFace> parts = facets_of(shape.regions);
-  for (int r = 0; r < isize(parts); ++r)
-    for (const Location& where : parts[static_cast<size_t>(r)].display.tessellation.points)
-      facet_locations_.push_back(shape.layout->to_model_location(r, where));
-  facets_ = std::make_unique<const Facets>(joined(parts));
+const ModelData::LocatedFacets& ModelData::located_facets() const {
+  return lazily(facets_, [this] {
+    const std::vector<FacetsOfFace> parts = facets_of(shape.regions);
+    LocatedFacets made{joined(parts), {}};
+    for (int r = 0; r < isize(parts); ++r)
+      for (const Location& where : parts[static_cast<size_t>(r)].display.tessellation.points)
+        made.locations.push_back(shape.layout->to_model_location(r, where));
+    return made;
+  });
 }
 
-const Facets& ModelData::facets() const {
-  make_facets();
-  return *facets_;
-}
+const Facets& ModelData::facets() const { return located_facets().facets; }
 
 const std::vector<Location>& ModelData::facet_locations() const {
-  make_facets();
-  return facet_locations_;
+  return located_facets().locations;
 }
 
 const SurfaceModel& ModelData::measured() const {
-  const std::lock_guard lock(mutex_);
-  if (!measured_) {
-    BuiltModel model = *made;
-    set_shape(model, shape);
-    measured_ = std::make_unique<const BuiltModel>(std::move(model));
-  }
-  return measured_->model;
+  return lazily(measured_,
+                [this] {
+                  BuiltModel model = *made;
+                  set_shape(model, shape);
+                  return model;
+                })
+      .model;
 }
 
 const Report& ModelData::report(const Progress& progress) const {
-  const std::lock_guard lock(mutex_);
-  if (!report_) report_ = export_shape(scene, *made, shape, {}, progress);
-  return *report_;
+  return lazily(report_, [&] { return export_shape(scene, *made, shape, {}, progress); });
 }
 
 const std::vector<ShapeDerivative>& ModelData::shape_derivatives(const Progress& progress) const {
-  const std::lock_guard lock(mutex_);
-  if (!derivatives_) derivatives_ = batten::shape_derivatives(scene, *made, shape, progress);
-  return *derivatives_;
+  return lazily(derivatives_,
+                [&] { return batten::shape_derivatives(scene, *made, shape, progress); });
 }
 
 double ModelData::area() const {
@@ -147,9 +141,7 @@ bool ModelData::is_closed() const {
 }
 
 const ModelProjector& ModelData::projector() const {
-  const std::lock_guard lock(mutex_);
-  if (!projector_) projector_ = std::make_unique<const ModelProjector>(*shape.layout, shape.dofs);
-  return *projector_;
+  return lazily(projector_, [this] { return ModelProjector(*shape.layout, shape.dofs); });
 }
 
 }  // namespace detail

@@ -140,8 +140,9 @@ class Model {
   Box3 bounds() const;  ///< bounding box of the facets
   std::vector<ModelEdge> edges() const;
   /// Area and volume with their derivatives with respect to the parameters. Computes the derivative
-  /// of the shape at the first call: three solves per parameter. Throws the exceptions of
-  /// with_values().
+  /// of the shape at the first call: about six solves per parameter. Throws InputError if the model
+  /// comes from a session that was not in equilibrium, or if its elements change with the parameters
+  /// (fitted and lofted shapes), and the exceptions of with_values().
   ModelGradients gradients(const Progress& progress = {}) const;
   int element_count() const;     ///< number of finite elements of all faces
   const Facets& facets() const;  ///< triangles for display; computed at the first call

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/io/report/report.h"
@@ -58,15 +59,32 @@ struct ModelData {
   bool is_closed() const;  ///< true: the faces form closed, orientable shells
 
  private:
-  mutable std::mutex mutex_;
-  void make_facets() const;
+  struct LocatedFacets {
+    Facets facets;
+    std::vector<Location> locations;
+  };
+  const LocatedFacets& located_facets() const;
 
-  mutable std::unique_ptr<const Facets> facets_;
-  mutable std::vector<Location> facet_locations_;
+  /// The value of `slot`, computed at the first use. Computes it without the lock: it may poll for
+  /// cancellation, and a callback may use the model. If several threads compute it, the first counts.
+  template <class Value, class Make>
+  const Value& lazily(std::unique_ptr<const Value>& slot, const Make& make) const {
+    {
+      const std::lock_guard lock(mutex_);
+      if (slot) return *slot;
+    }
+    auto made = std::make_unique<const Value>(make());
+    const std::lock_guard lock(mutex_);
+    if (!slot) slot = std::move(made);
+    return *slot;
+  }
+
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<const LocatedFacets> facets_;
   mutable std::unique_ptr<const BuiltModel> measured_;
   mutable std::unique_ptr<const ModelProjector> projector_;
-  mutable std::optional<Report> report_;
-  mutable std::optional<std::vector<ShapeDerivative>> derivatives_;
+  mutable std::unique_ptr<const Report> report_;
+  mutable std::unique_ptr<const std::vector<ShapeDerivative>> derivatives_;
 };
 
 /// The table [[curve]] of a curve as text. Throws InputError for fewer than two points.

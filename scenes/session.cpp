@@ -103,6 +103,11 @@ SessionStress SessionContents::current_stress(const StressTable& table) {
     throw InputError(scene.name +
                      ": found no [stress], expected one, or settings with material, thickness, "
                      "supports and loads");
+  for (const char* key : {"modes", "buckling"})
+    for (const auto& [name, value] : table.values)
+      if (name == key)
+        throw InputError(name + ": found " + value +
+                         ", expected 0: stress(session.model(), …) computes mode shapes");
   try {
     if (!stress || table != stress_settings) {
       stress.reset();

@@ -131,7 +131,7 @@ class Session {
   /// Stresses of the current shape as a linear thin shell, for use during a drag.
   ///
   /// The settings replace the [stress] of the model; without settings, the model's own [stress] is
-  /// used. A shape close to the one of an earlier call with the same settings is solved with its
+  /// used; `modes`, `buckling` and `accuracy` must be 0. A shape close to the one of an earlier call with the same settings is solved with its
   /// factorization: a few iterations, to a relative error of about 1e-7. model() and the function
   /// stress() give the exact values, with error estimates, reactions and checks. Throws as stress();
   /// the session is unchanged.

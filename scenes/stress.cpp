@@ -544,6 +544,9 @@ StressGradients Stress::gradients(double norm_exponent, const std::string& load_
   const ProgressScope scope(progress);
   const detail::ModelData& model = *data_->model;
   const StressCase& of = this->load_case(load_case);
+  Scene own = data_->scene;
+  if (!data_->table.empty()) own.file = detail::kStressFile;
+  require_differentiable(own);
   const bool moves = of.max_displacement > 0;
   const Vec3 direction = moves ? of.displacement : Vec3(Vec3::UnitZ());
   const ShellSensitivities sensitivities(*model.shape.layout, model.shape.dofs,
@@ -554,14 +557,14 @@ StressGradients Stress::gradients(double norm_exponent, const std::string& load_
   gradients.max_displacement.value = of.max_displacement;
   gradients.compliance.value = values.compliance;
   gradients.von_mises_norm.value = values.von_mises_norm;
-  gradients.mass.value = shell_mass(sensitivities.shell().assembler());
+  gradients.mass.value = values.mass;
   for (const ShapeDerivative& change : model.shape_derivatives(progress)) {
     const std::string& name = change.parameter;
     const ShellSensitivities::Quantities along = sensitivities.along(change.rate).front();
     gradients.max_displacement.gradient[name] = moves ? along.displacement : 0;
     gradients.compliance.gradient[name] = along.compliance;
     gradients.von_mises_norm.gradient[name] = along.von_mises_norm;
-    gradients.mass.gradient[name] = sensitivities.mass_along(change.rate);
+    gradients.mass.gradient[name] = along.mass;
   }
   return gradients;
 }

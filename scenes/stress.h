@@ -159,7 +159,8 @@ class Stress {
   /// surface as in a new analysis.
   ///
   /// `norm_exponent`: P of the P-norm of the von Mises stress (analysis/models/von_mises_norm.h),
-  /// from 2 to 100. Throws InputError for another one, and the exceptions of stress(). Cost: one
+  /// from 2 to 100. Throws InputError for another one, or if a support or a load is limited by a box;
+  /// and the exceptions of stress() and Model::gradients(). Cost: one
   /// analysis, Model::gradients(), and two stiffness matrices per parameter.
   StressGradients gradients(double norm_exponent = 8, const std::string& load_case = "",
                             const Progress& progress = {}) const;

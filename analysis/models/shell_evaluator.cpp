@@ -13,23 +13,26 @@ namespace batten {
 // Prepares the shell for a shape: its own system, or one that is similar to it.
 void ShellEvaluator::update(const ModelLayout& layout, const Points& shape) {
   similar_.reset();
-  const bool same_mesh = shell_ && shell_->layout().mesh() == layout.mesh();
-  if (!same_mesh) {
-    displacements_.clear();
-    shell_.reset();
-    shell_.emplace(layout, shape, problem_.definition(layout, shape));
-  } else if (shell_->shape() != shape) {
-    similar_.emplace(shell_->assemble_system(shape));
-  }
+  reduction_.reset();
   shape_ = shape;
+  definition_ = problem_.definition(layout, shape);
+  if (shell_ && shell_->layout().mesh() == layout.mesh()) {
+    similar_.emplace(shell_->assemble_system(shape, definition_));
+    reduction_.emplace(similar_->ties.constraints);
+    return;
+  }
+  displacements_.clear();
+  shell_.reset();
+  shell_.emplace(layout, shape, definition_);
 }
 
 // Factors the system of the current shape.
 void ShellEvaluator::factor() {
   if (!similar_) return;
   similar_.reset();
+  reduction_.reset();
   try {
-    shell_->update_shape(shape_);
+    shell_->update_shape(shape_, definition_);
   } catch (...) {
     shell_.reset();  // without a valid factorization
     throw;
@@ -38,9 +41,10 @@ void ShellEvaluator::factor() {
 
 Points ShellEvaluator::solve(const ShellLoadCase& load_case, size_t index) {
   if (similar_ && index < displacements_.size()) {
-    if (auto q = shell_->solve(*similar_, load_case.load, displacements_[index])) return *q;
-    factor();
+    if (auto q = shell_->solve(*similar_, *reduction_, load_case.load, displacements_[index]))
+      return *q;
   }
+  factor();
   return shell_->solve(load_case.load);
 }
 
@@ -57,7 +61,7 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
   governing_.reset();
   update(layout, shape);
   const std::vector<ShellLoadCase> cases =
-      problem_.load_cases(shell_->layout(), shape_, shell_->definition());
+      problem_.load_cases(shell_->layout(), shape_, definition_);
   if (cases.empty()) throw InputError("found no load case, expected at least one");
   std::vector<Points> displacements;
   for (size_t i = 0; i < cases.size(); ++i) {
@@ -72,7 +76,7 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
         std::max(largest.displacement, max_displacement(assembler().surface(), moved).value);
     auto solved = recovered(cases[i].name, displacements_[i]);
     const double peak = solved->stresses->peak().value;
-    if (governing_ && peak < largest.von_mises) continue;
+    if (governing_ && !(peak > largest.von_mises)) continue;
     largest.von_mises = peak;
     governing_ = std::move(solved);
   }

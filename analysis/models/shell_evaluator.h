@@ -31,11 +31,11 @@ class ShellEvaluator {
   struct MaxValues {
     double displacement = 0, von_mises = 0;
   };
-  /// Evaluates a shape. Sections and supports are computed by ShellProblem::definition for the
-  /// first shape on a mesh, and reused for all other shapes on the same mesh.
+  /// Evaluates a shape, with the sections, supports and loads that ShellProblem computes for it.
   ///
   /// A shape close to the one that was factored last is solved with that factorization as the
   /// preconditioner (ShellModel::solve()); the results then have a relative error of about 1e-7.
+  /// Apart from this error, they do not depend on the shapes before.
   ///
   /// Throws the exceptions of ShellModel and of the functions in ShellProblem, and InputError if
   /// there is no load case. After an exception, no shape counts as evaluated, and at() may be called
@@ -83,9 +83,11 @@ class ShellEvaluator {
   void require_shape() const;
 
   ShellProblem problem_;
-  std::optional<ShellModel> shell_;     // factored for its shape
-  std::optional<ShellSystem> similar_;  // system of `shape_`; empty: that of the shell
+  std::optional<ShellModel> shell_;           // factored for its shape
+  std::optional<ShellSystem> similar_;        // system of `shape_`; empty: that of the shell
+  std::optional<AffineReduction> reduction_;  // of the constraints of `similar_`
   Points shape_;
+  ShellDefinition definition_;               // of `shape_`
   std::vector<Points> displacements_;        // of the load cases of the last shape
   std::unique_ptr<const Solved> governing_;  // null: no shape has been evaluated
 };

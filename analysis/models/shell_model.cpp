@@ -47,6 +47,18 @@ SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& s
   return K + all;
 }
 
+// Energy ½ qᵀKq without that of the springs, whose stiffness K includes.
+double strain_energy(const SparseMatrix& K, const ShellSprings& springs, const Points& q) {
+  const VecX x = stacked(q);
+  double energy = 0.5 * x.dot(K.selfadjointView<Eigen::Lower>() * x);
+  for (const ShellSprings::Spring& spring : springs.springs()) {
+    double along = 0;
+    for (const auto& e : spring.entries) along += e.coefficient.dot(q.row(e.dof));
+    energy -= 0.5 * spring.stiffness * along * along;
+  }
+  return energy;
+}
+
 // Roughly (2π f)² of bending waves as long as the shell.
 double shift_of(const ShellSection& section, double size) {
   const ShellMaterial& m = section.material;
@@ -68,10 +80,16 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
       solver_(ties_.constraints, stiffness(), layout_.dof_order(),
               backend_factory ? backend_factory() : nullptr) {}
 
-void ShellModel::update_shape(Points shape) {
+void ShellModel::update_shape(Points shape, const ShellDefinition& definition) {
   if (shape.rows() != shape_.rows())
     throw InputError("found a shape of " + std::to_string(shape.rows()) + " dofs, expected " +
                      std::to_string(shape_.rows()) + " of the shell");
+  if (&definition != &definition_) {
+    definition_ = definition;
+    supports_ = support_names(definition_);
+    sections_ = triangle_sections(layout_, definition_);
+    assembler_.update_sections(sections_);
+  }
   shape_ = std::move(shape);
   ties_ = checked_ties(layout_, shape_, definition_, rigid_body_handling_, rigid_body_modes_);
   assembler_.update_shape(layout_.surface(shape_));
@@ -95,10 +113,9 @@ Points ShellModel::residual_forces(const Points& q, const Points& F) const {
 }
 
 Points ShellModel::adjoint(const Points& G) const {
-  MatX y = solver_.reduction().D().transpose() * stacked(G);
-  solver_.solve_reduced(y);
-  const VecX a = solver_.reduction().D() * y;
-  return Eigen::Map<const Points>(a.data(), shape_.rows(), 3);
+  const Points a = solver_.solve_refined(G);
+  const bool prescribed = !solver_.reduction().d0().isZero(0);
+  return prescribed ? Points(a - solver_.solve_refined(Points::Zero(G.rows(), 3))) : a;
 }
 
 std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
@@ -133,34 +150,38 @@ std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points
 
 ShellSystem ShellModel::assemble_system(const Points& shape,
                                         const ShellDefinition& definition) const {
-  ShellTies ties = shell_ties(layout_, shape, definition);
-  ShellAssembler assembler(layout_.surface(shape), triangle_sections(layout_, definition));
-  SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
-  return {std::move(ties), std::move(assembler), std::move(K)};
-}
-
-ShellSystem ShellModel::assemble_system(const Points& shape) const {
+  if (shift_ != 0)
+    throw InputError(
+        "found a shell with unconstrained motions, expected one with a stiffness matrix");
   RigidBodyModes motions;
-  ShellTies ties = checked_ties(layout_, shape, definition_, rigid_body_handling_, motions);
+  ShellTies ties = checked_ties(layout_, shape, definition, rigid_body_handling_, motions);
   ShellAssembler assembler = assembler_;
+  if (&definition != &definition_)
+    assembler.update_sections(triangle_sections(layout_, definition));
   assembler.update_shape(layout_.surface(shape));
   SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
   return {std::move(ties), std::move(assembler), std::move(K)};
 }
 
-std::optional<Points> ShellModel::solve(const ShellSystem& similar, const Points& F,
+std::optional<Points> ShellModel::solve(const ShellSystem& similar,
+                                        const AffineReduction& reduction, const Points& F,
                                         const Points& start) const {
   // Beyond this number of iterations, a new factorization takes less time.
   constexpr int iterations = 12;
-  constexpr double tolerance = 1e-8;
+  constexpr double accuracy = 1e-8;
   const ShellSprings& springs = similar.ties.springs;
-  return solver_.solve_similar(AffineReduction(similar.ties.constraints), similar.K,
-                               springs.empty() ? F : F + springs.load(), start, tolerance,
-                               iterations);
+  // Springs that prescribe a displacement have far more energy than the shell.
+  const double energy = strain_energy(similar.K, springs, start);
+  return solver_.solve_similar(reduction, similar.K, springs.empty() ? F : F + springs.load(),
+                               start, accuracy * std::sqrt(2 * std::max(0.0, energy)), iterations);
 }
 
 double ShellModel::goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                                const ShellSystem& other, const Points& other_F) const {
+  if (other.ties.constraints.constraints().size() != ties_.constraints.constraints().size() ||
+      other.ties.constraints.coupled_constraints().size() !=
+          ties_.constraints.coupled_constraints().size())
+    throw InputError("found another number of constraints, expected that of the shell");
   const Points here = residual_forces(u, F),
                there = reaction_forces(other.K, u, other_F + other.ties.springs.load());
   double change = a.cwiseProduct(here - there).sum();
@@ -186,14 +207,7 @@ double ShellModel::goal_change(const Points& u, const Points& F, const Points& a
 }
 
 double ShellModel::energy(const Points& q) const {
-  const VecX x = stacked(q);
-  double energy = 0.5 * x.dot(solver_.K().selfadjointView<Eigen::Lower>() * x);
-  for (const ShellSprings::Spring& spring : ties_.springs.springs()) {
-    double along = 0;
-    for (const auto& e : spring.entries) along += e.coefficient.dot(q.row(e.dof));
-    energy -= 0.5 * spring.stiffness * along * along;
-  }
-  return energy;
+  return strain_energy(solver_.K(), ties_.springs, q);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/analysis/models/shell_definition.h"
@@ -75,7 +76,9 @@ class ShellModel {
   /// are unchanged; point supports stay at the same material points. Only the numeric assembly and
   /// factorization are repeated. Throws the same exceptions as the constructor; after an exception,
   /// only update_shape() may be called.
-  void update_shape(Points shape);
+  void update_shape(Points shape) { update_shape(std::move(shape), definition_); }
+  /// The same with other sections and supports.
+  void update_shape(Points shape, const ShellDefinition& definition);
 
   /// Displacement dofs (n×3) under the load F (n×3). Throws InputError if F has the wrong size.
   Points solve(const Points& F) const;
@@ -85,23 +88,27 @@ class ShellModel {
   /// springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
   /// Assembles the system for another shape on the same layout, with other sections and supports:
-  /// one stiffness matrix, no factorization.
+  /// one stiffness matrix, no factorization. Throws NoSolutionError if there are unconstrained
+  /// motions, and InputError if this shell has a shift().
   ShellSystem assemble_system(const Points& shape, const ShellDefinition& definition) const;
-  /// The same with the sections and supports of this shell, in less time. Throws NoSolutionError if
-  /// there are unconstrained motions.
-  ShellSystem assemble_system(const Points& shape) const;
+  ShellSystem assemble_system(const Points& shape) const {
+    return assemble_system(shape, definition_);
+  }
   /// Displacement dofs (n×3) of another system under the load F (n×3), by the conjugate gradient
-  /// method with the factorization of this shell (ConstrainedSolver::solve_similar()); nullopt if
-  /// the systems differ too much. Accuracy: 1e-8 in the energy norm.
-  std::optional<Points> solve(const ShellSystem& similar, const Points& F,
-                              const Points& start) const;
+  /// method with the factorization of this shell (ConstrainedSolver::solve_similar()).
+  ///
+  /// `reduction`: that of the constraints in similar.ties. `start`: displacement of this shell, or of
+  /// another similar one. The error in the energy norm is below 1e-8 √(2E), with the strain energy E
+  /// of `start` in the other system, without springs. Returns nullopt if the systems differ too much.
+  std::optional<Points> solve(const ShellSystem& similar, const AffineReduction& reduction,
+                              const Points& F, const Points& start) const;
   /// First-order change of the goal functional Gᵀu if the system changes to `other` and the load to
   /// `other_F`:
   ///
   ///     aᵀ (δF - δK u) + λ(u)ᵀ δC a + λ(a)ᵀ δC u,      u = solve(F),  a = adjoint(G)
   ///
-  /// with the Lagrange multipliers λ of the constraints and their coefficients C. `other` must have
-  /// as many constraints as this shell. G: the goal as a load vector. For a displacement, it is a unit point_force(); for the compliance, it is F, and
+  /// with the Lagrange multipliers λ of the constraints and their coefficients C. Throws InputError
+  /// unless `other` has as many constraints as this shell. G: the goal as a load vector. For a displacement, it is a unit point_force(); for the compliance, it is F, and
   /// the result does not include the change of G itself. Cost: a few sparse products.
   double goal_change(const Points& u, const Points& F, const Points& a, const Points& G,
                      const ShellSystem& other, const Points& other_F) const;

@@ -21,7 +21,7 @@ const Points& load_named(const std::vector<ShellLoadCase>& cases, const std::str
 
 ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& shape,
                                        ShellProblem problem, const std::vector<Goal>& goals,
-                                       double norm_exponent)
+                                       std::optional<double> norm_exponent)
     : problem_(std::move(problem)),
       shell_(layout, shape, problem_.definition(layout, shape)),
       norm_exponent_(norm_exponent) {
@@ -39,8 +39,8 @@ ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& 
         point_force(layout, nearest_location(layout, shape, goal.at), goal.direction.normalized());
     solved.adjoint_of_G = shell_.adjoint(solved.G);
     solved.adjoint_of_F = shell_.adjoint(solved.F);
-    if (norm_exponent > 0) {
-      solved.norm = von_mises_norm(shell_.assembler(), solved.u, norm_exponent);
+    if (norm_exponent) {
+      solved.norm = von_mises_norm(shell_.assembler(), solved.u, *norm_exponent);
       solved.adjoint_of_norm = shell_.adjoint(solved.norm.gradient);
     }
     goals_.push_back(std::move(solved));
@@ -49,22 +49,34 @@ ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& 
 
 std::vector<ShellSensitivities::Quantities> ShellSensitivities::values() const {
   std::vector<Quantities> values;
+  const double mass = shell_mass(shell_.assembler());
   for (const SolvedGoal& g : goals_)
-    values.push_back({g.G.cwiseProduct(g.u).sum(), g.F.cwiseProduct(g.u).sum(), g.norm.value});
+    values.push_back(
+        {g.G.cwiseProduct(g.u).sum(), g.F.cwiseProduct(g.u).sum(), g.norm.value, mass});
   return values;
 }
 
-ShellSensitivities::Change ShellSensitivities::change_to(const Points& shape) const {
-  ShellDefinition definition = problem_.definition(shell_.layout(), shape);
+ShellSensitivities::Change ShellSensitivities::change_to(const Points& shape, bool follows) const {
+  const ShellDefinition definition =
+      follows ? problem_.definition(shell_.layout(), shape) : shell_.definition();
   ShellSystem system = shell_.assemble_system(shape, definition);
-  // The boundary of a support may move across a vertex, which adds or removes constraints.
-  if (system.ties.constraints.coupled_constraints().size() !=
-      shell_.constraints().coupled_constraints().size()) {
-    definition = shell_.definition();
-    system = shell_.assemble_system(shape, definition);
-  }
   auto cases = problem_.load_cases(shell_.layout(), shape, definition);
   return {std::move(system), std::move(cases)};
+}
+
+std::array<ShellSensitivities::Change, 2> ShellSensitivities::changes_along(
+    const Points& step) const {
+  const auto same_rows = [this](const Change& change) {
+    const ConstraintSet &own = shell_.constraints(), &other = change.system.ties.constraints;
+    return own.constraints().size() == other.constraints().size() &&
+           own.coupled_constraints().size() == other.coupled_constraints().size();
+  };
+  std::array<Change, 2> both = {change_to(shell_.shape() + step, true),
+                                change_to(shell_.shape() - step, true)};
+  // The border of a support may move across a vertex, which adds or removes constraints.
+  if (!same_rows(both[0]) || !same_rows(both[1]))
+    both = {change_to(shell_.shape() + step, false), change_to(shell_.shape() - step, false)};
+  return both;
 }
 
 ShellSensitivities::Quantities ShellSensitivities::changes(const SolvedGoal& g,
@@ -73,62 +85,43 @@ ShellSensitivities::Quantities ShellSensitivities::changes(const SolvedGoal& g,
   const auto goal_change = [&](const Points& a, const Points& G) {
     return shell_.goal_change(g.u, g.F, a, G, change.system, load);
   };
-  Quantities changes{goal_change(g.adjoint_of_G, g.G), goal_change(g.adjoint_of_F, g.F), 0};
+  Quantities changes{goal_change(g.adjoint_of_G, g.G), goal_change(g.adjoint_of_F, g.F), 0, 0};
   // Of the work Fᵀu itself: its load is the goal, and varies too.
   changes.compliance += (load - g.F).cwiseProduct(g.u).sum();
-  if (norm_exponent_ > 0)
+  if (norm_exponent_)
     changes.von_mises_norm = goal_change(g.adjoint_of_norm, g.norm.gradient) +
-                             von_mises_norm(change.system.assembler, g.u, norm_exponent_).value -
+                             von_mises_norm(change.system.assembler, g.u, *norm_exponent_).value -
                              g.norm.value;
   return changes;
 }
 
-// A step that is small compared with the model, and large compared with rounding; 0: the rate is 0.
-double ShellSensitivities::step_along(const Points& shape_rate) const {
+std::vector<ShellSensitivities::Quantities> ShellSensitivities::along(
+    const Points& shape_rate) const {
   if (shape_rate.rows() != shell_.shape().rows())
     throw InputError("found a change of the shape with " + std::to_string(shape_rate.rows()) +
                      " dofs, expected " + std::to_string(shell_.shape().rows()) + " of the shell");
-  constexpr double small = 1e-5;
-  const double largest = shape_rate.cwiseAbs().maxCoeff();
-  return largest > 0 ? small * shell_.layout().size() / largest : 0;
-}
-
-std::vector<ShellSensitivities::Quantities> ShellSensitivities::along(
-    const Points& shape_rate) const {
+  if (!shape_rate.allFinite())
+    throw InputError("found a change of the shape that is not finite, expected finite dofs");
   std::vector<Quantities> derivatives(goals_.size());
-  const double step = step_along(shape_rate);
-  if (step == 0) return derivatives;
-  const Change up = change_to(shell_.shape() + step * shape_rate),
-               down = change_to(shell_.shape() - step * shape_rate);
+  const double largest = shape_rate.cwiseAbs().maxCoeff();
+  if (largest == 0) return derivatives;
+  // A step that is small compared with the model and the thickness, and large compared with
+  // rounding.
+  constexpr double of_size = 1e-5, of_thickness = 0.1;
+  double most = of_size * shell_.layout().size();
+  for (const ShellSection& section : shell_.definition().sections)
+    most = std::min(most, of_thickness * section.thickness);
+  const double step = most / largest;
+  const auto [up, down] = changes_along(step * shape_rate);
+  const double mass = shell_mass(up.system.assembler) - shell_mass(down.system.assembler);
   for (size_t i = 0; i < goals_.size(); ++i) {
     const Quantities above = changes(goals_[i], up), below = changes(goals_[i], down);
     derivatives[i] = {(above.displacement - below.displacement) / (2 * step),
                       (above.compliance - below.compliance) / (2 * step),
-                      (above.von_mises_norm - below.von_mises_norm) / (2 * step)};
+                      (above.von_mises_norm - below.von_mises_norm) / (2 * step),
+                      mass / (2 * step)};
   }
   return derivatives;
-}
-
-double ShellSensitivities::mass_along(const Points& shape_rate) const {
-  const double step = step_along(shape_rate);
-  if (step == 0) return 0;
-  const auto mass_of = [&](const Points& shape) {
-    return shell_mass(ShellAssembler(
-        shell_.layout().surface(shape),
-        triangle_sections(shell_.layout(), problem_.definition(shell_.layout(), shape))));
-  };
-  return (mass_of(shell_.shape() + step * shape_rate) -
-          mass_of(shell_.shape() - step * shape_rate)) /
-         (2 * step);
-}
-
-std::optional<Points> shape_derivative(const ShapeOfChange& shape_of, double step) {
-  const auto up = shape_of(step), down = shape_of(-step);
-  if (up && down) return Points((*up - *down) / (2 * step));
-  if (!up && !down) return std::nullopt;
-  const auto here = shape_of(0);
-  if (!here) return std::nullopt;
-  return up ? Points((*up - *here) / step) : Points((*here - *down) / step);
 }
 
 }  // namespace batten

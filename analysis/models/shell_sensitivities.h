@@ -2,7 +2,7 @@
 // shape.
 #pragma once
 
-#include <functional>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,8 +18,8 @@ namespace batten {
 /// example, a point support stays at the surface point nearest to a given point.
 ///
 ///     const ShellSensitivities sensitivities(layout, shape, problem, {{"wind", tip, {0, 0, 1}}}, 8);
-///     const auto rate = shape_derivative([&](double d) { return shape_for(height + d); }, 0.1);
-///     sensitivities.along(*rate)[0].displacement;   // per unit of the height
+///     const Points rate = (shape_for(height + d) - shape_for(height - d)) / (2 * d);
+///     sensitivities.along(rate)[0].displacement;    // per unit of the height
 ///
 /// Reference: docs/theory/shells.md.
 class ShellSensitivities {
@@ -35,25 +35,23 @@ class ShellSensitivities {
     double displacement = 0;    ///< displacement along Goal::direction
     double compliance = 0;      ///< work of the loads, Fᵀu
     double von_mises_norm = 0;  ///< P-norm of the von Mises stress (von_mises_norm.h)
+    double mass = 0;            ///< mass of the shell (shell_mass()), the same for all goals
   };
 
   /// Solves the load cases and their adjoint problems. `norm_exponent`: P of
-  /// Quantities::von_mises_norm; 0: it is not computed. Throws the exceptions of ShellModel,
+  /// Quantities::von_mises_norm; empty: it is not computed. Throws the exceptions of ShellModel,
   /// of von_mises_norm() and of the functions in `problem`, and InputError if a load case does not
   /// exist or a direction is zero. Cost: one factorization, three or four solves per goal.
   ShellSensitivities(const ModelLayout& layout, const Points& shape, ShellProblem problem,
-                     const std::vector<Goal>& goals, double norm_exponent = 0);
+                     const std::vector<Goal>& goals, std::optional<double> norm_exponent = {});
 
   /// Values of all goals.
   std::vector<Quantities> values() const;
   /// Derivatives of all goals. `shape_rate`: rate of change of the shape's dofs (n×3). The system
-  /// is differentiated by central differences. Throws InputError for a rate of the wrong size.
+  /// is differentiated by central differences over 1e-5 of the model's size, but at most a tenth of
+  /// the thickness. Throws InputError for a rate of the wrong size, or one that is not finite.
   /// Cost: two stiffness matrices and two sets of loads.
   std::vector<Quantities> along(const Points& shape_rate) const;
-  /// Derivative of the mass (shell_mass()), by central differences. Throws as along().
-  double mass_along(const Points& shape_rate) const;
-
-  const ShellModel& shell() const { return shell_; }
 
  private:
   // A goal: load F of its load case, solution u of K u = F, the vector G for which the displacement
@@ -72,23 +70,16 @@ class ShellSensitivities {
     ShellSystem system;
     std::vector<ShellLoadCase> cases;
   };
-  Change change_to(const Points& shape) const;
+  // `follows`: supports, loads and thicknesses are those of the changed shape; otherwise, supports
+  // and thicknesses are those of the shell.
+  Change change_to(const Points& shape, bool follows) const;
+  std::array<Change, 2> changes_along(const Points& step) const;
   Quantities changes(const SolvedGoal& goal, const Change& change) const;
-  double step_along(const Points& shape_rate) const;
 
   ShellProblem problem_;
   ShellModel shell_;
-  double norm_exponent_;
+  std::optional<double> norm_exponent_;
   std::vector<SolvedGoal> goals_;
 };
-
-/// Computes the dofs (n×3) of a shape after its parameter has changed by `change`; nullopt if the
-/// changed value is not permitted.
-using ShapeOfChange = std::function<std::optional<Points>(double change)>;
-
-/// Derivative of a shape with respect to a parameter: the central difference of `shape_of(±step)`,
-/// or a one-sided one with `shape_of(0)` if only one direction is permitted. Returns nullopt if
-/// neither is permitted. Throws the exceptions of `shape_of`.
-std::optional<Points> shape_derivative(const ShapeOfChange& shape_of, double step);
 
 }  // namespace batten

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -30,7 +31,8 @@ PointStresses stresses_at(const ShellSection& section, const ShellStrain& strain
   return {area, half, membrane + bending, membrane - bending};
 }
 
-/// Stresses at all quadrature points of each triangle.
+/// Stresses at the quadrature points of each triangle. Points with negative weights, which only cut
+/// triangles have, are left out: their sum with a high power could be negative.
 std::vector<std::vector<PointStresses>> all_stresses(const ShellAssembler& shell, const Points& q) {
   std::vector<std::vector<PointStresses>> all(
       static_cast<size_t>(shell.surface().mesh().triangle_count()));
@@ -39,6 +41,7 @@ std::vector<std::vector<PointStresses>> all_stresses(const ShellAssembler& shell
     shell.for_each_quadrature_point(
         t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
                const ShellPoint& at, const Vec3& L, double area) {
+          if (!(area > 0)) return;
           if (!reference) reference = triangle.reference(shell.dofs_on(q, t));
           all[static_cast<size_t>(t)].push_back(stresses_at(
               shell.section(t), at.strain(triangle.jet(*reference, functions)), L, area));
@@ -47,18 +50,28 @@ std::vector<std::vector<PointStresses>> all_stresses(const ShellAssembler& shell
   return all;
 }
 
+/// Sum of value(t) over the triangles, in their order for any number of threads.
+template <class Value>
+double sum_over_triangles(int count, const Value& value) {
+  std::vector<double> values(static_cast<size_t>(count));
+  parallel_for_each<64>(count, [&](int t) { values[static_cast<size_t>(t)] = value(t); });
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
 double norm_of(const std::vector<std::vector<PointStresses>>& all, double exponent, double area) {
-  double largest = 0, sum = 0;
+  double largest = 0;
   for (const auto& points : all)
     for (const PointStresses& p : points)
       largest = std::max({largest, von_mises_of(p.top), von_mises_of(p.bottom)});
   if (!(largest > 0)) return 0;
-  for (const auto& points : all)
-    for (const PointStresses& p : points)
-      sum += p.area * (std::pow(von_mises_of(p.top) / largest, exponent) +
-                       std::pow(von_mises_of(p.bottom) / largest, exponent));
-  // Quadrature points of cut triangles may have negative weights.
-  return largest * std::pow(std::max(0.0, sum / (2 * area)), 1 / exponent);
+  const double sum = sum_over_triangles(isize(all), [&](int t) {
+    double of_triangle = 0;
+    for (const PointStresses& p : all[static_cast<size_t>(t)])
+      of_triangle += p.area * (std::pow(von_mises_of(p.top) / largest, exponent) +
+                               std::pow(von_mises_of(p.bottom) / largest, exponent));
+    return of_triangle;
+  });
+  return largest * std::pow(sum / (2 * area), 1 / exponent);
 }
 
 /// Derivative of the norm with respect to the dofs of one triangle.
@@ -77,7 +90,8 @@ ShellTriangle::Dofs gradient_on(const ShellAssembler& shell, int t,
   size_t next = 0;
   shell.for_each_quadrature_point(
       t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
-             const ShellPoint& at, const Vec3&, double) {
+             const ShellPoint& at, const Vec3&, double weight) {
+        if (!(weight > 0)) return;
         if (!pull_back) pull_back = triangle.pull_back_matrix();
         const PointStresses& p = points[next++];
         const Vec3 top = of_stress(p, p.top), bottom = of_stress(p, p.bottom),
@@ -123,14 +137,14 @@ VonMisesNorm von_mises_norm(const ShellAssembler& shell, const Points& q, double
 }
 
 double shell_mass(const ShellAssembler& shell) {
-  double mass = 0;
-  for (int t = 0; t < shell.surface().mesh().triangle_count(); ++t) {
+  return sum_over_triangles(shell.surface().mesh().triangle_count(), [&](int t) {
     const ShellSection& section = shell.section(t);
+    double mass = 0;
     shell.for_each_quadrature_point(
         t, [&](const ShellTriangle&, const ReferenceTabulation&, const ShellPoint&, const Vec3& L,
                double area) { mass += area * section.material.density * section.thickness_at(L); });
-  }
-  return mass;
+    return mass;
+  });
 }
 
 }  // namespace batten

@@ -10,8 +10,9 @@ namespace batten {
 ///     σ_P = (1/(2A) ∬ (σ_top^P + σ_bottom^P) dA)^(1/P),       A = ∬ dA
 ///
 /// The stresses are those of the finite element solution at the quadrature points, without recovery.
-/// The norm is at most the largest von Mises stress, approaches it as P increases, and is
-/// differentiable where the largest stress is not. Reference: [Duysinx1998].
+/// The norm is at most the largest of these stresses, approaches it as P increases, and is
+/// differentiable where the largest stress is not. ShellStresses::peak(), which is recovered at the
+/// vertices, may be smaller or larger. Reference: [Duysinx1998].
 struct VonMisesNorm {
   double value = 0;  ///< force per area
   /// Derivative of `value` with respect to the displacement dofs, n×3. Zero if `value` is.

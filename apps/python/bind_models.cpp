@@ -330,10 +330,19 @@ void bind_evaluation(py::class_<Model>& c) {
           "face"_a, "u"_a, "v"_a,
           "The SurfacePoint of a face at the parameters (u, v), as in SurfacePoint. Raises "
           "InputError outside of the domain of the face.")
-      .def_property_readonly("area", &Model::area, "Total area of all faces, model units².")
-      .def_property_readonly("volume", &Model::volume,
-                             "Enclosed volume, model units³. Raises InputError unless the faces "
-                             "form closed shells.")
+      .def_property_readonly(
+          "area",
+          [](const Model& model) {
+            return KernelCall()([&](const Progress&) { return model.area(); });
+          },
+          "Total area of all faces, model units².")
+      .def_property_readonly(
+          "volume",
+          [](const Model& model) {
+            return KernelCall()([&](const Progress&) { return model.volume(); });
+          },
+          "Enclosed volume, model units³. Raises InputError unless the faces "
+          "form closed shells.")
       .def_property_readonly(
           "bounds",
           [](const Model& model) {
@@ -358,9 +367,14 @@ It has `sets` of the faces (triangles) and curves (vertices), and `corner_normal
           py::kw_only(), "progress"_a = py::none(),
           R"(Area and volume with their derivatives with respect to the parameters: ModelGradients.
 
-Computes the derivative of the shape at the first call: three solves per parameter.)")
-      .def_property_readonly("edges", &Model::edges,
-                             "The edges at which faces end or meet, a list of Edge.");
+Computes the derivative of the shape at the first call: about six solves per parameter. Raises
+InputError for shapes without derivatives: of sessions that are not in equilibrium, fitted or lofted.)")
+      .def_property_readonly(
+          "edges",
+          [](const Model& model) {
+            return KernelCall()([&](const Progress&) { return model.edges(); });
+          },
+          "The edges at which faces end or meet, a list of Edge.");
 }
 
 /// Copies and pickles: a model is immutable, and its scene is the model.

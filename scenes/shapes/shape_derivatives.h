@@ -16,12 +16,13 @@ struct ShapeDerivative {
 };
 
 /// Computes the derivatives of a solved shape with respect to all parameters of its scene, except
-/// driven ones, those of [[fair]], and those at a bound in both directions.
+/// driven ones, those of [[fair]], and those that may not be changed (min = max).
 ///
-/// The derivatives are central differences over a change of about 1e-4 of the model's size, and
-/// one-sided ones at the bound of a parameter. Their relative error is about 1e-7. Cost: three
-/// shapes per parameter, with one factorization for all values of loads. Throws the exceptions of
-/// solve_shape().
+/// The derivatives are differences of second order with Richardson extrapolation: central ones, or
+/// one-sided ones at the bound of a parameter. The steps change the shape by at most about 1e-4 of
+/// its size. Throws InputError if the shape is not in equilibrium, or if its elements change with a
+/// parameter (fitted and lofted shapes), and the exceptions of solve_shape(). Cost: about six shapes
+/// per parameter, with one factorization for all values of loads.
 std::vector<ShapeDerivative> shape_derivatives(const Scene& scene, const BuiltModel& made,
                                                const SolvedShape& shape,
                                                const Progress& progress = {});

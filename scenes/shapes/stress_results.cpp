@@ -139,6 +139,7 @@ std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport&
                                                              const BuiltModel& made,
                                                              const SolvedShape& shape,
                                                              const Progress& progress) {
+  require_differentiable(scene);
   std::vector<ShellSensitivities::Goal> goals;
   const std::vector<std::string> names = scene.stress->cases();
   for (const StressReport::Case& c : report.cases)

@@ -45,7 +45,8 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
 /// of `report`. They are those of the largest displacement (at its location, in its direction) and
 /// of the compliance (work of the loads).
 ///
-/// Parameters that do not change the shape are skipped. Cost: that of ShellSensitivities and of
+/// Parameters that do not change the shape are skipped. Throws InputError if a support or a load is
+/// limited by a box. Cost: that of ShellSensitivities and of
 /// shape_derivatives().
 std::vector<StressReport::Sensitivity> compute_sensitivities(const StressReport& report,
                                                              const Scene& scene,

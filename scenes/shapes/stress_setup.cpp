@@ -264,6 +264,19 @@ std::vector<ShellLoadCase> load_cases(const Scene& scene, const ModelLayout& lay
 
 }  // namespace
 
+void require_differentiable(const Scene& scene) {
+  const auto refuse = [&](const auto& entry, const std::string& what) {
+    if (entry.box)
+      throw InputError(
+          scene.at(entry.location) + "found a " + what +
+          " limited by a box, expected one on a whole face or curve, or without a box: "
+          "the box selects other elements when the shape changes, so that there are no "
+          "derivatives");
+  };
+  for (const SceneStress::Support& support : scene.stress->supports) refuse(support, "support");
+  for (const SceneStress::Load& load : scene.stress->loads) refuse(load, "load");
+}
+
 ShellProblem shell_problem(const Scene& scene) {
   return {
       [&scene](const ModelLayout& layout, const Points& shape) {

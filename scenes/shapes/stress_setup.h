@@ -10,6 +10,10 @@
 
 namespace batten {
 
+/// Throws InputError if a support or a load of scene.stress is limited by a box: quadrature points
+/// enter and leave the box as the shape changes, so that results have no derivatives.
+void require_differentiable(const Scene& scene);
+
 /// The shell of a scene: material, thickness, supports, and its load cases followed by their
 /// combinations; one case "supports" without load if there are none. Keeps a reference to the
 /// scene.
