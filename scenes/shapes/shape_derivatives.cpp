@@ -209,9 +209,13 @@ std::vector<ShapeDerivative> shape_derivatives(const Scene& scene, const BuiltMo
     constexpr double equilibrium = 1e-5;
     if (!here ||
         !((*here - shape.dofs).cwiseAbs().maxCoeff() <= equilibrium * shape.layout->size()))
-      throw InputError(scene.name +
-                       ": found a shape that is not in equilibrium, which has no derivatives; "
-                       "solve() the session first, and end its motion");
+      throw InputError(scene.name + (requests_fair_shape(scene, made)
+                                         ? ": found a fitted, lofted or faired shape that depends "
+                                           "on its refinement, expected "
+                                           "one of minimum bending energy, which has derivatives"
+                                         : ": found a shape that is not in equilibrium, which has "
+                                           "no derivatives; solve() the "
+                                           "session first, and end its motion"));
     auto rate = Differences(p, shape, shapes).derivative(*here);
     shapes.restore(p);
     if (rate) derivatives.push_back({p.name, std::move(*rate)});

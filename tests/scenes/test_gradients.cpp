@@ -132,6 +132,72 @@ TEST_CASE("gradients of a session's model know what was added to the session",
   }
 }
 
+TEST_CASE("a stiffness has its derivative however weak its effect is", "[scenes][gradients]") {
+  for (const double swell : {2.0, 0.02, 0.0005}) {
+    const Model model =
+        variable_vault().with_values({{"swell", swell}, {"lift", 0}, {"nudge", 0}, {"alpha", 0}});
+    const ModelGradients gradients = model.gradients();
+    CAPTURE(swell);
+    const double expected = difference(model, "beta", [](const Model& m) { return m.area(); });
+    CHECK(gradients.area.gradient.at("beta") == Approx(expected).epsilon(2e-3));
+    // At its lower bound 0, alpha has a one-sided derivative.
+    constexpr double h = 1e-4;
+    const auto area = [&](double alpha) { return model.with_values({{"alpha", alpha}}).area(); };
+    CHECK(gradients.area.gradient.at("alpha") ==
+          Approx((4 * area(h) - area(2 * h) - 3 * area(0)) / (2 * h)).epsilon(5e-3));
+  }
+}
+
+TEST_CASE("shapes that are not in equilibrium have no gradients", "[scenes][gradients]") {
+  Session session(variable_vault());
+  session.set("swell", 20);
+  CHECK_THAT(error_message([&] { session.model().gradients(); }), Contains("not in equilibrium"));
+  session.solve();
+  CHECK(session.model().gradients().area.gradient.at("swell") > 0);
+}
+
+TEST_CASE("results under loads that boxes limit have no gradients", "[scenes][gradients]") {
+  StressSettings settings = clamped_steel();
+  settings.loads[0].box = Box3(Vec3(0, 0, -100), Vec3(50, 50, 100));
+  const Stress boxed = stress(variable_vault(), settings);
+  CHECK_THAT(error_message([&] { boxed.gradients(); }), Contains("load limited by a box"));
+}
+
+TEST_CASE("the stress norm of a face with a hole grows with its exponent", "[scenes][gradients]") {
+  std::vector<Vec3> hole;
+  for (int i = 0; i <= 24; ++i) {
+    const double angle = 2 * 3.14159265358979323846 * i / 24;
+    hole.emplace_back(50 + 16 * std::cos(angle), 50 + 9 * std::sin(angle), 0);
+  }
+  SkinSettings plate{.name = "plate", .edge_length = 20, .holes = {"hole"}};
+  const Model model = skin(
+      {{"rim", {{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}, {0, 0, 0}}}, {"hole", hole}},
+      plate);
+  const Stress bent = stress(model, {.material = "steel",
+                                     .thickness = 1,
+                                     .supports = {{.curve = "rim"}},
+                                     .loads = {{.pressure = 0.01}}});
+  double before = 0;
+  for (const double exponent : {2.0, 8.0, 30.0, 100.0}) {
+    const double norm = bent.gradients(exponent).von_mises_norm.value;
+    CHECK(norm > before);
+    before = norm;
+  }
+}
+
+TEST_CASE("a callback of a long call may use the model", "[scenes][gradients]") {
+  const Model model = variable_vault();
+  int calls = 0;
+  Progress progress;
+  progress.report = [&](std::string_view, double) {
+    ++calls;
+    CHECK(!model.facets().points.empty());
+    CHECK(!model.edges().empty());
+  };
+  CHECK(!model.gradients(progress).area.gradient.empty());
+  CHECK(calls > 0);
+}
+
 TEST_CASE("the volume of a closed model has a gradient", "[scenes][gradients]") {
   // A tent over a square: four faces and a floor.
   const Vec3 top(0.5, 0.5, 0.7);
@@ -157,6 +223,7 @@ TEST_CASE("the volume of a closed model has a gradient", "[scenes][gradients]") 
 TEST_CASE("gradients refuse an exponent out of range and an unknown load case",
           "[scenes][gradients]") {
   const Stress here = stress(variable_vault(), clamped_steel());
-  CHECK_THAT(error_message([&] { here.gradients(1); }), Contains("exponent: found 1, expected 2"));
+  for (const double exponent : {1.0, 0.0, -1.0, std::nan(""), kInfinity})
+    CHECK_THAT(error_message([&] { here.gradients(exponent); }), Contains("expected 2 to 100"));
   CHECK_THAT(error_message([&] { here.gradients(8, "pusch"); }), Contains("did you mean 'push'"));
 }

@@ -85,6 +85,42 @@ TEST_CASE("a model and its scene have the same stresses, to the bit", "[scenes][
   CHECK(stress(parse(other.scene())).report() == other.report());
 }
 
+TEST_CASE("live stresses with prescribed displacements and several cases are those of new analyses",
+          "[scenes][stress]") {
+  StressSettings settings = steel();
+  settings.thickness = 0.1;
+  settings.supports = {
+      {.curve = "left"},
+      {.box = Box3(Vec3(60, 30, -100), Vec3(90, 70, 100)), .displacement = Vec3(0, 0, 5)}};
+  settings.loads[1].point = Vec3(30, 50, 15);
+  Session session(vault());
+  for (int k = 0; k < 5; ++k) {
+    session.set("swell", 2 + 0.4 * k);
+    session.solve();
+    const SessionStress live = session.stress(settings);
+    const Stress exact = stress(session.model(), settings);
+    CHECK(live.load_case == exact.load_case().name);
+    CHECK(live.max_von_mises == Approx(exact.max_von_mises()).epsilon(1e-6));
+    CHECK(live.max_displacement == Approx(exact.max_displacement()).epsilon(1e-6));
+  }
+  // A call that is cancelled anywhere changes no later result.
+  session.set("swell", 6);
+  session.solve();
+  const double expected = stress(session.model(), settings).max_von_mises();
+  for (const int polls : {1, 3, 8, 20}) {
+    int left = polls;
+    Progress progress;
+    progress.cancelled = [&] { return --left <= 0; };
+    CHECK_THROWS_AS(session.stress(settings, progress), CancelledError);
+    CHECK(session.stress(settings).max_von_mises == Approx(expected).epsilon(1e-6));
+  }
+  for (const auto set : {&StressSettings::modes, &StressSettings::buckling}) {
+    StressSettings more = settings;
+    more.*set = 2;
+    CHECK_THAT(error_message([&] { session.stress(more); }), Contains("found 2, expected 0"));
+  }
+}
+
 TEST_CASE("adaptive refinement in memory is that of the command", "[scenes][stress]") {
   StressSettings settings = steel();
   settings.accuracy = 0.02;
