@@ -18,18 +18,18 @@ ConstrainedSolver::ConstrainedSolver(const ConstraintSet& constraints, SparseMat
     : reduction_(constraints),
       dof_order_(dof_order),
       solver_(solver ? std::move(solver) : std::make_unique<SparseCholesky>()) {
-  factor(std::move(K));
+  factor(K);
 }
 
 void ConstrainedSolver::solve_reduced(Eigen::Ref<MatX> b) const { solver_->solve_in_place(b); }
 
 void ConstrainedSolver::update(const ConstraintSet& constraints, SparseMatrix K) {
   reduction_ = AffineReduction(constraints);
-  factor(std::move(K));
+  factor(K);
 }
 
-void ConstrainedSolver::factor(SparseMatrix K) {
-  K_ = std::move(K);
+void ConstrainedSolver::factor(SparseMatrix& K) {
+  K_.swap(K);  // a move would copy: Eigen's sparse matrices cannot be moved
   const SparseMatrix reduced = reduction_.reduce(K_);
   if (!solver_->has_pattern_of(reduced))
     solver_->analyze(reduced, reduction_.choose_ordering(reduced, K_, dof_order_));

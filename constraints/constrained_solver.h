@@ -62,7 +62,7 @@ class ConstrainedSolver {
   const SparseMatrix& K() const { return K_; }
 
  private:
-  void factor(SparseMatrix K);
+  void factor(SparseMatrix& K);  // takes K
 
   AffineReduction reduction_;
   SparseMatrix K_;

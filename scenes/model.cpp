@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
@@ -70,6 +71,7 @@ std::vector<FacetsOfFace> facets_of(const std::vector<SkinnedRegion>& faces) {
 
 ModelData::ModelData(std::string scene_text, Scene of, const Progress& progress)
     : text(std::move(scene_text)), scene(std::move(of)) {
+  const ProgressScope scope(progress);
   progress.update("curves", 0);
   lines = faired_lines(scene, progress).lines;
   auto built = std::make_shared<BuiltModel>(build_model(scene, lines, progress));
@@ -119,10 +121,12 @@ const SurfaceModel& ModelData::measured() const {
 }
 
 const Report& ModelData::report(const Progress& progress) const {
+  const ProgressScope scope(progress);
   return lazily(report_, [&] { return export_shape(scene, *made, shape, {}, progress); });
 }
 
 const std::vector<ShapeDerivative>& ModelData::shape_derivatives(const Progress& progress) const {
+  const ProgressScope scope(progress);
   return lazily(derivatives_,
                 [&] { return batten::shape_derivatives(scene, *made, shape, progress); });
 }
@@ -254,6 +258,7 @@ Model Model::with_values(const std::map<std::string, double>& values,
   }
   if (!live)
     return Model(std::make_shared<const ModelData>(data_->text, std::move(scene), progress));
+  const ProgressScope scope(progress);
   SolvedShape shape = solve_refined_shape(*data_->made, scene, progress);
   return Model(std::make_shared<const ModelData>(data_->text, std::move(scene), *data_,
                                                  std::move(shape), std::nullopt));
@@ -342,6 +347,7 @@ double derivative_along(const ModelLayout& layout, const Points& shape, const Po
 }  // namespace
 
 ModelGradients Model::gradients(const Progress& progress) const {
+  const ProgressScope scope(progress);
   data_->require_surface();
   const detail::ModelData& d = *data_;
   ModelGradients gradients;
@@ -433,6 +439,7 @@ std::vector<std::string> Model::failed_checks(const Progress& progress) const {
 
 std::vector<std::string> Model::save(const std::filesystem::path& file,
                                      const Progress& progress) const {
+  const ProgressScope scope(progress);
   if (file.extension() == ".toml") {
     const SceneText moved =
         with_moved_paths(SceneText(scene(), data_->scene.file), folder(), folder_of(file));

@@ -17,7 +17,7 @@ void ShellEvaluator::update(const ModelLayout& layout, const Points& shape) {
   shape_ = shape;
   definition_ = problem_.definition(layout, shape);
   if (shell_ && shell_->layout().mesh() == layout.mesh()) {
-    similar_.emplace(shell_->assemble_system(shape, definition_));
+    similar_.reset(new ShellSystem(shell_->assemble_system(shape, definition_)));
     reduction_.emplace(similar_->ties.constraints);
     return;
   }

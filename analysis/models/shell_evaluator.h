@@ -83,9 +83,9 @@ class ShellEvaluator {
   void require_shape() const;
 
   ShellProblem problem_;
-  std::optional<ShellModel> shell_;           // factored for its shape
-  std::optional<ShellSystem> similar_;        // system of `shape_`; empty: that of the shell
-  std::optional<AffineReduction> reduction_;  // of the constraints of `similar_`
+  std::optional<ShellModel> shell_;             // factored for its shape
+  std::unique_ptr<const ShellSystem> similar_;  // system of `shape_`; null: that of the shell
+  std::optional<AffineReduction> reduction_;    // of the constraints of `similar_`
   Points shape_;
   ShellDefinition definition_;               // of `shape_`
   std::vector<Points> displacements_;        // of the load cases of the last shape

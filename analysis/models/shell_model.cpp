@@ -28,23 +28,26 @@ ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
 VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()); }
 
 // K with its springs, and a small multiple of the mass in each coordinate for unsupported shells.
+// One object is returned on all paths: Eigen's sparse matrices cannot be moved.
 SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& springs,
                           double shift) {
   SparseMatrix K = assembler.stiffness();
   if (!springs.empty()) K += springs.stiffness();
-  if (shift == 0) return K;
-  const SparseMatrix M = assembler.mass();
-  SparseMatrix all(K.rows(), K.cols());
-  std::vector<Triplet> entries;
-  for (long j = 0; j < M.cols(); ++j)
-    for (SparseMatrix::InnerIterator it(M, j); it; ++it)
-      for (int c = 0; c < 3; ++c) {
-        const int offset = c * static_cast<int>(M.rows());
-        entries.emplace_back(offset + static_cast<int>(it.row()), offset + static_cast<int>(j),
-                             shift * it.value());
-      }
-  all.setFromTriplets(entries.begin(), entries.end());
-  return K + all;
+  if (shift != 0) {
+    const SparseMatrix M = assembler.mass();
+    SparseMatrix all(K.rows(), K.cols());
+    std::vector<Triplet> entries;
+    for (long j = 0; j < M.cols(); ++j)
+      for (SparseMatrix::InnerIterator it(M, j); it; ++it)
+        for (int c = 0; c < 3; ++c) {
+          const int offset = c * static_cast<int>(M.rows());
+          entries.emplace_back(offset + static_cast<int>(it.row()), offset + static_cast<int>(j),
+                               shift * it.value());
+        }
+    all.setFromTriplets(entries.begin(), entries.end());
+    K += all;
+  }
+  return K;
 }
 
 // Energy ½ qᵀKq without that of the springs, whose stiffness K includes.
@@ -159,8 +162,9 @@ ShellSystem ShellModel::assemble_system(const Points& shape,
   if (&definition != &definition_)
     assembler.update_sections(triangle_sections(layout_, definition));
   assembler.update_shape(layout_.surface(shape));
-  SparseMatrix K = stiffness_of(assembler, ties.springs, 0);
-  return {std::move(ties), std::move(assembler), std::move(K)};
+  ShellSystem system{std::move(ties), std::move(assembler), {}};
+  stiffness_of(system.assembler, system.ties.springs, 0).swap(system.K);
+  return system;
 }
 
 std::optional<Points> ShellModel::solve(const ShellSystem& similar,

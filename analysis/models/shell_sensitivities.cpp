@@ -59,9 +59,8 @@ std::vector<ShellSensitivities::Quantities> ShellSensitivities::values() const {
 ShellSensitivities::Change ShellSensitivities::change_to(const Points& shape, bool follows) const {
   const ShellDefinition definition =
       follows ? problem_.definition(shell_.layout(), shape) : shell_.definition();
-  ShellSystem system = shell_.assemble_system(shape, definition);
-  auto cases = problem_.load_cases(shell_.layout(), shape, definition);
-  return {std::move(system), std::move(cases)};
+  return {shell_.assemble_system(shape, definition),
+          problem_.load_cases(shell_.layout(), shape, definition)};
 }
 
 std::array<ShellSensitivities::Change, 2> ShellSensitivities::changes_along(

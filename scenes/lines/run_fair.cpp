@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 #include "batten/io/pictures/comb_pictures.h"
@@ -217,6 +218,7 @@ std::string summary(const FairReport& report, const std::filesystem::path& folde
 
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
                     const Progress& progress) {
+  const ProgressScope scope(progress);
   OutputFolder out(folder);
   FairReport report;
   Stopwatch watch(report.timings);
@@ -234,6 +236,7 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
 }
 
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress) {
+  const ProgressScope scope(progress);
   // Detects missing or read-only folders before the computation.
   for (const auto& path : {files.out, files.picture, files.report})
     if (!path.empty()) AtomicFile probe(path);

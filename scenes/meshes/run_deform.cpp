@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/io/decks/calculix_decks.h"
@@ -281,6 +282,7 @@ class DeformRun {
 
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress) {
+  const ProgressScope scope(progress);
   DeformRun run(scene, folder, progress);
   run.edit();
   run.measure();

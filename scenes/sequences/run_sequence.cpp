@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -176,6 +177,7 @@ class SequenceRun {
 
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task, const Progress& progress) {
+  const ProgressScope scope(progress);
   return SequenceRun(scene, folder, task, progress)();
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -376,11 +377,13 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, const St
 
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
+  const ProgressScope scope(progress);
   return run_all(scene, folder, nullptr, progress);
 }
 
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress) {
+  const ProgressScope scope(progress);
   if (!scene.stress)
     throw InputError(scene.at({}) +
                      "found no [stress], expected one with thickness, material and supports");

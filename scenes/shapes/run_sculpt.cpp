@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_evaluator.h"
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/pictures/image.h"
@@ -400,6 +401,7 @@ std::vector<std::string> few(const std::vector<std::string>& files) {
 
 Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
                   const Progress& progress) {
+  const ProgressScope scope(progress);
   return SculptRun(scene, task, folder, progress).done();
 }
 

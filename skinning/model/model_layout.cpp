@@ -338,7 +338,7 @@ Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
   const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
   // The join penalty applies to the shape itself, so it is added after the load is computed.
   const double beta = (material.beta[0] + material.beta[2]) / 2;
-  K += beta * join_stiffness();
+  if (const SparseMatrix joins = join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
   const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
                                  dof_order());
   return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;

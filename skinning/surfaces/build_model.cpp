@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -244,6 +245,7 @@ void log_model(const SurfaceModel& model) {
 
 BuiltModel build_model(const std::vector<CharacterLine>& lines, const ModelBuildOptions& options,
                        const Progress& progress) {
+  const ProgressScope scope(progress);
   BuiltModel built = ModelBuilder(lines, options, progress).build();
   log_model(built.model);
   return built;

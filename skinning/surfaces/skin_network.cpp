@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -403,6 +404,7 @@ void reshape(SurfaceModel& model, std::shared_ptr<const ModelLayout> layout, Poi
 
 SurfaceModel skin_network(const CurveNetwork& network, const FoundRegions& found,
                           const ModelOptions& options, const Progress& progress) {
+  const ProgressScope scope(progress);
   return ModelMaker(network, found, options, progress).make();
 }
 
