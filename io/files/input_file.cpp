@@ -1,6 +1,7 @@
 #include "batten/io/files/input_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -14,8 +15,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <new>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
@@ -277,8 +283,7 @@ bool write_all(int to, const char* bytes, size_t count) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
-  // A lock that another thread held during the fork is never released, and waiting for it uses no
-  // processor time. So elapsed time must be limited, too.
+  // Waiting uses no processor time. So elapsed time must be limited, too.
   ::alarm(static_cast<unsigned>(limits.by_the_clock()));
   if (kMemoryIsLimited) limit(RLIMIT_AS, addresses_in_use() + limits.bytes);
   if (const int nothing = ::open("/dev/null", O_RDWR); nothing >= 0) {
@@ -305,15 +310,48 @@ bool write_all(int to, const char* bytes, size_t count) {
   ::_exit(write_all(to, &first, 1) && write_all(to, bytes.data(), bytes.size()) ? 0 : 1);
 }
 
-std::string read_all(int from) {
+// Processor time of a process in clock ticks; -1 if it is running or waits for a device.
+long ticks_if_asleep(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(file, text);
+  const size_t name_end = text.rfind(')');  // the name of the program may contain spaces
+  if (name_end == text.npos) return -1;
+  std::istringstream fields(text.substr(name_end + 1));
+  std::string state, skipped;
+  fields >> state;
+  constexpr int before_times = 10;  // parent, group, … page faults
+  for (int i = 0; i < before_times; ++i) fields >> skipped;
+  long user = 0, system = 0;
+  fields >> user >> system;
+  return fields && state == "S" ? user + system : -1;
+}
+
+// The bytes that a child sends. If it has slept for two seconds, it is killed, and the result is
+// nullopt: it waits for a lock that another thread held during the fork, which is never released.
+std::optional<std::string> read_all(int from, pid_t child) {
+  constexpr int interval_ms = 200, most_idle = 10;
   std::string all;
   std::string part(1 << 16, '\0');
-  for (;;) {
+  long ticks = -1;
+  for (int idle = 0; idle < most_idle;) {
+    pollfd ready{from, POLLIN, 0};
+    const int count = ::poll(&ready, 1, interval_ms);
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) {
+      const long now = ticks_if_asleep(child);
+      idle = now >= 0 && now == ticks ? idle + 1 : 0;
+      ticks = now;
+      continue;
+    }
     const ssize_t got = ::read(from, part.data(), part.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return all;
     all.append(part.data(), static_cast<size_t>(got));
+    idle = 0;
   }
+  ::kill(child, SIGKILL);
+  return std::nullopt;
 }
 
 int ending_of(pid_t child) {
@@ -335,18 +373,25 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
     throw InputError(file.string() + ": " + library + " " + what);
   };
   const Limits limits = limits_for(file, times);
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw Error(std::string("cannot create a pipe for a child process: ") + std::strerror(errno));
-  const pid_t parent = ::getpid(), child = ::fork();
-  if (child == 0) run_child(ends[1], parent, limits, read);
-  const int fork_error = errno;
-  ::close(ends[1]);
-  std::string all = child > 0 ? read_all(ends[0]) : std::string();
-  ::close(ends[0]);
-  if (child < 0)
-    throw Error(std::string("cannot create a child process: ") + std::strerror(fork_error));
-  const int status = ending_of(child);
+  std::optional<std::string> received;
+  int status = 0;
+  constexpr int attempts = 4;
+  for (int attempt = 0; attempt < attempts && !received; ++attempt) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0)
+      throw Error(std::string("cannot create a pipe for a child process: ") + std::strerror(errno));
+    const pid_t parent = ::getpid(), child = ::fork();
+    if (child == 0) run_child(ends[1], parent, limits, read);
+    const int fork_error = errno;
+    ::close(ends[1]);
+    if (child > 0) received = read_all(ends[0], child);
+    ::close(ends[0]);
+    if (child < 0)
+      throw Error(std::string("cannot create a child process: ") + std::strerror(fork_error));
+    status = ending_of(child);
+  }
+  if (!received) fail("waits without end while reading this file");
+  std::string& all = *received;
   if (WIFSIGNALED(status)) {
     const int number = WTERMSIG(status);
     if (number == SIGINT || number == SIGTERM || number == SIGHUP) throw CancelledError();
@@ -364,7 +409,7 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
     case Outcome::Bytes:
       if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
         fail("could not return the contents of this file");
-      return all;
+      return std::move(all);
     case Outcome::Refused:
       throw InputError(all);
     case Outcome::NoMemory:

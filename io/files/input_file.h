@@ -62,7 +62,9 @@ bool is_sandboxed_read_enabled();
 /// Runs `read` in a forked child process and returns the resulting bytes. If
 /// is_sandboxed_read_enabled() is false, `read` runs in this process. The child is limited,
 /// depending on the size of `file`, to a processor time of 6 s + 4 s per MB, four times that in
-/// elapsed time, and memory of 1 GB + 200 times the size of the file. `times` multiplies the time
+/// elapsed time, and memory of 1 GB + 200 times the size of the file. A child that sleeps for two
+/// seconds is replaced by another one, up to three times: it waits for a lock that another thread
+/// held during the fork. `times` multiplies the time
 /// limits; use it if `read` does more than reading. The child writes nothing to the terminal, and
 /// is_sandboxed_read_enabled() is false in it.
 ///

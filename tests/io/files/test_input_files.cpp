@@ -1,13 +1,18 @@
 // Which files may be read, the depth of nesting, and readers in separate processes.
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <locale>
+#include <mutex>
 #include <new>
+#include <thread>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
@@ -139,6 +144,37 @@ TEST_CASE("a crash of a reader in a child process is reported and harms nothing 
                     return "";
                   }),
                   CancelledError);
+}
+
+TEST_CASE("a child that waits for a lock of another thread is replaced", "[io][files]") {
+  const SandboxScope guard;
+  const fs::path file = seeds / "cad" / "two.step";
+  std::timed_mutex mutex;
+  std::atomic<bool> held{false}, release{false};
+  std::thread holder([&] {
+    const std::lock_guard lock(mutex);
+    held = true;
+    while (!release) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  while (!held) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::thread releaser([&] {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    release = true;
+  });
+  // In the first child, the mutex stays locked for ever.
+  const std::string bytes = sandboxed_read(file, "The library", [&] {
+    const std::lock_guard lock(mutex);
+    return std::string("read");
+  });
+  CHECK(bytes == "read");
+  holder.join();
+  releaser.join();
+  CHECK_THAT(batten_test::error_message([&] {
+               sandboxed_read(file, "The library", []() -> std::string {
+                 for (;;) ::pause();
+               });
+             }),
+             Contains("waits without end while reading this file"));
 }
 
 TEST_CASE("data read in a child process are the same", "[io][files]") {
