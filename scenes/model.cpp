@@ -126,7 +126,6 @@ const Report& ModelData::report(const Progress& progress) const {
 }
 
 const std::vector<ShapeDerivative>& ModelData::shape_derivatives(const Progress& progress) const {
-  const ProgressScope scope(progress);
   return lazily(derivatives_,
                 [&] { return batten::shape_derivatives(scene, *made, shape, progress); });
 }

@@ -291,10 +291,7 @@ std::vector<StressReport::Mesh> refine(StressData& data, const Scene& scene, dou
                      ", expected a relative error above 0, or 0 for the elements of the model");
   const ModelData& model = *data.model;
   RefinedShape refined = refine_adaptively(scene, model.shape, accuracy, {}, progress);
-  if (!refined.converged)
-    notes.failed_checks.push_back(
-        {"stress.accuracy", "is " + format_number(refined.meshes.back().error) +
-                                ", expected at most " + format_number(accuracy)});
+  refined.check_accuracy(accuracy, notes.failed_checks);
   if (refined.meshes.size() > 1)
     data.model = std::make_shared<const ModelData>(model.text, model.scene, model,
                                                    std::move(refined.shape), std::nullopt);

@@ -338,10 +338,7 @@ void stress_into(RunContext& run, const Scene& scene, const BuiltModel& made,
   analyse(run, scene, accurate.shape, task.factors, progress);
   if (!run.report.stress) return;
   run.report.stress->meshes = accurate.meshes;
-  if (!accurate.converged)
-    run.report.failed_checks.push_back(
-        {"stress.accuracy", "is " + format_number(accurate.meshes.back().error) +
-                                ", expected at most " + format_number(task.accuracy)});
+  accurate.check_accuracy(task.accuracy, run.report.failed_checks);
   if (scene.stress->sensitivities) {
     run.report.stress->sensitivities =
         compute_sensitivities(*run.report.stress, scene, made, shape, progress);

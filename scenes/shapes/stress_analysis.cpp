@@ -401,6 +401,12 @@ void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape&
   run.watch.lap("CalculiX");
 }
 
+void RefinedShape::check_accuracy(double accuracy, std::vector<FailedCheck>& failed) const {
+  if (converged) return;
+  failed.push_back({"stress.accuracy", "is " + format_number(meshes.back().error) +
+                                           ", expected at most " + format_number(accuracy)});
+}
+
 RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
                                const BackendFactory& factors, const Progress& progress) {
   RefinedShape result{shape, {}, false};

@@ -54,6 +54,9 @@ struct RefinedShape {
   SolvedShape shape;
   std::vector<StressReport::Mesh> meshes;  ///< results on each mesh
   bool converged = false;
+
+  /// Adds a failed check if the accuracy was not reached.
+  void check_accuracy(double accuracy, std::vector<FailedCheck>& failed) const;
 };
 RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
                                const BackendFactory& factors, const Progress& progress);

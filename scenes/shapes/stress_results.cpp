@@ -1,9 +1,6 @@
 #include "batten/scenes/shapes/stress_results.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "batten/analysis/models/shell_modes.h"
