@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The programming interface of Batten: models, sessions, meshes and their deformers in one header.
 //
 //     #include <batten/batten.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Kirchhoff-Love shell analysis on C1 triangles: strains, stiffness, mass and stress resultants.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shell sections: material and thickness, and parts of a shell surface.
 #pragma once
 

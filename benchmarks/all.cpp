@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The tasks of all other benchmarks at small sizes, in a few minutes, to detect slowdowns.
 // Each task alternates with a reference computation that is independent of Batten (a dense
 // factorization, a pass through memory, a sort). The ratio of both is compared with baseline.json:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surfaces given by formulas, and curves on them, as exact references for surfaces built from the
 // curves alone.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stiffness assembly per triangle: Batten's two triangles and GetFEM's HCT.
 // All sides use the same mesh and energy ∬ b (w_uu² + 2 w_uv² + w_vv²), with b = 1 or b = 1 + u²/2
 // + v, assembled in a matrix that already has its pattern. Checked by the energy of a cubic

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shared by all benchmarks: clocks, medians, tables, checks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves that several benchmarks skin.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/benchmarks/cgal_deform.h"
 
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Wrapper of CGAL's Surface_mesh_deformation without CGAL types in its interface.
 // In a build without CGAL the functions exist, and cgal_version() is "".
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Corners of curves given by points: 300 random curves with known corners, compared with the rule
 // that every turn of more than 20 degrees is a corner.
 #include <cmath>

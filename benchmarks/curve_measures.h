@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shared by the benchmarks of curves: distances computed independently of the fits, exact curves,
 // SciPy.
 #pragma once

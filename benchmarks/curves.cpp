@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves through points: Batten's fit and fairing compared with SciPy and OpenCASCADE.
 // Noise: how much closer the faired curve is to the exact one than the points. Sketches: number of
 // segments and time of a fit to a tolerance. Strokes: fit and fairing of every stroke of every

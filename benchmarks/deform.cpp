@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Deforming a panel with 16 flanged holes: time to the first update, time of an edit, and
 // distortion of the holes, compared with CGAL's Surface_mesh_deformation and the KKT reference
 // solver.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Latency of a slider in a sculpting session: from a new value to points and normals on the screen.
 // A drag of a point constraint changes the right-hand side arbitrarily. For comparison, on the
 // session's own matrix: the triangular solves for three columns, those of CHOLMOD, and the memory

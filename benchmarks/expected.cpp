@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "expected.h"
 
 #if BATTEN_BENCH_EXPECTED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // `batten skin curves.csv` on the expected shapes, compared with OpenCASCADE.
 #pragma once
 

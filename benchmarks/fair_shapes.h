@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surfaces of fair = "variation" and fair = "loft" from curves alone, compared with bending energy.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of typical user curves: waves of curvature, outliers, jitter, airfoils.
 #include <cmath>
 #include <map>

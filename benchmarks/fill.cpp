@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A surface over a loop of cubics: Batten's skin compared with OpenCASCADE's filling.
 // Two faces: a curved pentagon, and a four-sided patch with one inner cubic. Time: from the curves
 // to the surface, including meshing. Distance: the largest one from a point of a curve to the

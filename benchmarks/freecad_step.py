@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """FreeCAD reads STEP files, counts their faces and checks them.
 
 usage: STEP_FILES=A.step:B.step freecadcmd freecad_step.py

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/benchmarks/getfem_hct.h"
 
 #include "bench.h"

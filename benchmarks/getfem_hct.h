@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Wrapper of GetFEM's HCT triangle without GetFEM types in its interface.
 // In a build without GetFEM the functions exist, and getfem_version() is "".
 #pragma once

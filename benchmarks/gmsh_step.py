@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Gmsh reads a STEP file, writes it again, and meshes it.
 
 usage: gmsh_step.py IN.step OUT.step

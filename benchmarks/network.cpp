@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curve networks: grids of increasing size, single faces with many curves compared with
 // OpenCASCADE's filling, and the cost of splitting one face into 200.
 // Time: processor time from the curves to the checked model, on one thread, without output; also

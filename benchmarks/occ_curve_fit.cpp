@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "occ_curve_fit.h"
 
 #if BATTEN_BENCH_OCC

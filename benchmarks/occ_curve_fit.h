@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Wrapper of OpenCASCADE's approximation of points by a B-spline without OpenCASCADE types in its
 // interface. Without OpenCASCADE, occ_curves_version() is "".
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Wrapper of OpenCASCADE's filling of closed loops of curves without OpenCASCADE types in its
 // interface. Without OpenCASCADE, occ_version() is "".
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "occ_loft.h"
 
 #if BATTEN_BENCH_OCC_LOFT

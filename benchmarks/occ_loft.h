@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // OpenCASCADE as a peer for lofts: faces of CAD files, sections cut from them, and lofts of the
 // sections by BRepOffsetAPI_ThruSections.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "occ_step_file.h"
 
 #include <map>

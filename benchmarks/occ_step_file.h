@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Wrapper of OpenCASCADE's STEP reader without OpenCASCADE types in its interface: a cross-check of
 // the contents of a file, and the peer that writes the same shape as facets or as it was read.
 #pragma once

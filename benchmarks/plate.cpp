@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A clamped plate from the mesh to the solution: Batten compared with GetFEM and FreeFEM.
 // Δ²w = f on the unit square, w = sin²(πx) sin²(πy), n × n squares cut along the same diagonals,
 // the HCT triangle on all sides. Time: mesh, stiffness, load, boundary conditions, factor and

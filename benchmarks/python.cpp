@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Overhead of Python in a drag: set three numbers, update, get the points, through the package and
 // in C++.
 // Both build the session of one scene and drag its fixed point to the same targets, in alternating

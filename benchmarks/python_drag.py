@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The drag of bench_python: SCENE EVENTS WARM.
 
 Prints the median seconds per event and the sum of all coordinates.

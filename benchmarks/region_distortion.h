@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Changes of lengths and angles if feature regions are kept: one table per model.
 #pragma once
 

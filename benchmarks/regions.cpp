@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Feature regions that rotate with the surrounding sheet: cost of set-up and edit compared with
 // CGAL's smoothed rotations, and changes of lengths and angles inside and outside the regions.
 #include <memory>

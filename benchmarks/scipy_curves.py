@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # SciPy's smoothing splines for the benchmark `curves`.
 #
 #     scipy_curves.py version              prints SciPy's version

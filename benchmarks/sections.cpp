@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Hulls from sections alone, cut from surfaces of CAD files: distance of the loft from the original
 // surface, compared with BRepOffsetAPI_ThruSections of the same sections. Needs those files, and
 // reports if they are absent.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Deforming meshes: the six sizes of the paper from keyframes to all frames, one alternating
 // iteration, two threads compared with one, and library deformers with a factor per frame.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surfaces with a formula from curves alone: cylinder strips up to 350 degrees, annuli, an octant
 // of a sphere, a saddle, a helicoid, a torus.
 // First from the boundary alone: the surface converges to the minimiser of its own energy, which is

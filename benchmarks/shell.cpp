@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress analysis compared with CalculiX: whole processes, each with the coarsest mesh within 0.5 %
 // of its own limit.
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Hand-drawn networks: results for the twelve connected sketches of the CASSIE study, and the
 // distance of surfaces over five computed networks from the meshes that these were cut from,
 // compared with hole filling of the same loops. Needs those files, and reports if they are absent.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Faces with embedded curves: time per phase, the STEP file, and random curves.
 // A door panel (examples/05-door) from its curves to the solved shape, phase by phase, on three
 // grids; its one-face STEP file at three tolerances, compared with OpenCASCADE's filling of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The triangular solves of a drag: Batten compared with CHOLMOD, Eigen and the memory bound.
 // Three right-hand sides with twenty matrices. Bound: a solve reads every stored entry of the
 // factor twice, 8 bytes each, limited by the memory bandwidth, which is that of the triad a = b + s

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // STEP files: one face per face of the model, and three exact ones per triangle, of the examples
 // and of sketches, measured by an independent reader; compared with a faceted file of the same
 // shape at the same tolerance, OpenCASCADE's filling, and the conversions of Gmsh and OpenCASCADE.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measurement of a STEP file independently of Batten and OpenCASCADE, by step_cross_check.py, with
 // points of the expected surfaces.
 #pragma once

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Measures a STEP file of B-spline faces without a CAD library: parses and evaluates its splines.
 
 usage: step_cross_check.py FILE.step POINTS.csv [JOINS.csv]

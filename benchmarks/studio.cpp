@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A drag in the window: time of an update, compared with a session alone, and of drawing.
 //
 // The view is drawn with the available OpenGL (in tests and here: Mesa on the processor). All times

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 include(CMakePackageConfigHelpers)
 set(batten_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 

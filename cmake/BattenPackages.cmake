@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # Debian packages by CPack; scripts/package makes them. What is installed belongs to one component a package: program,
 # dev, studio, freecad, mpi, python; by default dev (CMakeLists.txt).
 set(CPACK_GENERATOR DEB)

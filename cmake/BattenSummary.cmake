@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # What is on, what is off, and what its absence removes.
 function(batten_say what found missing)
   if(${found})

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # batten_library(core SOURCES a.cpp … HEADERS a.h … LINKS batten::x …): the sources of one folder with
 # its sub-folders as one static library batten::core; NAME gives it another name.
 add_library(batten_options INTERFACE)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # CHOLMOD::CHOLMOD, from SuiteSparse as distributions install it.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)

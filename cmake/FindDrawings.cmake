@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # Libraries that read drawings: dxflib and lib2geom. The target batten_drawing_libraries has their headers.
 find_path(DXFLIB_INCLUDE_DIR dl_dxf.h PATH_SUFFIXES dxflib)
 find_library(DXFLIB_LIBRARY dxflib)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # lib3mf 1, which writes 3MF files (its version 2 has another interface). The target batten_3mf has its headers.
 find_path(LIB3MF_INCLUDE_DIR Model/COM/NMR_DLLInterfaces.h PATH_SUFFIXES lib3mf)
 find_library(LIB3MF_LIBRARY 3MF)

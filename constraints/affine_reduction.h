@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Hard linear constraints by elimination of dofs: x = D y + d0.
 #pragma once
 

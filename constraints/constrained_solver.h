@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Solvers for linear systems with hard constraints: static solution for many loads, and implicit
 // time integration.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Named linear constraints on the dofs of a curve, a surface or a mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/constraints/reusable_factorization.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Factored constrained systems for interactive use: fixed matrix, changing right-hand sides.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/constraints/schur_complement_constraints.h"
 
 #include <Eigen/SparseQR>

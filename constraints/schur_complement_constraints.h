@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Constraints and springs that are added to or removed from a factored system without refactoring
 // (Schur complement, Woodbury formula).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Anderson acceleration of fixed-point iterations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Spatial index: a tree of axis-aligned boxes for closest-point and overlap queries.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mutual exclusion of calls on one object, which also detects calls from inside of a call.
 #pragma once
 

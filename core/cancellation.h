@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cancellation of long computations: polls in inner loops, and calls of libraries that cannot poll.
 #pragma once
 

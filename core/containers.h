@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Small utilities for containers: signed size, sorted unique lists, and disjoint sets (union-find).
 #pragma once
 

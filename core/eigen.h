@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Short names for the Eigen types used in Batten, and decompositions of small dense matrices.
 #pragma once
 

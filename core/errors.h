@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Exception classes of Batten, grouped by exit code, and the formatting of numbers and words in
 // their messages.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Elementary geometry: cross product, bounding boxes, rotations, formatting of points, and angles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Messages about long computations: what was built, factored and solved, and warnings.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Memory limit of the process, and checks that reject a computation before it runs out of memory.
 #pragma once
 

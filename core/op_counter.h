@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Counters of the expensive operations of the kernel: a machine-independent measure of work.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Multithreading on one machine, with results that are bit-identical for any number of threads.
 #pragma once
 

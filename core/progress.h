@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Progress reports and cancellation of long computations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Macros and functions that select the vector instruction set of the machine at run time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cubic Bernstein polynomials on a triangle, and the location of points in the sub-triangles of an
 // HCT triangle.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The C1 triangle elements HCT and Z12, with 12 dofs per coordinate.
 //
 //                 V3  w, w_u, w_v                     dof order of one coordinate:

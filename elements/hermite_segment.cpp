@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/elements/hermite_segment.h"
 
 #include "batten/core/errors.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cubic Hermite segment: the element of deformable curves.
 //
 //      w, w_u                                w, w_u

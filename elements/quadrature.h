@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Quadrature rules on a segment and on a triangle.
 //
 // Triangle rules consist of barycentric points L and weights that sum to 1; multiply by the area of

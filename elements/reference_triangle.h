@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reference shape functions N̂(L) of the C1 triangles, their integrals, and the surface energy.
 // Used by single elements and by assembly. See c1_triangle.h for the dofs.
 #pragma once

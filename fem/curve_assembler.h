@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Assembles stiffness, mass and load of a deformable curve.
 //
 // The energy of one coordinate is E = ∫ ½ (alpha w_u² + beta w_uu²) - f w du = ½ qᵀK q - Fᵀq, so

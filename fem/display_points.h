@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Points and normals of a changing surface at fixed parametric locations, for display.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sparsity pattern of assembled symmetric matrices, with a precomputed scatter of element matrices.
 #pragma once
 

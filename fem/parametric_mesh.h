@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangle meshes in the (u, v) plane, with numbered edges and dofs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Load of a pressure that follows the surface normal (follower load), optimised for inner loops.
 //
 //     F = value ∬ w N (x_u × x_v) du dv,     x = Σ N_m x_m

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Adaptive mesh refinement: error indicator, Dörfler marking, bisection, and transfer of the
 // surface.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // C1 finite-element surface in space over a parametric mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Assembles stiffness, mass and loads of a surface.
 //
 // The energy of one coordinate is E = ½ qᵀK q - Fᵀq, so the minimum satisfies K q = F. x, y and z

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fast closest-point projection of many points onto a surface.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Point location in a parametric mesh.
 #pragma once
 

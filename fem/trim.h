@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Trimmed mesh: classification of triangles by the loops that bound a region, and cut-cell
 // quadrature.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Catmull-Clark subdivision of polygon cages with semi-sharp creases, evaluated on the limit
 // surface.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Discrete differential operators on triangle meshes: cotangent Laplacian and mixed areas.
 #pragma once
 

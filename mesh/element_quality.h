@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Quality measures of shell elements as used by FE preprocessors, and detection of inverted
 // elements.
 #pragma once

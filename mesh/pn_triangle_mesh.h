@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curved point-normal (PN) triangles, closest points on a mesh of PN triangles, and harmonic
 // parametrization of such a mesh.
 #pragma once

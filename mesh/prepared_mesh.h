@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Converts shell elements to a clean, oriented triangle mesh, and reports defects of the input.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rotations and similarities fitted to deformations: polar decomposition, rotation of a face, mean
 // and median of rotations, Procrustes fits.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Vertex selection on triangle meshes: by position, geodesic distance, neighbourhood or saliency.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shell elements as read from files: triangles, quads, polygons and second-order elements. Other
 // elements are represented by their nodes.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangle meshes and their connectivity (non-manifold meshes as joined manifold patches), and
 // closest points on a mesh.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Entry points of the commands, which all front ends call. The source of a command has its name, and
 // is in the sub-folder of its subject.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models that are fitted to a given surface: a CAD file, or a mesh.
 #pragma once
 

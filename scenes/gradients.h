@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Derivatives of the properties of a model and of its stresses with respect to the parameters.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Meshes, their holes, and deformers that keep holes and other features exactly rigid.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The data behind the types Mesh and Deformer.
 #pragma once
 

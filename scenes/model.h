@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models: curves, the surface through them, and everything that acts on it.
 #pragma once
 

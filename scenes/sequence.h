@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sequences of deforming meshes, and their edits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interactive sculpting of a model.
 #pragma once
 

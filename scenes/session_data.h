@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Contents of a Session, for the front ends of Batten.
 #pragma once
 

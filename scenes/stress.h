@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress analysis of a model in memory: a thin shell, its supports and its loads.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The pages of the guide for Doxygen, from README.md, docs/ and examples/.
 
 usage: docs_pages.py FOLDER           writes the pages there

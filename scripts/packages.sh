@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # Sourced by the other scripts: Debian packages, and where things are.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Compares report.json of two runs of the same scenes, key by key.
 
     tests/compare_reports.py BEFORE AFTER [RENAMES.tsv]

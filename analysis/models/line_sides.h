@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves shared by regions of a model: the sides of a curve, and constraints and springs along it,
 // in the dofs of the whole model.
 #pragma once

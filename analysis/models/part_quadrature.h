@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Quadrature over a part of a model's surface: selected regions, inside of trims and of a box.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Definition of a shell model: sections, supports and hinges.
 #pragma once
 

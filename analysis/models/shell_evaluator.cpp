@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/analysis/models/shell_evaluator.h"
 
 #include <algorithm>

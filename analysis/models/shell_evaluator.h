@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stresses, displacements and natural modes of a shell whose shape changes.
 #pragma once
 

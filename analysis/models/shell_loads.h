@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Loads on the shell of a model, and their resultants.
 #pragma once
 

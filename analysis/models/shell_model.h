@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Linear static analysis of a model as one supported shell.
 #pragma once
 

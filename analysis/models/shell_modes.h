@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Natural frequencies, mode shapes and linear buckling of a shell.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Adaptive mesh refinement of a shell analysis for a given accuracy of displacements.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Load cases of a shell and their results: maxima, error estimates, equilibrium, validity of the
 // theory.
 #pragma once

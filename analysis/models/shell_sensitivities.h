@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sensitivities: derivatives of displacement, compliance and stress of a shell with respect to its
 // shape.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress recovery of a shell from its displacement, with error estimates.
 #pragma once
 

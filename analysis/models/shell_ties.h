@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tie constraints between adjacent regions of a model, and springs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/analysis/models/von_mises_norm.h"
 
 #include <algorithm>

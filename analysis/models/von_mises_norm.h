@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // P-norm of the von Mises stress of a shell: a smooth measure of its largest stress.
 #pragma once
 

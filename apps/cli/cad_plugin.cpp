@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // cad_plugin() of the command-line program: loads the OpenCASCADE module at the first call.
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/core/errors.h"

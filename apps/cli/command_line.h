@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Command-line parser: subcommands and options. A facade for CLI11, which only command_line.cpp
 // includes, because its templates add ten seconds of compile time to every source that includes
 // them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The subcommands of the `batten` program, their common options, and the terminal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten: the command-line program.
 #include <csignal>
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // An open document: a scene's text, its results, and the edit history. Used by windows and scripts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Commands on a document, as data and as lines of a script.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interface to the contents of a document: a surface, a mesh, or a mesh sequence.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // What is displayed of a document: a snapshot as plain data, which any thread may read, and frames
 // of meshes.
 #pragma once

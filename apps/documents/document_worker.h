@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Runs a document on its own thread, so that the window stays responsive.
 #pragma once
 

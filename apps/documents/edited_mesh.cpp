@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/apps/documents/edited_mesh.h"
 
 #include <algorithm>

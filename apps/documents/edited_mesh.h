@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Document contents of a deform scene: a mesh with its edits.
 #pragma once
 

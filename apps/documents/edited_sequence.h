@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Document contents of a sequence scene: a mesh sequence with its operations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Document contents of a surface scene: curves, their surface and a sculpting session.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edit commands for curves, joins and faces of a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edit commands for supports, loads and painted areas of a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edit commands for deform scenes and sequence scenes.
 #pragma once
 

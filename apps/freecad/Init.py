@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: MPL-2.0
 """Batten for FreeCAD. The package batten_freecad also works without a window."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The workbench Batten: FreeCAD reads this file when its window starts."""
 import FreeCADGui
 

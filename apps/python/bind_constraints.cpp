@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds the constraints of deformers.
 #include <limits>
 #include <optional>

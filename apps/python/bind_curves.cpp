@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds curves: fairing, fitting and fairness measures.
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds quantities with their derivatives with respect to the parameters of a model.
 #include "batten/apps/python/bindings.h"
 #include "batten/core/errors.h"

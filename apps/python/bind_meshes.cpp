@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds meshes, deformers and mesh edits.
 
 #include <algorithm>

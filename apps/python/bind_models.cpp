@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds models: curves as arrays, or scenes, and the surfaces that they produce.
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds complete runs of scenes, like the commands of the program, with the report as a dict.
 #include "batten/apps/python/conversions.h"
 #include "batten/apps/python/kernel_call.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds sequences of deforming meshes, with their frames as arrays, and their edits.
 #include <optional>
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds sculpting sessions: parameters in, points out.
 #include <limits>
 #include <memory>

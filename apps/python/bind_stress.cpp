@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Binds stress analyses: of models in memory, and of scene files.
 #include <algorithm>
 #include <cmath>

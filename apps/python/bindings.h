@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Declares the binding functions of the Python module `_batten`, one per group of names.
 #pragma once
 

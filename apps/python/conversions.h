@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Conversions between Python objects and the kernel's types: NumPy arrays, parameter values, JSON,
 // file names.
 #pragma once

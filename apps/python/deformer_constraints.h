@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Constraints of a Deformer as Python objects: OnPlane, OnLine, Chain, LinearConstraint.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/apps/python/kernel_call.h"
 
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Calls from Python into the kernel: without the GIL, and cancellable by Ctrl-C.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The extension module `_batten`, the base of the Python package `batten`.
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Signatures of the functions of the module, as inspect.signature() and editors read them, and
 // messages about keyword arguments that a function does not have.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Settings of stress analyses from Python values.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // TOML text of Python values, for settings that scenes read.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten-studio: the graphical editor.
 #include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Geometric constraints on curves, on surfaces, and along curves embedded in surfaces, as linear
 // equations in the dofs.
 //

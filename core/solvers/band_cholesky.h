@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cholesky factorization of symmetric positive definite band matrices, as they arise from curves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Linear systems that are distributed over several MPI processes, and the interface of the module
 // that solves them with PETSc.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/core/solvers/linear_solver_backend.h"
 
 #include "batten/core/errors.h"

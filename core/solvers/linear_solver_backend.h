@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interface of linear solvers, and the choice of their back end at run time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Distributed linear systems with PETSc: Cholesky factorization by MUMPS, distributed over the
 // processes of mpirun.
 #include <petscksp.h>

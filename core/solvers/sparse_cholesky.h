@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sparse Cholesky solver whose factor is computed once and used for many solves.
 #pragma once
 

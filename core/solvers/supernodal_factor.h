@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Supernodal Cholesky factors: their layout, and the interface of the libraries that compute them.
 #pragma once
 

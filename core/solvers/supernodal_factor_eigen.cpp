@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Numeric supernodal Cholesky factorization on several cores.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Inner loops of the supernodal Cholesky solver: dense blocks of the factorization, and panels of the
 // triangular solves.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangular solves with a supernodal Cholesky factor, limited only by memory bandwidth.
 #pragma once
 

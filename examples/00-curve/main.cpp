@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Automatic fairing: computes the smooth curve behind noisy points.
 //
 // 1. points along a known spiral, each with an error of up to 0.3 mm

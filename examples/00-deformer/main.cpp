@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mesh morphing with a form feature: bends a plate while its hole keeps its exact shape.
 //
 // 1. mesh: a square plate with a round hole, with rings of quads between hole and border

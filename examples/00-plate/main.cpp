@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A clamped plate under pressure: the nine steps that the kernel performs for every surface.
 //
 // A square plate with side a = 1 m is clamped along its boundary and loaded by a pressure q. Its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A ship's hull from a formula, with the kernel only: all steps from curves to files in one main.
 //
 // Wigley's hull:  y = B/2 (1 - (2x/L)²) (1 - (z/T)²),  -L/2 ≤ x ≤ L/2,  -T ≤ z ≤ 0

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // An interactive sculpting session in C++, with a viewer in a second thread.
 //
 // 1. layout: a roof over four arched edges, with a rib inside

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes wall.obj: a wall of 500 x 260 mm, quads of 5 mm, with the letters H, U, T raised by 15 mm.
 
     python3 make_wall.py > wall.obj

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes arm.obj, the arm of an octopus. It is 300 mm long, with a radius of 18 mm at its open root and 6 mm at its round tip.
 Along its underside it has fourteen suckers: rings with a hollow.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes head.obj, a head of 240 mm as a closed mesh of quads. The mesh is a cube inflated to an egg, finer in front. Smooth
 bumps along its normals form nose, eyes, mouth, brows and ears. The head faces -y.
 

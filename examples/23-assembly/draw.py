@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Draws several decks of this example one below the other, including all elements that are not shells. Needs python3-vtk9 and
 an X server.
 

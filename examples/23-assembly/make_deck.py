@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes assembly.bdf: a plate of 240 x 120 mm with a stiffener, a bolted angle, a block underneath, a motor and a sensor.
 
     python3 make_deck.py > assembly.bdf

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """A figure, 1.75 m tall: the smoothed boundary of a set of small cubes, posed by a skeleton. It faces x; z is up. Examples 24
 to 27 use it."""
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes walker.obj and walker.pc2, a figure that walks on the spot (one cycle in 25 frames, the last equals the first), and
 stairs.obj with eight steps. The output folder is the first argument; default: the current folder.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes hills.obj, gently uneven ground of 8 by 6 m, for the figure in ../24-stairs/walker.pc2. The output folder is the first
 argument; default: the current folder.
 

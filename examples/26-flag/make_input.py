@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes banner.obj and banner.pc2: a cloth of 1.6 by 0.9 m that hangs from its two upper corners in a light wind, in 25
 frames. The figure that carries it is in ../24-stairs/walker.pc2. The output folder is the first argument; default: the
 current folder.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes jumper.obj and jumper.pc2: the figure of example 24 jumps, in 36 frames. The output folder is the first argument;
 default: the current folder.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes a crawling worm and a fish that swims on the spot, 25 frames each: worm.obj and worm.pc2 (rings of 16 quads), fish.obj
 and fish.pc2 (an inflated cube). The heads face x. The output folder is the first argument; default: the current folder.
 

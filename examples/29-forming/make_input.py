@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Writes plate.obj and plate.pc2: a plate of 240 by 160 mm with three round holes is pressed into a hat section, in 21 frames as
 in the output of a forming simulation. The plate does not stretch, so the flanges are drawn in. The output folder is the first
 argument; default: the current folder.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """A glass that holds a third of a litre: curves from formulas, a session, a root search, output files.
 
 1. curves: foot and rim, two circles, as numpy arrays

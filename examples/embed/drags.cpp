@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interactive sculpting: a hundred updates of a drag, undo and redo, and the result as a scene.
 #include <batten/batten.h>
 

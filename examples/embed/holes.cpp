@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mesh morphing: bends a plate while its holes stay rigid, and checks the radii of the holes.
 //
 // Usage: holes MESH FILE, such as examples/10-plate-with-holes/plate.obj

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A curve network: the surface through four curves, evaluated and written to STEP.
 #include <batten/batten.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress analysis in memory: a simply supported square plate under pressure, compared with theory.
 #include <batten/batten.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Corner detection in polylines: finds the points at which a sampled curve changes direction.
 #pragma once
 

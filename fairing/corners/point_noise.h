@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Noise of sampled curves: its standard deviation, averages of neighbouring points, and outliers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cleaned-up input of curve fits and of fairing: distinct points in order, with chord lengths and
 // corners.
 #pragma once

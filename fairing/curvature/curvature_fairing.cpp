@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curvature/curvature_fairing.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of curves by minimising the curvature integral or its variation (minimum-energy and
 // minimum-variation curves), without the smoothing springs of fair_points().
 #pragma once

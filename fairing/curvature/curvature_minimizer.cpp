@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curvature/curvature_minimizer.h"
 
 #include "batten/core/errors.h"

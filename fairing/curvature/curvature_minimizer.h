@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Smooth minimisation problem of curvature fairing, which Ceres solves, and its integrands.
 #pragma once
 

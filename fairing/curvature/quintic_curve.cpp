@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curvature/quintic_curve.h"
 
 #include <algorithm>

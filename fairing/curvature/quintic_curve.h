@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Piecewise quintic Hermite curves in space (C2, continuous curvature), and the curvature
 // functionals that they minimise.
 #pragma once

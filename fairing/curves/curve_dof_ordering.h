@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Small-bandwidth ordering of a curve's dofs, for banded Cholesky.
 #pragma once
 

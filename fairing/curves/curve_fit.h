@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fits C1 curves of few cubic segments to points or to input curves, within a tolerance.
 #pragma once
 

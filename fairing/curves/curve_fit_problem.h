@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Least-squares fit of a curve to points on one given mesh, with moving point parameters.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Options and results of curve fitting and of curve fairing.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curves/curve_through_points.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interpolates points by a curve of straight lines, circular arcs and cubic splines.
 #pragma once
 

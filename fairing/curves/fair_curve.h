@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of curves: smoothing splines through noisy points, local fairing of existing curves, and
 // measures of fairness.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing energy of curves (bending and variation of the second derivative), and the local
 // smoothing wavelength.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interface for curves given by the user (CAD curves, sampled points, formulas), and their arc
 // length.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curves/penalised_least_squares.h"
 
 #include <algorithm>

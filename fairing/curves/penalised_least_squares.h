@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Penalised least squares on one curve mesh: springs to the data against the fairing energy.
 #pragma once
 

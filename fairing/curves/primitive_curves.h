@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves defined by a few numbers (arcs, ellipses, helices, rectangles, NURBS), and transformed
 // copies.
 #pragma once

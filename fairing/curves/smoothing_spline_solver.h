@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Iterative solver of fair_points(): placement of nodes, springs, choice of wavelength, solve and
 // foot points, repeated until the parameters no longer move.
 #pragma once

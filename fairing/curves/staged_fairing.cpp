@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/curves/staged_fairing.h"
 
 #include <Eigen/Geometry>

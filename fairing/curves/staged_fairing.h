@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of several curves in stages: whole curves by smoothing splines or curves of minimum
 // bending or variation, then parts of them.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/minimum_variation/block_reduction.h"
 
 #include <algorithm>

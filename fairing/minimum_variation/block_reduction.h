@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reduction of linear constraints on all three coordinates of a surface to free unknowns, [x; y; z]
 // = D y + d0; and constraints imposed by Lagrange multipliers.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Pointwise curvature variation of a surface: residuals and their derivatives, and points at which
 // jumps between two separately meshed parts are penalised. Reference: [MoretonSequin1992].
 #pragma once

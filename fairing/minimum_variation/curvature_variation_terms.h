@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Elementwise assembly of the minimum-variation functional: residuals of triangles, edges and
 // joins, with their Jacobians.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fairing/minimum_variation/gauss_newton_system.h"
 
 #include <Eigen/Geometry>

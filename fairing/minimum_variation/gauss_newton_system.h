@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Normal equations of one Gauss-Newton step of minimum-variation fairing, and steps restricted to
 // the surface normals.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Minimum-variation surfaces (MVS): fair surfaces that are determined by their boundary curves.
 #pragma once
 

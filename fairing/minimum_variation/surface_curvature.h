@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of surfaces by minimising ∫ κ1² + κ2² dA (a Willmore-type energy) over C1 triangles under
 // linear constraints.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Geometry of the minimum-variation terms on one triangle in its (L1, L2): basis-function tables,
 // curvature jumps and twist of the normal.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Least-squares fit of a tensor-product bicubic B-spline to a surface that is known inside a region
 // of (u, v).
 //

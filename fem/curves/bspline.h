@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cubic B-splines: their basis over given knots, and the exact conversion of curves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Cubic polynomials in one variable: their forms, their zeros, and curves that consist of them.
 //
 //     Bézier     c(t) = (1-t)³ b0 + 3 (1-t)² t b1 + 3 (1-t) t² b2 + t³ b3        BezierCubic

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mesh of a deformable curve: parameters, segments, corners and dof numbering.
 #pragma once
 

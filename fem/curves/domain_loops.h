@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Regions of the (u, v) plane bounded by loops of cubic curves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Piecewise cubic Hermite curve in space.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Summary of a CAD file (product structure, names, colours, layers, unit, counts) and its triangle
 // mesh.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Converts CAD files to other CAD formats and to glTF, meshes their faces, and summarises their
 // contents.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves and names of the edges of CAD files, and shape healing.
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>

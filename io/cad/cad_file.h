@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads a STEP, IGES or BREP file into OpenCASCADE shapes with their attributes; curves and names of
 // its edges, and shape healing.
 #pragma once

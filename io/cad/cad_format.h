@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Formats of CAD files: extensions, detection of truncated files, options for writing STEP files.
 // Does not need OpenCASCADE.
 #pragma once

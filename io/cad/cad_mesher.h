@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Meshes the parts of a CAD document and measures the distance between mesh and model.
 #pragma once
 

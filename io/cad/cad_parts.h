@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The placed parts of a CAD document, with names and colours of their faces, and sewing.
 #pragma once
 

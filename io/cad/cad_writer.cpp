@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/cad/cad_writer.h"
 
 #include <APIHeaderSection_MakeHeader.hxx>

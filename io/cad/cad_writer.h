@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes CAD documents to STEP, IGES and BREP.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Formats continuity reports. Does not use OpenCASCADE, so that programs that load it as a plug-in
 // can format reports without it.
 #include <algorithm>

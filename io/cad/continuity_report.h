@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures the continuity (G0, G1, G2) between adjacent faces of a CAD file.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scoped access to OpenCASCADE's process-wide settings, and conversions to its types.
 #pragma once
 

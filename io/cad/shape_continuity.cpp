@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures the continuity between the faces of OpenCASCADE shapes and of CAD files.
 #include "batten/io/cad/continuity_report.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/decks/calculix_decks.h"
 
 #include <algorithm>

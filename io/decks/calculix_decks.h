@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes CalculiX (ccx) input decks: linear static shell problems on models, and the natural
 // frequencies of shell meshes.
 #pragma once

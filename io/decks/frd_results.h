@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads CalculiX result files (.frd): displacements, stresses, the mesh and its outer faces.
 #pragma once
 

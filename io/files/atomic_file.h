@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Atomic output files: a file is either written completely or not at all.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Helpers for binary glTF (GLB) files.
 #pragma once
 

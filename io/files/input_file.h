@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads input files with checks, limits their size and nesting depth, and runs third-party readers
 // in a child process.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // String functions for readers of text files, and units of length.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/files/toml_table.h"
 
 #include <toml++/toml.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Typed access to TOML tables. Error messages contain the location and the permitted values:
 //
 //     scene.toml:7:1: found key 'edge_lenght' in [skin], expected one of: …; did you mean

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/lines/cad_lines.h"
 
 #include <BRepAdaptor_Curve.hxx>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads curves, faces and the boundary loops of faces from IGES, STEP and BREP files, and writes
 // curves to STEP and IGES files.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The function table of programs that link OpenCASCADE, and of the module batten_cad.so.
 #include "batten/io/lines/cad_plugin.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Table of the functions that depend on OpenCASCADE. They are either linked into a program, or in a
 // plug-in module that the program loads at the first call.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads curves given by points from text files. Writes curves as points, as polylines for ParaView,
 // as drawings, or as B-splines for CAD.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes curves of drawings (DXF and SVG files), and reads sketches of connected strokes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes DXF files.
 #include <dl_creationadapter.h>
 #include <dl_dxf.h>

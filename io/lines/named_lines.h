@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves and polylines with names, and functions that make names unique and chain segments.
 #pragma once
 

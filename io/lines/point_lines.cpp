@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads curves that are given by points: tables, offset tables, airfoils, strokes and OBJ files.
 #include <algorithm>
 #include <cctype>

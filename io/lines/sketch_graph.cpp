@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads sketches of connected strokes.
 #include <algorithm>
 #include <array>

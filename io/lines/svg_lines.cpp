@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes SVG files.
 #include <2geom/bezier-curve.h>
 #include <2geom/elliptical-arc.h>

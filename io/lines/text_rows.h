@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Row-by-row access to text files of numbers, with positions for messages, and the headings of
 // tables.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Corner normals for shading triangle meshes, broken at crease edges.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes a mesh as binary glTF 2.0 (GLB): one glTF mesh per set, in metres, y up.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // In-memory content of a mesh file, and the readers and writers of all mesh formats. Not installed.
 #pragma once
 

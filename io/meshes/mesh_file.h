@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads mesh files, and writes them back with new node coordinates and otherwise unchanged.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Basic types for mesh files: sets, options for writing, and the rounding error of a written file.
 #pragma once
 

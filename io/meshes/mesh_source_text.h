@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The text of a mesh file and of its included files: reading line by line, and formatting of
 // coordinate fields that are replaced in it.
 #pragma once

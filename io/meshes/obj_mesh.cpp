@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes Wavefront OBJ files.
 
 #include <algorithm>

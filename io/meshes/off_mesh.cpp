@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes Geomview's Object File Format (OFF).
 #include <algorithm>
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes Stanford PLY, text and binary. Unknown properties are preserved.
 #include <algorithm>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes STL, text and binary. Corners with equal coordinates become one node.
 #include <array>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes text mesh files back with new coordinates; converts between local and global coordinates.
 
 #include "batten/io/meshes/text_mesh_content.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Content of a mesh file whose coordinates are replaced in its text, and the local coordinate
 // systems of decks.
 #pragma once

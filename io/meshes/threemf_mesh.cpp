@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes 3MF for 3D printing: one object whose triangles have materials.
 #include <Model/COM/NMR_DLLInterfaces.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads and writes VTK's XML files (VTP, VTU). When writing back, the data set is kept and gets new
 // points.
 #include <vtkCellArray.h>

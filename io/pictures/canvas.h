@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // VTK drawing functions shared by the pictures of surfaces, curves and meshes.
 #pragma once
 

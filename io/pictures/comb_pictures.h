@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Draws pictures of curvature combs, along curves and across the shared edges of faces.
 #pragma once
 

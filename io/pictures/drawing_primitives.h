@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Lines, facets and colour tables of pictures, as VTK data.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Raster images in memory, PNG and GIF output, and a check for a display.
 #pragma once
 

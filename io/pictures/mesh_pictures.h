@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Draws pictures of shell meshes, for example before and after a deformation, side by side.
 #pragma once
 

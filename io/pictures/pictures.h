@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Draws pictures of surfaces and curve networks, without a window.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Contents of report.json for a deformed mesh, measured on the finished mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Contents of report.json about a curve network and the model that is made from it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Contents of report.json for a surface (measured on the finished result), for a stress analysis
 // and for faired curves.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // JSON output of the parts that all reports share.
 #pragma once
 

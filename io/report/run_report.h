@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Members that the reports of all commands have in common.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/report/sequence_report.h"
 
 #include "batten/io/report/report_json.h"

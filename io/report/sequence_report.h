@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Contents of report.json for an edited mesh sequence, measured on the finished frames.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Deform scenes: TOML files that define features, constraints and edits of a mesh (all keys:
 // docs/deform.md). These functions read the scene file only, not the mesh.
 #pragma once

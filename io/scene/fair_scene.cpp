@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/scene/fair_scene.h"
 
 #include <cmath>

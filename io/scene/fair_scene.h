@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing scenes: TOML files with curves, fairing stages and outputs (all keys: docs/fair.md).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads scenes of surfaces.
 #include <algorithm>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Keys of older versions of Batten, and names that other programs use for the same things.
 #include <toml++/toml.h>
 #include <optional>

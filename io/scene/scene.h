@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scenes: TOML files that describe a surface (curves, loads, constraints) and its output files.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads [[curve]] and [[curves]] of all kinds of scenes.
 #include <cmath>
 #include <memory>

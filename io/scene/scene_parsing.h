@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Functions shared by all scene readers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The file paths in the text of a scene, and how they change when the scene moves to another folder.
 #pragma once
 

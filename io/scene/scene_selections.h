@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tables of a scene that select vertices of a mesh: [[select]], [[cut]], [[feature]].
 #pragma once
 

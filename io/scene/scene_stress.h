@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The table [stress] of a scene: material, thickness, supports and load cases of a shell.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edits the text of a scene file in place, preserving its layout and comments.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/scene/sequence_scene.h"
 
 #include "batten/core/errors.h"

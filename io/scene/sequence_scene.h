@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sequence scenes: TOML files that edit a deforming mesh (all keys: docs/sequence.md). These
 // functions read the scene file only, not the frames.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Node hierarchy of a glTF scene, and its animation by keys.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/sequences/gltf_document.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads glTF 2.0 files: the JSON, the buffers, and numbers from accessors.
 #pragma once
 

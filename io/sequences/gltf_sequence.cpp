@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads an animated glTF scene as a sequence of meshes.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Names of numbered files, and series of them: the names that patterns stand for, and their frames.
 #include <algorithm>
 #include <charconv>

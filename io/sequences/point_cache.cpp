@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads point caches, PC2 and MDD: all positions of a mesh, frame after frame, in single precision.
 // SequenceWriter writes them.
 //

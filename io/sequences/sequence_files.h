@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads deforming meshes from numbered files, point caches, animated glTF scenes and CalculiX
 // results.
 #pragma once

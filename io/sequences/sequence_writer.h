@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes deforming meshes frame by frame.
 #pragma once
 

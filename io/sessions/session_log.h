@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes and reads the log of a sculpting session, for replay: one JSON object per line.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // JSON serialisation of the entities in a session log: loads, stiffness fields, constraints, curve
 // offsets, curves, parameters.
 #pragma once

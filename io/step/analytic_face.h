@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Model faces as faces on analytic surfaces (plane, cylinder, sphere, cone, torus): surface
 // parameters, pcurves, seams and poles.
 #pragma once

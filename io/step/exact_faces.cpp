@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/step/exact_faces.h"
 
 #include <Geom2d_BSplineCurve.hxx>

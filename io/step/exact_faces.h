@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Converts HCT model faces to CAD faces that represent their surfaces exactly.
 #pragma once
 

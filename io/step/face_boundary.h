@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The boundary of a model face, split into the segments that become edges of a CAD face.
 #pragma once
 

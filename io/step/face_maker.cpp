@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/step/face_maker.h"
 
 #include <Approx_CurveOnSurface.hxx>

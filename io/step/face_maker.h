@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Makes a trimmed B-spline face, or an analytic face, of OpenCASCADE from a model face.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures the faces of a STEP file that was read back against their model faces.
 #pragma once
 

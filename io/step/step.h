@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes the faces of a model to STEP files, exactly or by fitted B-spline faces, and measures STEP
 // files.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/step/step_check.h"
 
 #include <BRepCheck_Analyzer.hxx>

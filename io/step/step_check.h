@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures STEP files that are read back.
 #pragma once
 

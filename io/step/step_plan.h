@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Plans what the model faces of a STEP file share: curves, the points where curves end, and shells.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measurements of a STEP file, and of the continuity between its faces.
 #pragma once
 

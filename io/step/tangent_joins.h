@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Finds the curves along which adjacent surfaces are tangent, and the common normals that their
 // faces must have.
 #pragma once

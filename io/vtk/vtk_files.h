@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes surfaces, deformed shell meshes and time series as VTK files, for example for ParaView.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/vtk/vtk_message_capture.h"
 
 #include <string_view>

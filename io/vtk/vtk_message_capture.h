@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Captures VTK's messages and sets the C locale while VTK reads or writes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Nodes of non-shell elements, which follow the shells during an edit.
 #pragma once
 

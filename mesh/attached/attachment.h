@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Propagation of the deformation of shells to attached nodes, which belong only to other elements.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Definition of a deformation problem (constraints, handles, form features), and the input of an
 // edit (handle transformations, scales, targets).
 #pragma once

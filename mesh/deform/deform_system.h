@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Assembles a DeformProblem: numbering of unknowns, soft rows and hard constraints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/deform/form_feature_deformer.h"
 
 #include <algorithm>

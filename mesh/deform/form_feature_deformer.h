@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interactive mesh deformation that keeps the shape of form features exactly [Masuda2006].
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Geometric relations between form features, as constraints of a deformation.
 #pragma once
 

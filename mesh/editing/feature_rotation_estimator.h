@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Estimation of the rotations of features that an edit does not prescribe.
 #pragma once
 

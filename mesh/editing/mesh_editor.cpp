@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/editing/mesh_editor.h"
 
 #include <algorithm>

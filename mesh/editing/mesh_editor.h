@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Editor for a mesh with form features, whose linear system is factored once for many solutions.
 #pragma once
 

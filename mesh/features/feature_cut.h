@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Separation of a form feature from a panel by a minimum cut through a band of triangles or between
 // two strokes.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Detection of form features of a panel: holes with their flanges, and regions enclosed by closed
 // creases.
 #pragma once

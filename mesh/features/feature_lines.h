@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Feature lines of a mesh (creases and boundaries), and the patches that they enclose.
 #pragma once
 

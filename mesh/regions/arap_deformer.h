@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // As-rigid-as-possible (ARAP) deformation with smoothed rotations, for large edits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mesh deformation by rotated Laplacian vectors of the dual mesh; the rotations are unknowns.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Restoration of the shape of feature regions in the result of any deformer [Hu2012].
 #pragma once
 

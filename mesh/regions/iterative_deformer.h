@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Common base class of the iterative mesh deformers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Local/global iteration, shared by the deformers of mesh/regions and the frame solvers of
 // mesh/sequence.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/regions/local_global_solver.h"
 
 #include <algorithm>

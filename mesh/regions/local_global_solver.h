@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Local/global solver for ARAP-type energies, shared by the iterative deformers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Control meshes (coarse closed meshes that enclose a mesh), mean value coordinates, and transfer
 // of control meshes to other frames.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Foot plants: motions in which feet keep their positions while they touch the ground, also on a
 // terrain or along another path.
 #pragma once

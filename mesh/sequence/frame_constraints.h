@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Constraints, options and targets for the deformation of single frames of a sequence.
 #pragma once
 

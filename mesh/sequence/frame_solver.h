@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // As-rigid-as-possible (ARAP) deformation of one frame of a sequence.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Unknowns of a frame: nodes, rigid parts and constraints.
 #pragma once
 

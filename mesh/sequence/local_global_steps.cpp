@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/sequence/local_global_steps.h"
 
 #include <algorithm>

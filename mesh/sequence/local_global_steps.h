@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Local step and global right-hand side of the ARAP iteration over the one-rings of all nodes.
 #pragma once
 

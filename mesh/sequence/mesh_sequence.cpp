@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/sequence/mesh_sequence.h"
 
 #include <algorithm>

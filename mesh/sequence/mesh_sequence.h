@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Deforming meshes: sequences of frames with common connectivity, quality measures of sequences,
 // and root motion for walks recorded on the spot.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Morphing between deforming meshes, and non-rigid registration of a mesh to a target.
 #pragma once
 

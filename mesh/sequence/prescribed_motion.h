@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Prescribed trajectories of handles in a sequence, and editors of sequences that follow them.
 #pragma once
 

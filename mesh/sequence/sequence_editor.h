@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Keyframe editing of mesh sequences: edits of single frames are propagated to all frames.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Subspace deformation of a frame by a control mesh, for previews and initial shapes, and
 // interactive sessions for a frame.
 #pragma once

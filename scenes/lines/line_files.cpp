@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/scenes/lines/line_files.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads the lines of a scene, from the scene itself and from files.
 #pragma once
 

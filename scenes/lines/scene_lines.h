@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The lines of a scene after fairing, and those of its surface with their mirror images.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A deform scene as deformation problems: its mesh, the constraints that all edits share, the task of
 // each edit, and a session that solves one edit repeatedly for changing values.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Evaluates the vertex selections of a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Plugins: shared libraries that are loaded on demand, so that programs that do not use them do not
 // depend on their libraries.
 #pragma once

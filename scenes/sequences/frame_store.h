@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Output frames of a sequence run on disk, with resumption of interrupted runs.
 #pragma once
 

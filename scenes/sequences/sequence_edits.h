@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The operations of a sequence scene, applied to frames in memory, and measures of the result.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The steps of a sequence scene: what they work on, what they result in, and their execution.
 #pragma once
 

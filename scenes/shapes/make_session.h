@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Creates the sculpting session of a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Derivatives of the shape of a scene with respect to its parameters.
 #pragma once
 

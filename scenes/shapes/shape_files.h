@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures a solved shape and writes its files.
 #pragma once
 

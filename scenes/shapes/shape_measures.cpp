@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measures a solved shape for its report.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The model of a scene, and its shape under all loads and constraints of the scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress analysis of a scene's shape: files, pictures and summary; comparison with CalculiX;
 // refinement. The results themselves are computed in stress_results.h.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress results of a scene's shape, without files: report, sensitivities to its parameters.
 #pragma once
 

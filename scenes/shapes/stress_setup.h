@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Translates [stress] of a scene to a shell definition, loads, and a CalculiX deck.
 #pragma once
 

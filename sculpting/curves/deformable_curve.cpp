@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/sculpting/curves/deformable_curve.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Deformable curves: physically based curve modelling with named loads, statics and dynamics, also
 // of faired curves through given points.
 #pragma once

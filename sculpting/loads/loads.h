@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Loads, stiffness fields, constraints and curve offsets of a sculpting session, as plain named
 // data, and the weights of their areas on the triangles of a model.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Named scalar parameters of a model: sliders, keyframed values, and linear rules between
 // parameters.
 #pragma once

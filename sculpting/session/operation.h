@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Operations on a sculpting session as data (for recording and replay), and the reports of solves
 // and refinements.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/sculpting/session/sculpting_session.h"
 
 #include <cmath>

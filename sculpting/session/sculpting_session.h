@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sculpting of surfaces: interactive sessions, in which loads, constraints and motion can change at
 // any time, and single static load cases.
 #pragma once

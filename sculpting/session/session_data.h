@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Implementation of a sculpting session: its state, history and operations.
 #pragma once
 

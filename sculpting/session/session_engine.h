@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Numerical engine of a sculpting session: solves, time steps and measurements. It owns only
 // working storage.
 #pragma once

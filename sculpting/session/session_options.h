@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Options of a sculpting session and of its motion.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Results of a session besides its dofs: reactions, point-cloud distances, and display frames for a
 // viewer's thread.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/sculpting/session/session_system.h"
 
 #include <algorithm>

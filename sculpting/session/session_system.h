@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Assembled systems of a sculpting session: loads and constraints attached to the surface, and the
 // matrices made from them. Everything is shared and, apart from working storage, immutable.
 #pragma once

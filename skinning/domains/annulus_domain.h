@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Annular domains: regions between two smooth closed curves, such as tubes, skirts and annuli.
 #pragma once
 

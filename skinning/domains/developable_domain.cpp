@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Developable domains: unfolds outlines that have neither a polygon nor a simple projection.
 #include <algorithm>
 #include <cmath>

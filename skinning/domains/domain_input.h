@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Declares the functions that build the parametric domains of a region, and their common input.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Embeds holes and inner lines on an existing surface.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangulations of a closed 3D polyline without interior points: hole filling [Liepa2003], and a
 // nearly developable triangulation.
 #pragma once

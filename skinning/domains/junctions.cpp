@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Intersections of embedded lines with each other, with edge-aligned lines and with hole
 // boundaries.
 

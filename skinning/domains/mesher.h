@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangle mesh generators for polygonal domains, with a size field, and limits on mesh size.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Closed loops of curves: assembly, orientation, corners, enclosed area, and curve intersection
 // tests.
 #pragma once

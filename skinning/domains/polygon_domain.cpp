@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Polygonal domains: outlines with corners, whose lines lie on the sides of a polygon.
 
 #include <algorithm>

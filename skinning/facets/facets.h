@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangulations of a face that follow its curves: quadratic elements and display facets.
 //
 // A face whose curves are all mesh-aligned is triangulated by its element mesh. A face with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Subdivision of the lines of a region into edges, before the region is meshed for facets.
 //
 // Subdivision points are required at every mesh vertex of an edge-aligned line, at every end and

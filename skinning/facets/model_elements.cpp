@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/facets/model_elements.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Conforming quadratic elements of a whole model: faces that share a curve share its nodes.
 //
 // Two faces share a curve if one curve of each (mesh-aligned or embedded) has the same name. It is

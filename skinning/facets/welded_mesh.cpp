@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/facets/welded_mesh.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One triangle mesh of a whole model: faces that share a curve share the vertices on it.
 //
 // The facets of faces that share a curve end at the same points of the curve (model_elements.h).

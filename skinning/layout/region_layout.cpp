@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/layout/region_layout.h"
 
 #include <algorithm>

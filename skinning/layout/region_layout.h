@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Builds the domain, the mesh and the constraints of one face from its curves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The input curves that define a surface (character lines), their smooth segments, and their
 // samples for fairing.
 #pragma once

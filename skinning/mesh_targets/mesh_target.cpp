@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/mesh_targets/mesh_target.h"
 
 #include <algorithm>

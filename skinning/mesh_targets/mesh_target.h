@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Target surfaces for fit_model(), given by triangle meshes and by curved facets of CAD faces.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rest shape of a region from its boundary curves: blended sweeps between opposite sides.
 #pragma once
 

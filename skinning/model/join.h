@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Smooth (G1) joins: tangent-plane continuity between two faces that share a curve.
 //
 // Two faces A and B share a mesh-aligned curve X(t) and have the same mesh vertices on it. Let y be

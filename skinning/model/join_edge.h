@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One side of a join line: its path in (u, v), and the dofs that determine the derivatives along
 // and across it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Layout of a model without a shape: its faces, their shared curves, and the joins along these.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Closest-point queries on all faces of a model.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shapes of a whole model: rest shapes, lofts, and fair (minimum-variation) shapes.
 #pragma once
 

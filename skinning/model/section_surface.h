@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surface through the sections of one region (loft), before any lines are imposed.
 #pragma once
 

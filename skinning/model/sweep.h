@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sweep: a surface that moves one section curve into another one along two rails.
 #pragma once
 

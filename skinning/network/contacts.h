@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Finds where sampled curves touch, cross or pass within a tolerance of each other (or themselves).
 #pragma once
 

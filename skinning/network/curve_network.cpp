@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/network/curve_network.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Builds a network of edges and nodes from unordered input curves (character lines).
 #pragma once
 

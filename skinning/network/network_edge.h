@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edges, nodes and diagnostics of a curve network.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Merges contacts and curve ends into network nodes and splits the sampled curves at them.
 #pragma once
 

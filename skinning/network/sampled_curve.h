@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Prepares input curves for a curve network: canonical direction, split at corners, sampled by
 // chords.
 #pragma once

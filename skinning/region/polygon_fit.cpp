@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Levenberg-Marquardt fits over the corners of a polygon.
 
 #include "batten/skinning/region/polygon_fit.h"

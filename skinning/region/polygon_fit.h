@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Computes polygonal domains: from given side lengths and angles, or for the least distortion of a
 // given surface.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A skinned face (one C1 surface with its curves), its options, and quality measures.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Finds the closed loops of a curve network that bound surfaces.
 #pragma once
 

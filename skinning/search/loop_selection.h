@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Selects the best compatible subset of candidate loops (a set-packing problem with pairwise
 // costs).
 #pragma once

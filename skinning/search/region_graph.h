@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The graph on which regions are searched: edges as framed polylines, nodes, and their incidence.
 #pragma once
 

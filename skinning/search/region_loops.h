@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Traces candidate loops of a curve network and computes their costs.
 #pragma once
 

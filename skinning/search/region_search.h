@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Selects the loops that become surfaces, and finds ambiguous selections and open boundaries.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Approximates regions by triangulated surfaces, to find inner edges, holes and islands.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Data types of the face search: edge loops, faces, user specifications and results.
 #pragma once
 

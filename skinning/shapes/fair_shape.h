@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The shape of a model between its curves: a minimum-variation surface, a loft, or a fit to a
 // target surface. Also provides the rest shape of a session.
 #pragma once

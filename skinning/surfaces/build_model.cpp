@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/skinning/surfaces/build_model.h"
 
 #include <algorithm>

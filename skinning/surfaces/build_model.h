@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // From curves to a model in one call: a single face, a loft through sections, or all faces that the
 // curves bound.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Recognises whether a finished surface is a plane, cylinder, sphere, cone or torus.
 #pragma once
 

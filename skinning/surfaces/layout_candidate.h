@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Selects the parameter domain and mesh of one region by trying several candidates.
 //
 // The default layout for the region's lines is tried first. If its surface fails, is inverted,

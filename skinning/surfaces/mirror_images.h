@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Half models: mirror images of curves, and of specifications of joins and faces, in a plane of
 // symmetry.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Smooth (G1) joins between regions: classification of edges, groups of joined regions, refinement.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Chooses the side of a surface to which its normals point.
 //
 // The same rules apply to every model. Normals point

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Orients the regions of a network consistently, and groups them into shells.
 #pragma once
 

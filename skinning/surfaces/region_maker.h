@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Lays out and solves each region of a network on its own; the first stage of skin_network().
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Lofts: detects curves that are sections of one shape, and makes faces from sections alone.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Builds the surface model of a curve network, changes its shape, and fairs it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Finds defects of surfaces: inverted, folded, intersecting or far too large faces.
 #pragma once
 

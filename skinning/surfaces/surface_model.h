@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The surface model of a network: skinned faces, joins, shells, defects and measurements, and its
 // curves as splines.
 #pragma once

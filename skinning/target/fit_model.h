@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fits the shape of a model to a target surface. The curves of the model stay fixed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Matrices and fixed-point iterations of fit_model() on one mesh.
 #pragma once
 

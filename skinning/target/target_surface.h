@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Target surfaces for fitting, defined by closest-point queries, and distances from them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Plates between straight lines, with exact beam solutions.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Kirchhoff-Love shells on C1 triangles: properties of the element, and the obstacle course.
 #include <cmath>
 #include <functional>

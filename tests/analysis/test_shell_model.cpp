@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A model as a shell: loads, reactions, rigid-body modes, recovered stresses.
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>

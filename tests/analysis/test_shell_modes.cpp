@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Frequencies and buckling loads compared with closed-form solutions.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The shell obstacle course on models: as one face, as two faces, and trimmed.
 #include <Eigen/LU>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Loads and supports in boxes, and variable thickness of shells.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Load cases of a shell: maxima and error estimates, evaluation during changes of the shape,
 // adaptive refinement, sensitivities.
 #include <algorithm>

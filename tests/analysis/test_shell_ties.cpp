@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shells of several faces: transfer of moments across creases, smooth edges and T-joints.
 #include <cmath>
 

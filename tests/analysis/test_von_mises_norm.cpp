@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The P-norm of the von Mises stress, its gradient, and the derivatives of a shell's quantities with
 // respect to its shape.
 #include <array>

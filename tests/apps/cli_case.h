@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Runs the program in a separate folder, without a display.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A scene for tests of documents.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten deform on whole assemblies: joints, spiders, bushes, RBE3, solids; and public decks.
 #include <cmath>
 #include <map>

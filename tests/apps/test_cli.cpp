@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests of the command line as users call it: every case runs batten itself.
 #include "batten/tests/apps/cli_case.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten convert and batten info on CAD files.
 #include <cmath>
 

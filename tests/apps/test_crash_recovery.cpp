@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A window that is killed at any moment loses no saved data, and little of the unsaved changes.
 #include <csignal>
 #include <cstdlib>

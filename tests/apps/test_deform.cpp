@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten deform on the command line.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Real meshes, if they are available: panels, scans, machine parts, invalid ones.
 #include <algorithm>
 #include <cmath>

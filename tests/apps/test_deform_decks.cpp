@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Decks edited by a run: split over several files, and without any motion.
 #include <cmath>
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The examples of batten deform: feature regions that rotate with their sheet, and a built-up
 // structure.
 #include <algorithm>

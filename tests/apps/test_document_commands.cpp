@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Commands on a document's surface: brushes, motions, and mode shapes of its shell.
 #include <chrono>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Documents: the text of a scene, its results, and commands that change both.
 #include <chrono>
 #include <thread>

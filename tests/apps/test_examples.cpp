@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The examples run from a fresh clone and pass their checks.
 #include <sys/wait.h>
 

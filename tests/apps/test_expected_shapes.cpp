@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // `batten skin curves.csv` without any option gives the expected surface.
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/skin_command.h"

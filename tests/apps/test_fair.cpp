@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing of curves: the command and the scenes.
 #include <algorithm>
 #include <cmath>

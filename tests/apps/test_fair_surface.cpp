@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // fair = "variation": a half cylinder from two arcs and two straight curves.
 #include <cmath>
 #include <numbers>

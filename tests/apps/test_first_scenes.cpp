@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scenes written by new users from the documentation alone give the intended results.
 #include <cstdlib>
 #include <map>

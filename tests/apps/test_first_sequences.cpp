@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Typical first inputs of new users of batten sequence: they give the intended result or a clear
 // message.
 #include <algorithm>

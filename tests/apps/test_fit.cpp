@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten fit: existing surfaces become models.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves as users write them: arcs of few points, keywords for curves, copies, explicit corners.
 #include <cmath>
 #include <numbers>

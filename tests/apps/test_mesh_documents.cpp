@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Documents of meshes: successive edits, interactive, with undo, and equal to the results of
 // `batten deform`.
 #include "batten/apps/documents/document.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curve networks: batten run and batten skin, from curves to a report.
 #include <array>
 #include <cmath>

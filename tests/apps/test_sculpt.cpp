@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten sculpt: solve, sweep, move, refine, record and replay.
 #include <cmath>
 #include <regex>

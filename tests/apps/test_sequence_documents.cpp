@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Documents of deforming meshes: results of batten sequence, with editing and undo.
 #include "batten/apps/documents/document.h"
 #include "batten/apps/documents/edited_sequence.h"

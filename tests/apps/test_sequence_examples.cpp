@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The examples of batten sequence: each runs and passes its checks.
 #include <algorithm>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten sequence on the command line.
 #include <map>
 

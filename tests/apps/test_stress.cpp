@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // batten stress: its results, its files, and its error messages.
 #include "batten/tests/apps/cli_case.h"
 

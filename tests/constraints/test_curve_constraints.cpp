@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Geometric constraints of curves, and motion under them.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Constraints added and removed with a kept factor: equal to solving with the same constraints at
 // once.
 #include "batten/constraints/reusable_factorization.h"

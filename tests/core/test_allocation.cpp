@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Drags do not allocate.
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/tests/support/allocations.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Messages of the kernel to a function.
 #include <atomic>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The numeric factorization behind SparseCholesky: properties of its values.
 #include <Eigen/SparseCore>
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The triangular solve behind SparseCholesky, on twenty matrices.
 #include <Eigen/SparseCore>
 #include <cmath>

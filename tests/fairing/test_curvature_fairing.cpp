@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Minimum curvature: points give circles, clamped ends give elasticas, three arcs give spheres, and
 // the result is independent of unit, position and parameter.
 #include "batten/fairing/curvature/curvature_fairing.h"

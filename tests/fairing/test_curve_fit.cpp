@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curve fit: few segments, within the tolerance in both directions; exact if the input is cubic.
 #include <cmath>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Smoothing splines: springs to the data and bending energy, for a whole curve and a part, with
 // conditions.
 #include <cmath>

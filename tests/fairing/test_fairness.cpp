@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The fairness report and curvature combs for curves with known curvature.
 #include <cmath>
 #include <numbers>

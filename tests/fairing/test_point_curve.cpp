@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves through points: detected lines and arcs, explicit corners.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing in stages: whole curves, parts of them, and samples of given curves.
 #include "batten/fairing/curves/staged_fairing.h"
 

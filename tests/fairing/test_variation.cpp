@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curvature variation: zero on cyclides, independent of the parametrisation, with derivatives
 // checked by finite differences.
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include <catch2/catch.hpp>
 
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Whole problems with known solutions.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curve meshes: dofs of open and closed curves, corners, and properties of the deformable curve.
 #include <cmath>
 #include <set>

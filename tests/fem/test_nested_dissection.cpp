@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Nested dissection: an ordering of all dofs that keeps the factor sparse.
 #include "batten/fem/parametric_mesh.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The pentagon: five triangles around a vertex, fixed corners, a uniform load.
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fem/pressure_operator.h"
 
 #include "batten/core/errors.h"

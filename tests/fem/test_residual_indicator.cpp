@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Tests of FreeCAD's workbench, run by freecadcmd; the exit code is their result."""
 import json
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Test in the window of FreeCAD: creates a Skin from four splines, sets its pressure, adds a point load, changes a spline and
 exports the result. Writes pictures and a STEP file to the folder BATTEN_SCRATCH; FreeCAD exits with 0 on success. Run it as
     freecad -M apps/freecad tests/freecad/window_story.py

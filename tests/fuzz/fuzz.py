@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Runs the batten program on damaged files and reports unexpected results.
 
 fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // libFuzzer for the file readers, in one process: `batten info` on a file with the extension in
 // BATTEN_FUZZ_ENDING (".csv"). scripts/fuzz readers builds and runs it.
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The batten program as a server for fuzz.py: each run is a fork of this process, which has already
 // loaded its libraries. This takes 5 ms instead of 130 ms for a start of the program.
 // Input lines: folder TAB argument TAB argument …; response: exit code (negative: the number of a

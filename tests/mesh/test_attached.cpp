@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Entities attached to shells: solids, spiders, RBE3, beams, bushes.
 #include <algorithm>
 #include <numbers>

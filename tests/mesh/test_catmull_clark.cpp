@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Catmull-Clark subdivision of control cages: invariants of the limit.
 #include "batten/mesh/catmull_clark.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Control meshes, mean value coordinates, initial shapes from few vertices, sessions on one frame.
 #include "batten/mesh/sequence/control_mesh.h"
 

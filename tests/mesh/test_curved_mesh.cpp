@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curved triangles: distance from exact surfaces, and closest points.
 #include "batten/mesh/pn_triangle_mesh.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The deformer against a dense reference implementation: every type of constraint, alone and
 // combined.
 #include <algorithm>

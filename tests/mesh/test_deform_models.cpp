@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The paper's figures on similar models, and all checks at full size.
 #include <numbers>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Form features in mesh deformation: properties of mesh/deform.
 #include <algorithm>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Iterative deformers: properties of mesh/regions.
 #include <Eigen/Geometry>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Creases and free edges of meshes as curves.
 #include "batten/mesh/features/feature_lines.h"
 

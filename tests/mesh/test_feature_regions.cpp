@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Feature regions: rotations of faces, regions that keep their shape, and their selection.
 #include <Eigen/Geometry>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Measurement of holes; proposed features and their extent.
 #include <algorithm>
 #include <cmath>

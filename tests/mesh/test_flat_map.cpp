@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Flattened surfaces: no inverted triangles, and flat surfaces are unchanged.
 #include "batten/mesh/pn_triangle_mesh.h"
 

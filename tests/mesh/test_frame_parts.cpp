@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One frame with features, free rotations, plane and line constraints and a volume; and rejected
 // input of a frame solver.
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One frame with ARAP: invariants and result of the alternating minimisation.
 #include "batten/mesh/sequence/frame_solver.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Intersecting shells: T-joints, crosses, parts that touch, one-sided sheets.
 #include <algorithm>
 #include <numbers>

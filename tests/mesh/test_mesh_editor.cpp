@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edits of a mesh with features: relations, estimated rotations, kept centres, attached nodes.
 #include "batten/mesh/editing/mesh_editor.h"
 

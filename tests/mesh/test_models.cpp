@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Properties of the models of other tests: conforming, oriented, no folded quads, round holes.
 #include <algorithm>
 #include <array>

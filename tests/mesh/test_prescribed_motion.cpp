@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Handles with prescribed trajectories: foot plants, motion of other sequences, measures of frames.
 #include "batten/mesh/sequence/prescribed_motion.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Element quality of elements with known values.
 #include "batten/mesh/element_quality.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rotation parts (polar decomposition) of many matrices at once: the same as one at a time.
 
 #include "batten/core/eigen.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Selections by position, by neighbourhood and by distance along the surface.
 #include "batten/mesh/selection.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edits of all frames: unchanged and moved parts.
 #include "batten/mesh/sequence/sequence_editor.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Filters of trajectories, and alignment of trajectories: properties of mesh/sequence.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Morphing: blends, morphs, fits to other meshes; walks over terrain.
 #include "batten/mesh/sequence/mesh_sequence.h"
 #include "batten/mesh/sequence/morph.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Foot plants, terrain and paths on the ground: properties of mesh/sequence.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rotations and centroids over time: properties of mesh/sequence that do not involve a deformer.
 
 #include "batten/core/eigen.h"

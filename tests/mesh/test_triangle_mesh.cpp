@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Topology, preprocessing and operators of triangle meshes.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 # Installs Batten into an empty folder, then builds and runs programs that use the installed package: by CMake
 # components, by pkg-config, and the project of examples/embed.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Runs the commands in the documents: README.md, docs/*.md, examples/*/README.md.
 
 usage: document_commands.py SOURCE PROGRAM SCRATCH [--words]

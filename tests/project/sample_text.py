@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Draws random comments of public headers, or random sentences of the documents, for readers to judge.
 
     tests/project/sample_text.py comments|sentences [--count 100] [--seed 1]

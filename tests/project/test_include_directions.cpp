@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Checks the include directives against the table of components in docs/architecture.md.
 #include <algorithm>
 #include <filesystem>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Debian packages of the build folder, unpacked into a separate root and used there.
 
 usage: test_packages.py BUILD SCRATCH

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Shared by the tests of the Python package. Without numpy they are skipped (exit code 77)."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Invalid input is rejected with a message; views stay valid."""
 
 import gc

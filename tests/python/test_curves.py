@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Curves: fair ones, fitted ones, and curves of surfaces."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Meshes and deformers: features keep their shape; the same bits as the example in C++."""
 
 import copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The examples in the docstrings run and print what they state; every class and function has one."""
 
 import doctest

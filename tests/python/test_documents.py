@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Runs each block of Python in the documents separately."""
 
 import os

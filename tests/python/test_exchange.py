@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Files, other packages, pictures, reports."""
 
 import importlib

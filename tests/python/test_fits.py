@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Models that are fitted to a surface: the same as `batten fit`, from files and from meshes."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Gradients: derivatives against differences, and the same optimum by SciPy with and without them."""
 
 import unittest

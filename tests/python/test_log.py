@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Messages to a function or to the module logging, and the number of threads."""
 
 import logging

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Models, sessions and stresses that are made, pickled and dropped leave no memory behind.
 
 The full run: BATTEN_OBJECTS=10000 PYTHONPATH=build/release/python /usr/bin/python3 tests/python/test_memory.py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Models: evaluation, scenes, copies and pickles."""
 
 import copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The notebooks of examples/32-notebooks run without errors and draw pictures.
 
 With BATTEN_PICTURES=FOLDER, the pictures are written to this folder.

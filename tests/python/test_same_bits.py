@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Python and the program give the same bits."""
 
 import json

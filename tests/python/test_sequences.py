@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Sequences: arrays, files, edits that give the bits of `batten sequence`, and the words of refusals."""
 
 import copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Sessions: undo, parameters as a mapping, conflicts, threads, and interruption of long calls."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Pictures in Jupyter, and the window of batten-studio elsewhere."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Stress analysis in memory: the results of the program, arrays at the points, messages."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The stubs match the module: every name, and every argument with its order, kind and default."""
 
 import ast

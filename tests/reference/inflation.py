@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MPL-2.0
 """Inflated disc and tube: converged numbers for tests/reference/inflation.json.
 
     python3 inflation.py > inflation.json

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // fit_surface() and motion of <batten/batten.h>: the results of the commands fit and sculpt --time.
 #include <cmath>
 #include <filesystem>

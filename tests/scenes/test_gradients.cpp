@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Gradients with respect to the parameters of a model, against differences of whole models.
 #include <cmath>
 #include <functional>

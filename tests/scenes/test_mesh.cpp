@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Meshes and deformers of <batten/batten.h>: what is accepted, what is kept, and the words of
 // refusals.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models and sessions of <batten/batten.h>: what is added to a session is in the model that comes out.
 #include <cmath>
 #include <filesystem>

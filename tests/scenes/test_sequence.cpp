@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sequences of <batten/batten.h>: same frames as batten sequence, and the words of refusals.
 #include <cmath>
 #include <filesystem>

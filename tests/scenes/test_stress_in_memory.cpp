@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Stress analysis in memory: the results of `batten stress`, values at points, messages.
 #include <algorithm>
 #include <cmath>

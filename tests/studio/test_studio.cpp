@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests of the window. Each one operates it, checks the resulting state and takes a picture.
 #include <QAction>
 #include <QComboBox>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests of the window: painted loads, constraints, simulation, mode shapes, the tour.
 #include <QAction>
 #include <QComboBox>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests of the window with meshes.
 #include <QAction>
 #include <QPushButton>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests of the window with stresses.
 #include <QAction>
 #include <QComboBox>

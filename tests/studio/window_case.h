@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Operates the window with synthetic mouse and keyboard events, under a virtual display.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/tests/support/allocations.h"
 
 #include <cstdlib>  // defines the macro of the libc

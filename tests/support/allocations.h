@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Counts allocations as Work::Allocation. Linking this file replaces malloc if possible, i.e. with
 // glibc and without sanitizers.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Parses CalculiX decks for tests: their rows, their mesh, and results of ccx.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Catch2, whichever major version is installed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Direct calls of CHOLMOD, for comparison.
 #pragma once
 

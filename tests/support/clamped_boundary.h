@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The boundary condition of clamped plates.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/tests/support/dense_algebra.h"
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Dense linear algebra of Eigen for reference implementations. Its decompositions are compiled once
 // here: in each test they would take seconds.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Square grids that are not aligned with a curve, for embedded curves.
 #pragma once
 

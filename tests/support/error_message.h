@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The message of a rejected input.
 #pragma once
 

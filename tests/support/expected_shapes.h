@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Boundary curves as users type them, and the surfaces that they expect.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models with feature regions and an edit, for tests of deformers.
 #pragma once
 

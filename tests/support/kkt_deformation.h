@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // KKT reference implementation of the deformer, in a separate file: it shares only the problem's
 // matrices.
 #pragma once

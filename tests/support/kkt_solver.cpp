@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/tests/support/kkt_solver.h"
 
 #include <Eigen/SparseLU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // KKT reference implementation of the reduction, in a separate file: it shares no code with it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Synthetic sheet-metal models of shell elements, for tests, benchmarks and examples of mesh
 // deformers.
 #pragma once

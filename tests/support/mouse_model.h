@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The model of the mouse example, for tests and benchmarks.
 #pragma once
 

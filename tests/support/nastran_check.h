@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Independent check of a Nastran deck and its edited copy.
 #pragma once
 

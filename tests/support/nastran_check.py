@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Compares a Nastran deck with its edited copy, independently of the program that edited it.
 
 usage: nastran_check.py BEFORE AFTER

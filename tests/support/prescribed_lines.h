@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Prescribed curves for tests, as a network passes them on.
 #pragma once
 

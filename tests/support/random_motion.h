@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Random motions for property tests of sequences.
 #pragma once
 

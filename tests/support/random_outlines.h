@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Random outlines with holes and inner curves: smooth, with corners, thin, nearly touching,
 // self-intersecting, wrongly nested.
 #pragma once

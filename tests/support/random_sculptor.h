@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Random operations on one session: constraints hold, undo and replay give the same bits, memory
 // stays bounded.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Energies from whole matrices: reference implementation for the energies that a session tracks.
 #pragma once
 

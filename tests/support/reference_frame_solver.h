@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reference implementation of frames of sequences with dense matrices, and test shapes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/tests/support/reference_static_solver.h"
 
 #include <algorithm>

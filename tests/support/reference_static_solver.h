@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reference implementation of an equilibrium in a session: loads on one region and its deformed
 // shape, by another solver (load steps, Anderson acceleration, quadrature).
 #pragma once

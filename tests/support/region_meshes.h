@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shapes for tests of feature regions and iterative deformers.
 #pragma once
 

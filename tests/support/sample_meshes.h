@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangle meshes with known properties, and a reader for real ones.
 #pragma once
 

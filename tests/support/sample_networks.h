@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Networks that several tests skin.
 #pragma once
 

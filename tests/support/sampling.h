@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Random numbers, meshes and interpolated surfaces for many tests.
 #pragma once
 

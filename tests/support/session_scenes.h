@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Regions and helpers shared by the tests of sculpting sessions.
 #pragma once
 

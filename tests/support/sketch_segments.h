@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Maps the edges of a network to the segments of a sketch file.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // `batten skin curves.csv` in the test process: the same calls, and the resulting shape as facets.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/tests/support/solver_matrices.h"
 
 #include <cmath>

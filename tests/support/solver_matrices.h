@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Matrices similar to those that Batten factors, for tests and benchmarks of the solver.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models of a few faces on their own curves, for tests.
 #pragma once
 

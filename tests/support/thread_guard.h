@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tests on one thread and on several.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Regions bounded by embedded curves, built without the skinning module: a function over a trimmed
 // grid.
 #pragma once

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Rewrites scene files with keys of versions before Batten 1.0 in place: present keys, same comments and layout.
 
 usage: update_scene.py FILE…

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Operation counts of a mesh deformation: two factors at the start, one solve per edit.
 #include "batten/core/op_counter.h"
 #include "batten/mesh/deform/form_feature_deformer.h"

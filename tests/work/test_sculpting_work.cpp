@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Operation counts of a session: a drag is one solve.
 #include "batten/core/op_counter.h"
 #include "batten/tests/support/allocations.h"

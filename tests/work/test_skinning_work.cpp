@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Operation counts of skinning: independent of the machine, so that duplicate work fails a test.
 #include "batten/benchmarks/cases.h"
 #include "batten/core/op_counter.h"

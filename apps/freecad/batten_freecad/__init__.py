@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Batten in FreeCAD: surfaces between edges, interactive parameters, continuity checks.
 
 scene        converts edges and options to a Batten scene; runs the program `batten`

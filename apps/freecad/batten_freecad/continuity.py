@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Gaps and angles between faces along the edges that they share."""
 import math
 

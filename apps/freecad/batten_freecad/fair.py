@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The feature FairCurve: a fair curve from an edge or from drawn points."""
 import tempfile
 from pathlib import Path

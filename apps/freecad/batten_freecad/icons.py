@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Icons of the commands."""
 from pathlib import Path
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The task panel of a Skin: a slider for the pressure, point loads at clicked points, continuity of selected edges."""
 import FreeCAD
 import FreeCADGui

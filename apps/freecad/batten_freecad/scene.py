@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Converts edges to a Batten scene, and runs the program on it.
 
 Lengths are in millimetres, as in FreeCAD. Edges are written as B-splines with their poles, so that the curves of the scene

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """The feature Skin: surfaces between edges of other objects, updated when one of them changes."""
 import FreeCAD
 

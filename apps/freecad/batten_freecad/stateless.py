@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Serialization of features in FreeCAD documents."""
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """View provider of a Skin: its icon, and the panel that a double click opens."""
 import FreeCADGui
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Batten: smooth surfaces through curves, and mesh morphing with exact form features.
 
 Points are arrays n×3 in model units, triangles are arrays m×3 of 0-based indices. See docs/python.md.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Types of the package: what it takes from the compiled module."""
 
 from ._batten import (

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Types of the compiled module. Its docstrings give array shapes, units and exceptions."""
 
 import os

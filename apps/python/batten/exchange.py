@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Converts models, sessions, meshes and stresses to objects of other packages, which are imported on demand.
 
 The arrays have the names of the VTK files of Batten (docs/python.md).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MPL-2.0
 """Shows models: as pictures in Jupyter, elsewhere in the window of batten-studio."""
 
 import contextlib

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/apps/studio/view/gizmo.h"
 
 #include <vtkCamera.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Manipulator with arrows and rings, to move and rotate a point.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Drawing with VTK: actors with their geometry, conversions between model coordinates and pixels.
 #pragma once
 

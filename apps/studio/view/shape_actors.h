@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // VTK actors that draw a document: surface, curves, loads, supports and interactive previews.
 #pragma once
 

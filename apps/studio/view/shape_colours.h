@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Colours, lookup tables and legend of the 3-D view.
 #pragma once
 

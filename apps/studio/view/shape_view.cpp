@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/apps/studio/view/shape_view.h"
 
 #include <vtkCallbackCommand.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The 3-D view of a document, and its mouse tools.
 #pragma once
 

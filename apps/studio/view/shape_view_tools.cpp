@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tools of the 3-D view. For shapes: pushing the surface, fixing points, drawing and editing curves,
 // painting. For meshes: moving handles, painting and encircling nodes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // All texts of the window, ready for translation.
 #pragma once
 

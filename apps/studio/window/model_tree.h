@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tree of the objects in a document.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Panel with the properties of the selected object.
 #pragma once
 

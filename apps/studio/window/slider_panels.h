@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Panels with sliders, for the parameters of a document and for the frames of a sequence, and the
 // input helpers of all panels.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Guided tour of the window, on the door-panel example.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rigid bodies, multi-point constraints, equations and couplings of Abaqus and CalculiX input.
 #pragma once
 

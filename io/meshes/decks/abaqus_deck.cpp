@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads Abaqus and CalculiX input: nodes, elements and connections of one part. Everything else
 // stays text.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Keyword and data lines of Abaqus and CalculiX input, including included files.
 #pragma once
 

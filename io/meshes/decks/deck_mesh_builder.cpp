@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
 
 #include <algorithm>

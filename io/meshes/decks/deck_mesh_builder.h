@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Builds a mesh from the nodes, elements and sets of a deck, which may come in any order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads LS-DYNA keyword decks: nodes, elements and sets. Everything else stays text.
 
 #include <algorithm>

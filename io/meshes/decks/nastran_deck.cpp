@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads Nastran bulk data: GRIDs, elements and coordinate systems. Everything else stays text.
 
 #include <algorithm>

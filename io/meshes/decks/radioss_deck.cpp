@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Reads OpenRadioss starter decks: nodes, elements and node groups. Everything else stays text.
 #include <algorithm>
 #include <map>

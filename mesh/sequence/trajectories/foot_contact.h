@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Foot contacts (intervals of frames in which a handle rests): detection, and projection onto a
 // terrain.
 #pragma once

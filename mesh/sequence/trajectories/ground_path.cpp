@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/sequence/trajectories/ground_path.h"
 
 #include <algorithm>

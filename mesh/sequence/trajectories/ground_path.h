@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Ground paths: the path of a sequence over the ground, and the motions that move its frames to
 // another path.
 #pragma once

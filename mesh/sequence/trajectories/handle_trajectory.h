@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Trajectories of handles after a keyframe edit, and resampling and alignment of trajectories.
 #pragma once
 

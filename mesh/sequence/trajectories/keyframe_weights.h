@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Interpolation of keyframes in time, especially of rotations.
 //
 // Rotations are interpolated by their logarithms (core/geometry.h), so the result is linear in the

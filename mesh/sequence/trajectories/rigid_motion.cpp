@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/sequence/trajectories/rigid_motion.h"
 
 #include <string>

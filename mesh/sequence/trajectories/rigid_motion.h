@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rigid motions, and trajectories of groups of vertices through the frames of a sequence.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/mesh/sequence/trajectories/trajectory_filters.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Temporal filters for trajectories of handles, applied relative to the parent handles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // FreeCAD's "BOP check" of a STEP file.
 #pragma once
 

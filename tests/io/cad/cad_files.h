@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // CAD files for tests.
 #pragma once
 

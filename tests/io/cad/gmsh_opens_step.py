@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Opens a STEP file in Gmsh, meshes its faces, prints faces, nodes and triangles.
 
 usage: gmsh_opens_step.py FILE [ELEMENTS_PER_SIZE]

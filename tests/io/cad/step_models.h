@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models for tests of STEP files.
 #pragma once
 

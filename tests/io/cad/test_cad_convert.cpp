@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Conversion of CAD files: names, colours, layers, locations and sizes are preserved.
 #include "batten/io/cad/cad_convert.h"
 

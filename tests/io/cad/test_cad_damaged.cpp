@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Damaged CAD files: an error from each reader every time, and no output.
 #include <BinTools.hxx>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Triangles of CAD faces: closed if the shape is closed, within the stated distance, grouped by
 // name.
 #include "batten/io/cad/cad_convert.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The boundary curves of faces of CAD files, and creases inside faces.
 
 #include <BRepBuilderAPI_MakeFace.hxx>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Continuity between faces of CAD files: known solids, as STEP with shared edges and as IGES
 // without.
 #include "batten/io/cad/continuity_report.h"

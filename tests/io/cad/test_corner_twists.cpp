@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Corner twists: at a node where smooth edges meet, normals rotate so that every face has a unique
 // twist.
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The parametrisation of shared edges, as seen by readers of the file.
 #include "batten/io/step/step_check.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sets of B-spline patches as CAD files.
 #include "batten/io/cad/continuity_report.h"
 #include "batten/io/lines/cad_lines.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A STEP file represents the surface exactly, in one shell, with the numbers of the model.
 #include "batten/io/step/step.h"
 

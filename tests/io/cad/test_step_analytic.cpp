@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Planes, cylinders, spheres, cones and tori become analytic faces in the file, and CAD programs
 // accept them as valid.
 #include <BRepAdaptor_Surface.hxx>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models with some faces trimmed by embedded curves: these become fitted faces on the edges of the
 // adjacent exact faces.
 #include <STEPControl_Reader.hxx>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Whole models as exact STEP files: faces share edges and vertices, without sewing.
 #include <STEPControl_Reader.hxx>
 #include <TopExp.hxx>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One trimmed B-spline face represents the region within the tolerance, verified with other
 // readers.
 #include "batten/io/step/step.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Faces in a STEP file meet like their surfaces: tangent across smooth edges, at any tolerance,
 // verified by an independent reader.
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves in STEP files: separate entities besides the faces, which are unchanged.
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A model is one shell in the file: faces share edges, and the shell is closed if the model is.
 #include "batten/io/step/step.h"
 

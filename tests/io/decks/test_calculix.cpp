@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // CalculiX decks represent the surface, ccx runs them unchanged, and their plates agree with plate
 // theory.
 #include "batten/io/decks/calculix_decks.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A deck of several faces is one shell: edges match, loads and reactions are complete.
 #include <cmath>
 #include <numbers>

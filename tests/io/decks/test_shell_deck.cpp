@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Decks for frequencies keep the mesh unchanged, and ccx gives the frequencies of plates.
 #include "batten/io/decks/calculix_decks.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Which files may be read, the depth of nesting, and readers in separate processes.
 #include <sys/resource.h>
 #include <sys/stat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves and faces of CAD files: all of them, once, in the unit of the model, and none from
 // incomplete files.
 #include "batten/io/lines/cad_lines.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Other programs read the same curves from a curve file, and files are written completely or not at
 // all.
 #include "batten/io/lines/curve_files.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Names of curves survive writing and reading in every format, and drawings contain exactly the
 // curves.
 #include <algorithm>

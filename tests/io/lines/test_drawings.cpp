@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves of drawings: exact arcs, at the right position, in the stated unit.
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/input_curve.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Point files give the same result in all dialects, and every error message contains its position.
 #include "batten/io/lines/curve_files.h"
 

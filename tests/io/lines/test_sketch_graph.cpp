@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sketch graphs become curves with all segments unchanged.
 #include "batten/io/lines/drawing.h"
 

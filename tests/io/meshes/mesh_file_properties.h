@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Properties of every mesh file, in any format.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MPL-2.0
 """Prints the nodes of a mesh file as another program reads them: lines "number x y z".
 
 usage: mesh_positions.py gmsh|vtk FILE

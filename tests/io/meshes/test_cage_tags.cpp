@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Tags of control cages in OBJ files: creases, and messages with the position of unsupported tags.
 #include <fstream>
 

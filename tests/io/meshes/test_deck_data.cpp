@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Whole decks from practice, if they are available.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Elements of decks other than shells, by their nodes.
 #include "batten/tests/io/meshes/mesh_file_properties.h"
 

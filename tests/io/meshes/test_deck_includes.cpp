@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Decks in several files: read as one, written side by side.
 #include <algorithm>
 

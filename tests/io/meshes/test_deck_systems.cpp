@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Nodes of decks in local coordinate systems.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A deck that is written back equals the deck that was read, except for the positions of moved
 // nodes.
 #include <array>

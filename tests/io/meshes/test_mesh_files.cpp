@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Mesh files are written back unchanged, and other programs read the same content.
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Meshes written for other programs: parts, colours, units and normals as these read them.
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <vtkActor.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Animations and file series, read back by other programs.
 #include <cmath>
 #include <cstdlib>

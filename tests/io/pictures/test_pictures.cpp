@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Pictures show the scene: everything inside the frame, correct colours, or a clear message without
 // a display.
 #include "batten/io/pictures/comb_pictures.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Acceptance checks of the report of a shape.
 #include <algorithm>
 #include <cmath>

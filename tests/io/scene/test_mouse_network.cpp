@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The network of the computer mouse under random changes: order and direction of curves, displaced
 // ends, missing or duplicate curves.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scenes of networks: their interpretation, and messages for errors.
 #include "batten/io/scene/scene.h"
 #include "batten/tests/support/catch.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Keys of older versions and of other programs: each is rejected at its position, with its present
 // name.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scenes: their interpretation, and the message for every error.
 #include <cmath>
 #include <limits>

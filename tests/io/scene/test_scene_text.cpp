@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edits of a scene's text: the edited values change, and no other character.
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_text.h"

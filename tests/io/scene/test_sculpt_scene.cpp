@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Scenes for sculpting: areas, stiffness fields, offsets, rules, values over time, and every error
 // in them.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sequences for tests of readers and writers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Results of CalculiX as sequences: boundary surfaces of all its elements.
 #include <Eigen/Geometry>
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Animated scenes of glTF: supported motions, and rejected files.
 #include <nlohmann/json.hpp>
 #include <random>

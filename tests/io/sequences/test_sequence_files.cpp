@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Numbered files, lists of files and point caches: valid and invalid sequences.
 #include <limits>
 

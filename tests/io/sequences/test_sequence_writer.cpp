@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Written sequences are read back, by our readers and by those of other programs.
 #include <vtkCellArray.h>
 #include <vtkCompositeDataIterator.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Whole models in a session: the mouse of the examples, and real sketches.
 #include <cstdio>
 

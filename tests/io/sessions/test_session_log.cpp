@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Session logs: reading a written log gives the same operations, bit for bit.
 #include <cmath>
 #include <cstring>

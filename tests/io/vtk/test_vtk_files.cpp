@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // VTK reads back the same surface, and files are written completely or not at all.
 #include "batten/io/vtk/vtk_files.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes a curve to STEP and reads it again, by OpenCASCADE.
 #include <batten/io/lines/cad_lines.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes points as a table of curves and reads them again.
 #include <batten/io/lines/curve_files.h>
 #include <batten/io/lines/drawing.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Writes a mesh and reads it again.
 #include <batten/io/meshes/mesh_file.h>
 

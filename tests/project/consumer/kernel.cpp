@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Skins three straight curves: the result is the flat triangle.
 #include <batten/fairing/curves/curve_through_points.h>
 #include <batten/sculpting/session/sculpting_session.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Moves one end of a strip of triangles: the strip follows, and its fixed end stays.
 #include <batten/mesh/deform/form_feature_deformer.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The surface through four curves, written to STEP: all libraries together.
 #include <batten/batten.h>
 

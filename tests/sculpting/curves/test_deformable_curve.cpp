@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // A curve under named loads.
 #include <cmath>
 

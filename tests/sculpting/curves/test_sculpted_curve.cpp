@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves through the vertices of a mesh, faired and shaped by loads.
 #include "batten/sculpting/curves/deformable_curve.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 #include "batten/fem/surface_assembler.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/skinning/model/model_layout.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Parameters: ranges, keyframes, and rules between them.
 #include <cmath>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sessions inside other programs: several at a time, and many in succession.
 #include <thread>
 

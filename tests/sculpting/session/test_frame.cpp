@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Transfer of frames from the thread that solves to the one that draws.
 #include "batten/sculpting/session/session_results.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sessions on models of several faces: smooth edges during motion, curves that move all adjacent
 // faces, and models of one face that equal this face.
 #include "batten/core/errors.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sessions that are cancelled at any poll: they throw, and keep a valid state.
 #include <functional>
 

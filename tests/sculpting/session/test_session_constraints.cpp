@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Constraints that are added, moved and removed during a session.
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/shape/shape_constraints.h"

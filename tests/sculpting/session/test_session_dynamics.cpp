@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Motion of surfaces compared with closed-form solutions.
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"

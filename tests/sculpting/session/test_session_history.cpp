@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Undo, redo, record and replay: bit for bit.
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"

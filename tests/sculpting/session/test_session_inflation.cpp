@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surfaces under a follower pressure, compared with converged references (reference/inflation.py).
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Updates after slider changes: superposition, solves, iterations.
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"

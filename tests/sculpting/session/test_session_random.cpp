@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Random operations on the door.
 #include "batten/tests/support/random_sculptor.h"
 

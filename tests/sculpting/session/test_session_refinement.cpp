@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Refinement during a session.
 #include "batten/core/errors.h"
 #include "batten/tests/support/catch.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Sessions with a rest shape: a fair one, or any other.
 #include "batten/core/errors.h"
 #include "batten/fairing/curves/curve_through_points.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // State that an update reuses from previous ones, and valid state after a failed one.
 #include "batten/core/errors.h"
 #include "batten/sculpting/session/sculpting_session.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Loads: their definitions, and the follower pressure.
 #include "batten/core/errors.h"
 #include "batten/fem/surface_assembler.h"

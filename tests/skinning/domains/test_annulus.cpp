@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Annular domains: periodic strips between two smooth boundary circles reproduce both exactly,
 // without a seam.
 #include "batten/fem/surface_assembler.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Inner curves of annular domains: around, across, over the seam, with corners.
 #include <Eigen/Geometry>
 #include <map>

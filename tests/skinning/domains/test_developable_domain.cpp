@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Hole-filling triangulations of loops, and the domains from unfolding them.
 #include <numbers>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Facets of a region: nothing outside the curves, nothing missing, no folds.
 #include "batten/core/cancellation.h"
 #include "batten/skinning/facets/facets.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // One mesh of a model: watertight across faces, normals of the faces, curves as polylines.
 #include "batten/skinning/facets/welded_mesh.h"
 

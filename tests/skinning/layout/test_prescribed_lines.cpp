@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Prescribed curves: used unchanged, with the same vertices on both sides.
 #include <numbers>
 #include <random>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Edits of a layout: local refinement, other shapes of curves, added and removed inner curves.
 #include <numbers>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Faces from sections alone.
 #include "batten/skinning/surfaces/section_region.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Faces as surfaces: curves are interpolated exactly, the surface is C1, and the result is
 // independent of the unit.
 #include "batten/core/errors.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Holes remove the surface: inner curves end at their boundaries, and trim-only holes do not change
 // the shape.
 #include <numbers>

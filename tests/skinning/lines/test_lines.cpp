@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Input curves, their fits, the loop and its polygon.
 #include <numbers>
 

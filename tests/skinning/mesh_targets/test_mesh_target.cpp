@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Targets given by meshes and curved facets, and limits of control cages.
 #include "batten/skinning/mesh_targets/mesh_target.h"
 

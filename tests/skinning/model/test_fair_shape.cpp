@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Shapes from curves alone: spheres, cylinders, cones and tori are reproduced.
 #include "batten/skinning/model/model_shapes.h"
 

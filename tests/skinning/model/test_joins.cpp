@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Smooth edges between faces on prescribed curves.
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Rest shapes from boundary curves: sweeps and lofts are exact if one pair of sides is translated
 // along the other one, depend continuously on the curves, and are the same in a model.
 #include <Eigen/Geometry>

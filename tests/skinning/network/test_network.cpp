@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Curves become edges between nodes, whatever their order, direction and unit.
 #include "batten/skinning/network/curve_network.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The polygonal domain with the least distortion of a surface.
 #include "batten/skinning/region/polygon_fit.h"
 

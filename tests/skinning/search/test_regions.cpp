@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Faces of networks: unambiguous loops, prescribed faces, and real sketches.
 #include "batten/skinning/search/find_regions.h"
 #include "batten/skinning/search/regions.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Selection of a model's shape between its curves, its rest shape for sessions, and its refinement
 // at gaps.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // From curves to a model in one call, and back to its curves.
 #include "batten/skinning/surfaces/build_model.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Fairing a model adds no defects: faces that it would damage keep their shape.
 #include "batten/skinning/surfaces/skin_network.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Recognition of primitives in any position, orientation and unit, with their dimensions, and of
 // nothing else.
 #include "batten/skinning/surfaces/fitted_primitive.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Candidate layouts of one face: the default one if it is valid, otherwise a better one.
 #include "batten/skinning/surfaces/layout_candidate.h"
 

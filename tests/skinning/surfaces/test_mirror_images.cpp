@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Half models: mirror images of curves, joins and faces.
 #include "batten/skinning/surfaces/mirror_images.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models from networks: orientation, shared edges, shells, measures.
 #include <cmath>
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // The side of normals, independent of the order and direction of the curves and of the proportions.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Solids with sharp edges as drawn.
 #include <array>
 #include <cmath>

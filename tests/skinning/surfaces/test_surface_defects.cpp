@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Surfaces with defects, and some that only appear to have them.
 #include <limits>
 #include <numbers>

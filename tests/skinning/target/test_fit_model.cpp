@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MPL-2.0
 // Models fitted to given surfaces: as close as the triangles allow, with their curves kept.
 #include "batten/skinning/target/fit_model.h"
 
