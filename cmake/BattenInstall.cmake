@@ -14,7 +14,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in
                               ${PROJECT_BINARY_DIR}/batten-config.cmake
                               INSTALL_DESTINATION ${batten_cmake_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake
-                                 COMPATIBILITY SameMinorVersion)
+                                 COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/batten-config.cmake ${PROJECT_BINARY_DIR}/batten-config-version.cmake
               ${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake
         DESTINATION ${batten_cmake_dir})
