@@ -55,7 +55,7 @@ void set_threads(int count) {
 }  // namespace
 
 PYBIND11_MODULE(_batten, m) {
-  m.doc() = "Batten: continuous surfaces that shape themselves. Import `batten`.";
+  m.doc() = "Batten: smooth, sculptable surfaces from curves, and mesh morphing. Import `batten`.";
   m.attr("__version__") = BATTEN_VERSION;
   // Read foreign formats in a child process: damaged files could crash the interpreter.
   enable_sandboxed_read(true);
