@@ -16,10 +16,10 @@ namespace batten {
 /// Fits a curve through ordered points, C1 between corners, with few cubic segments.
 ///
 /// The curve interpolates the first point, the last point and the corners. It is within the
-/// tolerance of the points in both directions (Deviation::max and ::between). Segments that exceed
-/// the tolerance are split. After every solve, the parameter of each point moves to its foot point
-/// (the closest point on the curve). Nodes that are not needed are removed again. The parameter u
-/// of the result is close to arc length.
+/// tolerance of the points in both directions (Deviation::max, Deviation::between). Segments that
+/// exceed the tolerance are split. After every solve, the parameter of each point moves to its foot
+/// point (the closest point on the curve). Nodes that are not needed are removed again. The
+/// parameter u of the result is close to arc length.
 ///
 /// `name` is used in messages. `points`: two or more; points equal to the previous one are skipped.
 /// Cost: about O(points · rounds), microseconds for a stroke of ten points. Throws InputError for

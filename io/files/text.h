@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// True for white space other than a line feed: space, tab, \r, \f and \v.
+/// True for white space other than line feeds: space, tab, carriage return, form feed, vertical tab.
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }

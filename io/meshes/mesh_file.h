@@ -36,7 +36,7 @@ struct MeshContent;
 ///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL,
 ///                      *INCLUDE, *INCLUDE_PATH; standard, I10 and long format, commas
 ///   .rad               Radioss starter, version 51 and later: /NODE, /SHELL, /SH3N, /PART,
-///                      /GRNOD/NODE, #include
+///                      /GRNOD/NODE, include files
 ///
 /// The connectivity of non-shell elements in decks is read, and other_elements() lists them. All
 /// other content is copied verbatim; warnings() gives the number of elements in it.

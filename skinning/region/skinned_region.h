@@ -41,7 +41,7 @@ struct EmbeddedLine {
 /// One curve of the boundary of a face, mesh-aligned or embedded.
 struct BoundarySegment {
   enum class Kind { EdgeAligned, Embedded } kind = Kind::EdgeAligned;
-  int index = 0;          ///< index into SkinnedRegion::edge_aligned or ::embedded
+  int index = 0;          ///< into SkinnedRegion::edge_aligned or SkinnedRegion::embedded
   bool reversed = false;  ///< true: the loop runs against the curve
 };
 
