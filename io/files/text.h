@@ -9,7 +9,7 @@
 
 namespace batten {
 
-/// True for white space other than line feeds: space, tab, carriage return, form feed, vertical tab.
+/// True for space, tab, carriage return, form feed and vertical tab, but not for line feeds.
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
