@@ -24,7 +24,7 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/comb_pictures.h"
-#include "batten/io/pictures/image.h"
+#include "batten/io/pictures/display.h"
 #include "batten/io/pictures/pictures.h"
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"

@@ -165,7 +165,8 @@ class Model {
   /// .inp (requires [stress]), and .toml for the scene. Throws InputError for another extension.
   std::vector<std::string> save(const std::filesystem::path& file,
                                 const Progress& progress = {}) const;
-  /// Draws the surface to a PNG file. Needs an X server; call it on the main thread.
+  /// Draws the surface to a PNG file. Without an X server, it starts a virtual one
+  /// (io/pictures/display.h). Call it on the main thread.
   void picture(const std::filesystem::path& file, const PictureView& view = {}) const;
 
   // For Batten's own front ends.

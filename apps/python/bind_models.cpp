@@ -490,9 +490,9 @@ Raises InputError for another extension, FileError if the file cannot be written
           "picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
           "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
           "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
-          R"(Draws the surface to a PNG file. Needs an X server (xvfb-run); call it on the main thread.
+          R"(Draws the surface to a PNG file. Without an X server, it starts a virtual one (Xvfb).
 
-`width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, faces.
+Call it on the main thread. `width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, faces.
 `contours`: number of height contours. `zebra`: number of zebra stripes.)")
       .def("__repr__", &model_repr);
   bind_evaluation(c);

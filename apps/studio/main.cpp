@@ -15,7 +15,7 @@
 #include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/core/errors.h"
-#include "batten/io/pictures/image.h"
+#include "batten/io/pictures/display.h"
 
 namespace {
 
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   try {
-    batten::require_display();
+    batten::require_visible_display();
   } catch (const batten::Error& e) {
     std::cerr << "batten-studio: " << e.what() << "\n";
     return 1;

@@ -10,7 +10,6 @@
 // Usage: curve [OUTPUT FOLDER]
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <random>
@@ -53,13 +52,11 @@ int run(const std::filesystem::path& out) {
   std::filesystem::create_directories(out);
   write_curves(out / "spiral.step", {{"spiral", fair.curve, fair.parameters, {}}});
   write_curves(out / "spiral.vtp", {{"spiral", fair.curve, fair.parameters, {}}});
-  if (std::getenv("DISPLAY")) {
-    CombPicture picture;
-    picture.panels = {{"as given", {given}, points, {}}, {"fair", {fair.curve}, points, {}}};
-    picture.unit = "mm";
-    picture.scale_panel = 1;
-    draw_combs(out / "curve.png", picture);
-  }
+  CombPicture picture;
+  picture.panels = {{"as given", {given}, points, {}}, {"fair", {fair.curve}, points, {}}};
+  picture.unit = "mm";
+  picture.scale_panel = 1;
+  draw_combs(out / "curve.png", picture);
   std::printf("off the spiral (rms)  %.3f mm as given, %.3f mm fair\n", noise, left);
   std::printf("bending               %.3g as given, %.3g fair (1/mm)\n", before.bending,
               after.bending);

@@ -78,17 +78,15 @@ int run(const std::filesystem::path& out) {
   bent.points = deformer.positions();
   std::filesystem::create_directories(out);
   write_mesh(out / "bent.vtu", bent);
-  if (std::getenv("DISPLAY")) {
-    MeshPicture flat, result;
-    flat.shells = result.shells = &shells;
-    flat.points = shells.points;
-    result.points = bent.points;
-    flat.mesh = result.mesh = true;
-    for (int f = 0; f < shells.face_count(); ++f)
-      flat.parts.push_back(f < around ? MeshPicture::Part::Feature : MeshPicture::Part::Body);
-    result.parts = flat.parts;
-    draw_meshes(out / "deformer.png", {flat, result}, 2, {1500, 560});
-  }
+  MeshPicture flat, result;
+  flat.shells = result.shells = &shells;
+  flat.points = shells.points;
+  result.points = bent.points;
+  flat.mesh = result.mesh = true;
+  for (int f = 0; f < shells.face_count(); ++f)
+    flat.parts.push_back(f < around ? MeshPicture::Part::Feature : MeshPicture::Part::Body);
+  result.parts = flat.parts;
+  draw_meshes(out / "deformer.png", {flat, result}, 2, {1500, 560});
   std::printf("%d unknowns; the hole rotated by %.1f degrees\n", deformer.counts().unknowns,
               180 / std::numbers::pi * std::acos(std::clamp(before.axis.dot(after.axis), -1., 1.)));
   std::printf("radius     %.12f mm before, %.12f mm after\n", before.radius, after.radius);

@@ -82,16 +82,14 @@ int run(const std::filesystem::path& out, int waterlines) {
   write_step(out / "hull.step", {&hull}, 1.0, {});
   write_vtp(out / "hull.vtp", {&hull});
 
-  if (std::getenv("DISPLAY")) {
-    PictureScene picture;
-    picture.regions = {&hull};
-    picture.contours = 8;
-    picture.contour_direction = Vec3::UnitY();
-    picture.azimuth = 228;
-    picture.elevation = 24;
-    picture.title = "Wigley's hull: contours of equal half-breadth";
-    draw_picture(out / "hull.png", picture);
-  }
+  PictureScene picture;
+  picture.regions = {&hull};
+  picture.contours = 8;
+  picture.contour_direction = Vec3::UnitY();
+  picture.azimuth = 228;
+  picture.elevation = 24;
+  picture.title = "Wigley's hull: contours of equal half-breadth";
+  draw_picture(out / "hull.png", picture);
 
   std::printf("%d triangles, %d dofs per coordinate\n", hull.surface.mesh().triangle_count(),
               hull.surface.dof_map().count());

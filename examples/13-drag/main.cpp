@@ -97,18 +97,16 @@ int run(const std::filesystem::path& out, double edge_length) {
   const SkinnedRegion after = session.region();
   std::filesystem::create_directories(out);
   write_vtp(out / "roof.vtp", {&after});
-  if (std::getenv("DISPLAY")) {
-    PictureScene picture;
-    picture.contours = 16;
-    picture.azimuth = -25;
-    picture.elevation = 28;
-    PictureScene second = picture;
-    picture.regions = {&before};
-    picture.title = "from the curves alone";
-    second.regions = {&after};
-    second.title = "fuller = 1, with the point constraint";
-    draw_contact_sheet(out / "roof.png", {picture, second}, 2, {1500, 560});
-  }
+  PictureScene picture;
+  picture.contours = 16;
+  picture.azimuth = -25;
+  picture.elevation = 28;
+  PictureScene second = picture;
+  picture.regions = {&before};
+  picture.title = "from the curves alone";
+  second.regions = {&after};
+  second.title = "fuller = 1, with the point constraint";
+  draw_contact_sheet(out / "roof.png", {picture, second}, 2, {1500, 560});
   std::printf(
       "%d triangles: %.0f updates per second, %.1f solves each; the viewer read %ld frames\n",
       after.surface.mesh().triangle_count(), updates / seconds,

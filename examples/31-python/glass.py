@@ -75,9 +75,8 @@ def main(out: str) -> int:
     failed = glass.save(os.path.join(out, "glass.step"))
     points, triangles = glass.points, glass.triangles
     np.savez(os.path.join(out, "glass.npz"), points=points, triangles=triangles)
-    if os.environ.get("DISPLAY"):
-        glass.picture(os.path.join(out, "glass.png"), width=900, height=900, azimuth=-25, elevation=12, contours=14,
-                      title=f"{millilitres(session):.0f} ml")
+    glass.picture(os.path.join(out, "glass.png"), width=900, height=900, azimuth=-25, elevation=12, contours=14,
+                  title=f"{millilitres(session):.0f} ml")
     print(f"{before:.3f} ml without pressure; {millilitres(session):.9f} ml at a pressure of {q:.6f}, "
           f"{steps} steps, {refused} beyond the limit")
     print(f"{len(points)} points, {len(triangles)} triangles; widest at {2 * np.hypot(*points[:, :2].T).max():.2f} mm")

@@ -26,6 +26,7 @@
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/pictures/display.h"
 #include "batten/io/pictures/image.h"
 
 // Registers VTK's rendering back ends.
@@ -82,6 +83,7 @@ double text_width(vtkTextProperty& property, const std::string& text) {
 vtkRenderWindow& window() {
   static const vtkSmartPointer<vtkRenderWindow> the_window = [] {
     auto made = vtkSmartPointer<vtkRenderWindow>::New();
+    made->SetDisplayId(x_display());
     made->SetOffScreenRendering(1);
     made->SetMultiSamples(0);
     // The X window itself is invisible. A small one needs no buffers beside the offscreen ones.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/io/pictures/image.h"
 
-#include <dlfcn.h>
 #include <gif_lib.h>
 #include <vtkErrorCode.h>
 #include <vtkImageData.h>
@@ -10,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -294,30 +292,6 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
     gif.write_frame(frames[f], palette, f + 1 == frames.size() ? last_seconds : seconds);
   gif.close();
   file.commit();
-}
-
-void require_display() {
-  static std::string good;  // the server of the last successful check
-  const std::string advice = "; run it under xvfb-run -a, or with an X server";
-  const char* set = std::getenv("DISPLAY");
-  const std::string name = set ? set : "";
-  if (name.empty()) throw InputError("no display: VTK requires an X server" + advice);
-  if (name == good) return;
-  void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
-  if (!library) throw InputError("no display: libX11.so.6 is missing" + advice);
-  const auto open = reinterpret_cast<void* (*)(const char*)>(dlsym(library, "XOpenDisplay"));
-  const auto query = reinterpret_cast<int (*)(void*, const char*, int*, int*, int*)>(
-      dlsym(library, "XQueryExtension"));
-  // Keep this connection open: a server restarts when its last client disconnects, and rejects
-  // others meanwhile.
-  static void* display = nullptr;
-  display = open && query ? open(nullptr) : nullptr;
-  if (!display)
-    throw InputError("no display: the X server '" + name + "' does not answer" + advice);
-  int opcode, event, error;
-  if (!query(display, "GLX", &opcode, &event, &error))
-    throw InputError("no display: the X server '" + name + "' has no OpenGL (GLX)" + advice);
-  good = name;
 }
 
 }  // namespace batten

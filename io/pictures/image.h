@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// Raster images in memory, PNG and GIF output, and a check for a display.
+// Raster images in memory, PNG and GIF output.
 #pragma once
 
 #include <filesystem>
@@ -56,11 +56,5 @@ class Palette {
 /// 65535 pixels, a time is not positive, or the file cannot be written.
 void write_gif(const std::filesystem::path& path, const std::vector<Image>& frames, double seconds,
                double last_seconds);
-
-// Check for the X server that drawing needs.
-
-/// Throws InputError if there is no X server on which VTK can draw; VTK itself would abort the
-/// process. Call it on the main thread, before a long computation that ends with drawing pictures.
-void require_display();
 
 }  // namespace batten

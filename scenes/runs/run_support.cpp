@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "batten/io/pictures/image.h"
+#include "batten/io/pictures/display.h"
 
 namespace batten {
 namespace fs = std::filesystem;

@@ -15,7 +15,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
-#include "batten/io/pictures/image.h"
+#include "batten/io/pictures/display.h"
 #include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/scenes/lines/scene_lines.h"

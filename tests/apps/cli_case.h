@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// Runs the program in a separate folder, without a display.
+// Runs the program in a separate folder, without an X server.
 #pragma once
 
 #include <fcntl.h>
@@ -32,7 +32,8 @@ inline void write(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// A folder with the files of one case, in which the program runs. No display unless requested.
+/// A folder with the files of one case, in which the program runs. There is no X server, and none is
+/// started unless the test names one in BATTEN_XVFB.
 class CliCase {
  public:
   explicit CliCase(const std::string& name) : folder_(scratch("cli_" + name)) {}
@@ -53,6 +54,7 @@ class CliCase {
     if (child == 0) {
       if (chdir(folder_.c_str()) != 0) _exit(127);
       unsetenv("DISPLAY");
+      setenv("BATTEN_XVFB", "", 0);
       dup2(open(".out", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDOUT_FILENO);
       dup2(open(".err", O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
       execv(argv[0], argv.data());

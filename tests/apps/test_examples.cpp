@@ -10,8 +10,10 @@
 
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/lines/curve_files.h"
+#include "batten/io/pictures/display.h"
 #include "batten/io/step/step.h"
 #include "batten/tests/support/catch.h"
+#include "batten/tests/support/error_message.h"
 #include "batten/tests/support/test_data.h"
 
 namespace fs = std::filesystem;
@@ -38,7 +40,7 @@ RunResult run(const std::string& scene, const std::string& name, const std::stri
 }
 
 const std::string kExamples = BATTEN_SOURCE_DIR "/examples/";
-const bool kDisplay = std::getenv("DISPLAY") != nullptr;
+const bool kDisplay = batten_test::error_message([] { batten::require_display(); }).empty();
 // Without a display, only the check of the pictures fails.
 const int kDone = kDisplay ? 0 : 4;
 

@@ -53,6 +53,7 @@ StressSettings steel() {
 
 Report run_of(const std::string& scene) {
   unsetenv("DISPLAY");  // no pictures
+  setenv("BATTEN_XVFB", "", 1);
   const auto folder = batten_test::scratch("stress_in_memory");
   return run_stress(parse_scene(scene, folder / "scene.toml"), folder / "out", {});
 }
@@ -128,6 +129,7 @@ TEST_CASE("adaptive refinement in memory is that of the command", "[scenes][stre
   const Model model = vault();
   const Stress accurate = stress(model, settings);
   unsetenv("DISPLAY");  // no pictures
+  setenv("BATTEN_XVFB", "", 1);
   const auto folder = batten_test::scratch("stress_accuracy");
   StressTask task;
   task.accuracy = settings.accuracy;

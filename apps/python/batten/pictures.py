@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MPL-2.0
 """Shows models: as pictures in Jupyter, elsewhere in the window of batten-studio."""
 
-import contextlib
 import os
 import shutil
 import subprocess
@@ -15,9 +14,9 @@ def show(self, *, width=800, height=500, azimuth=-30.0, elevation=30.0, field="n
          mesh=False, title=""):
     """Shows the surface: in Jupyter as a picture, elsewhere in the window of batten-studio.
 
-    In Jupyter, the arguments are those of Model.picture(), and a virtual X server (Xvfb) is started if there
-    is no X server. Elsewhere, they are not used, and the call returns when the window is closed. A session is
-    shown as its model(). Raises InputError without X server or batten-studio, Error if batten-studio fails.
+    In Jupyter, the arguments are those of Model.picture(). Elsewhere, they are not used, and the call returns
+    when the window is closed. A session is shown as its model(). Raises InputError without X server or
+    batten-studio, Error if batten-studio fails.
 
     >>> model.show(field="mean")  # doctest: +SKIP
     """
@@ -47,7 +46,7 @@ def _in_jupyter():
 
 
 def _png(model, **view):
-    with tempfile.TemporaryDirectory(prefix="batten_") as folder, _display():
+    with tempfile.TemporaryDirectory(prefix="batten_") as folder:
         file = os.path.join(folder, "model.png")
         model.picture(file, **view)
         with open(file, "rb") as picture:
@@ -57,7 +56,7 @@ def _png(model, **view):
 def _open_window(model):
     if not os.environ.get("DISPLAY"):
         raise InputError("no display: found no X server, expected one for the window of batten-studio; "
-                         "write a picture() under xvfb-run -a instead")
+                         "write a picture() instead, which requires none")
     beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "bin", "batten-studio")
     studio = beside if os.path.exists(beside) else shutil.which("batten-studio")
     if not studio:
@@ -69,40 +68,3 @@ def _open_window(model):
         code = subprocess.run([studio, file]).returncode
     if code:
         raise Error(f"batten-studio ended with the exit code {code}")
-
-
-# The virtual X server and its name; it runs as long as this process. VTK as built by Debian draws through X only.
-_virtual = None
-
-
-@contextlib.contextmanager
-def _display():
-    """Sets DISPLAY to the virtual X server if there is no other, so that the programs of users do not see it."""
-    if os.environ.get("DISPLAY"):
-        yield
-        return
-    os.environ["DISPLAY"] = _virtual_display()
-    try:
-        yield
-    finally:
-        del os.environ["DISPLAY"]
-
-
-def _virtual_display():
-    global _virtual
-    if _virtual is None:
-        if not shutil.which("Xvfb"):
-            raise InputError("no display: found neither an X server nor Xvfb, expected one of them to draw a "
-                             "picture: apt install xvfb libgl1-mesa-dri")
-        ours, theirs = os.pipe()
-        # The server ends when this process has ended: earlier, libX11 would end the process as failed.
-        server = subprocess.Popen(
-            ["setpriv", "--pdeathsig", "TERM", "Xvfb", "-displayfd", str(theirs), "-nolisten", "tcp",
-             "-screen", "0", "1280x1024x24"], pass_fds=[theirs], stderr=subprocess.DEVNULL, start_new_session=True)
-        os.close(theirs)
-        with open(ours) as numbers:
-            number = numbers.readline().strip()
-        if not number:
-            raise InputError("no display: Xvfb did not start")
-        _virtual = server, ":" + number
-    return _virtual[1]

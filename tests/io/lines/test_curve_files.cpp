@@ -16,6 +16,7 @@
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/lines/cad_lines.h"
 #include "batten/io/pictures/comb_pictures.h"
+#include "batten/io/pictures/display.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/test_data.h"
@@ -304,7 +305,7 @@ TEST_CASE("curvature combs are drawn, the same each time, and nothing without a 
   auto hollow = picture;
   hollow.panels[0].curves = {HermiteCurve()};
   CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", hollow); }), Contains("'wild'"));
-  if (!std::getenv("DISPLAY")) {
+  if (!error_message([] { require_display(); }).empty()) {
     CHECK_THAT(error_message([&] { draw_combs(folder / "a.png", picture); }),
                Contains("no display"));
     CHECK(fs::is_empty(folder));

@@ -2,6 +2,7 @@
 // Pictures show the scene: everything inside the frame, correct colours, or a clear message without
 // a display.
 #include "batten/io/pictures/comb_pictures.h"
+#include "batten/io/pictures/display.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
 
@@ -97,27 +98,6 @@ bool have_display() {
 }
 
 }  // namespace
-
-TEST_CASE("without a display, pictures are refused and leave nothing", "[io][pictures]") {
-  using Catch::Matchers::Contains;
-  const char* set = std::getenv("DISPLAY");
-  const std::string display = set ? set : "";
-  const fs::path folder = batten_test::scratch("no_display");
-  const SkinnedRegion dome = region(1);
-  PictureScene scene;
-  scene.regions = {&dome};
-  unsetenv("DISPLAY");
-  const std::string none = error_message([&] { draw_picture(folder / "a.png", scene); });
-  setenv("DISPLAY", ":4711", 1);
-  const std::string wrong = error_message([&] { draw_picture(folder / "a.png", scene); });
-  if (set)
-    setenv("DISPLAY", display.c_str(), 1);
-  else
-    unsetenv("DISPLAY");
-  CHECK_THAT(none, Contains("no display") && Contains("xvfb-run -a"));
-  CHECK_THAT(wrong, Contains("':4711' does not answer"));
-  CHECK(fs::is_empty(folder));
-}
 
 TEST_CASE("pictures refuse values out of range", "[io][pictures]") {
   using Catch::Matchers::Contains;
