@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MPL-2.0
 """Extension of Sphinx for the site: citations [Key2000], files of examples, help texts of the program."""
+import importlib.util
 import os
 import re
 import subprocess
@@ -65,6 +66,26 @@ def add_files(app, docname, source):
         source[0] += "\n\n## Files\n\n" + "\n".join(parts)
 
 
+def add_python(app, docname, source):
+    """Inserts the docstrings of the Python package, if it was built."""
+    if docname != "docs/reference/python":
+        return
+    text = ":::{note}\nThis copy of the documents was built without the Python package; use `help(batten)` instead.\n:::"
+    if importlib.util.find_spec("batten"):
+        import batten
+
+        functions = [name for name in batten.__all__ if not isinstance(getattr(batten, name), type)]
+        errors = [name for name in batten.__all__ if name not in functions and issubclass(getattr(batten, name), Exception)]
+        classes = [name for name in batten.__all__ if name not in functions + errors]
+        parts = []
+        for title, names, kind in (("Functions", functions, "function"), ("Classes", classes, "class"), ("Exceptions", errors, "exception")):
+            parts.append(f"## {title}\n\n```{{eval-rst}}")
+            parts += [f".. auto{kind}:: batten.{name}" + ("\n   :members:" if kind == "class" else "") + "\n" for name in names]
+            parts.append("```\n")
+        text = "\n".join(parts)
+    source[0] = source[0].replace("```{batten-api}\n```", text)
+
+
 class Help(Directive):
     """The help texts of the program and of its commands, each in a section."""
 
@@ -90,5 +111,6 @@ class Help(Directive):
 def setup(app):
     app.add_transform(Citations)
     app.connect("source-read", add_files)
+    app.connect("source-read", add_python)
     app.add_directive("batten-help", Help)
     return {"parallel_read_safe": True}
