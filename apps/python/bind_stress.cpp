@@ -227,7 +227,7 @@ void bind_case(py::module_& m) {
       .def_readonly("error_estimate", &StressCase::error_estimate,
                     "Estimated relative error in the energy norm.")
       .def_readonly("equilibrium_residual", &StressCase::equilibrium_residual,
-                    "|loads + reactions|, relative to the loads.")
+                    "Norm of loads + reactions, relative to the loads.")
       .def_property_readonly(
           "buckling_factors", [](const StressCase& of) { return array_of(of.buckling_factors); },
           "Load factors at which the shell buckles, ascending, array.")
