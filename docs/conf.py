@@ -19,7 +19,7 @@ author = "the Batten authors"
 project_copyright = author
 version = release = re.search(r"project\(batten VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton", "sphinx_inline_tabs", "sphinxcontrib.bibtex", "batten_site"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton", "sphinxcontrib.bibtex", "batten_site"]
 root_doc = "docs/index"
 include_patterns = ["docs/**", "examples/*/README.md", "benchmarks/README.md", "CHANGELOG.md", "CONTRIBUTING.md",
                     "CODE_OF_CONDUCT.md", "SECURITY.md"]
