@@ -11,7 +11,7 @@ run_packages=(xvfb xauth libgl1-mesa-dri calculix-ccx)
 test_packages=(libpetsc-real-dev openmpi-bin gmsh python3-gmsh freecad-python3 python3-vtk9 python3-numpy python3-meshio python3-pil python3-pandas
   python3-scipy python3-matplotlib python3-nbclient python3-ipykernel mypy dpkg-dev file python3-jsonschema
   python3-sphinx python3-myst-parser furo python3-sphinx-copybutton python3-sphinxcontrib.bibtex)
-docs_packages=(python3-sphinx python3-myst-parser furo python3-sphinx-copybutton python3-sphinxcontrib.bibtex python3-numpy doxygen)
+docs_packages=(python3-sphinx python3-myst-parser furo python3-sphinx-copybutton python3-sphinxcontrib.bibtex python3-numpy)
 
 # need_packages NAME…: installs what is missing; fast when nothing is.
 need_packages() {
