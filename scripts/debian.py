@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MPL-2.0
+"""Debian packages of files: which packages a build was made from, and what dpkg knows about them."""
+import os
+import re
+import subprocess
+from pathlib import Path
+
+# glibc, which every Linux system has, and what the kernel provides.
+GLIBC = re.compile(r"^(ld-linux-x86-64|libc|libm|libdl|libpthread|librt|libresolv|libutil|libmvec|libanl|libnsl|libnss_\w+|"
+                   r"linux-vdso)\.so(\.\d+)?$")
+
+
+def run(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def needed_libraries(file):
+    """{soname: path} of all shared libraries that a file needs, directly or not, without glibc."""
+    libraries = {}
+    for line in run("ldd", str(file)).splitlines():
+        if "not found" in line:
+            raise SystemExit(f"{file}: {line.strip()}")
+        words = line.split()
+        if len(words) > 2 and words[1] == "=>" and not GLIBC.match(words[0]):
+            libraries[words[0]] = Path(words[2])
+    return libraries
+
+
+def package_of(files):
+    """{file: package} by dpkg's database; files that belong to no package are an error."""
+    spellings = {}  # /lib and /usr/lib are one folder, and dpkg knows a file under one of the names
+    for file in files:
+        real = os.path.realpath(file)
+        for name in {real, real.removeprefix("/usr"), f"/usr{real}"}:
+            spellings[name] = file
+    output = subprocess.run(["dpkg-query", "-S", *spellings], capture_output=True, text=True).stdout
+    packages = {}
+    for line in output.splitlines():
+        owner, _, name = line.partition(": ")
+        if name in spellings and not owner.startswith("diversion"):
+            packages[spellings[name]] = owner.split(",")[0].split(":")[0]
+    if missing := sorted(str(f) for f in files if f not in packages):
+        raise SystemExit("no Debian package has " + ", ".join(missing[:5]))
+    return packages
+
+
+def package_facts(packages):
+    """[{name, version, architecture, source, source_version, homepage, maintainer}], sorted by name."""
+    keys = ["name", "version", "architecture", "source", "source_version", "homepage", "maintainer"]
+    fields = r"${Package}\t${Version}\t${Architecture}\t${source:Package}\t${source:Version}\t${Homepage}\t${Maintainer}\n"
+    lines = run("dpkg-query", "-W", f"-f={fields}", *(f"{p}" for p in sorted(packages))).splitlines()
+    facts = {}
+    for line in lines:
+        fact = dict(zip(keys, line.split("\t")))
+        if fact["architecture"] in ("amd64", "all"):
+            facts[fact["name"]] = fact
+    return [facts[name] for name in sorted(facts)]
+
+
+def header_packages(build):
+    """Packages whose headers are compiled into the libraries and programs of a build, without those of the compiler."""
+    headers, product = set(), False
+    for line in run("ninja", "-C", str(build), "-t", "deps").splitlines():
+        if not line.startswith(" "):
+            product = not line.startswith(("tests/", "benchmarks/", "examples/"))
+        elif product and line.strip().startswith("/usr/include/"):
+            headers.add(line.strip())
+    packages = set(package_of(headers).values())
+    return {p for p in packages if not re.match(r"(libc6|linux-libc|libstdc\+\+|libgcc|libcrypt|lib\w*-\d+-dev$)", p)}
+
+
+def copyright_text(package):
+    return Path(f"/usr/share/doc/{package}/copyright").read_text(errors="replace")
+
+
+def licence_names(package):
+    """Short names of licences in a machine-readable copyright file, in the order of the file; else an empty list."""
+    text = copyright_text(package)
+    if not text.lstrip().startswith("Format"):
+        return []
+    return list(dict.fromkeys(name.strip() for name in re.findall(r"^License:[ \t]*(\S.*)$", text, re.MULTILINE)))
