@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MPL-2.0
-# Debian packages by CPack; scripts/package makes them. What is installed belongs to one component a package: program,
-# dev, studio, freecad, mpi, python; by default dev (CMakeLists.txt).
+# Debian packages by CPack; scripts/package makes them. Each installed file belongs to a component, and each component to a
+# package: program, doc, dev (default, CMakeLists.txt), studio, freecad, mpi, python.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME batten)
 set(CPACK_PACKAGE_VENDOR "Batten")
-set(BATTEN_MAINTAINER "Batten developers <batten@users.noreply.github.com>" CACHE STRING "Who answers for Debian packages")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has a synopsis of its own
+set(BATTEN_MAINTAINER "Batten developers <batten@users.noreply.github.com>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_CONTACT "${BATTEN_MAINTAINER}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
@@ -12,12 +13,15 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
+# The packages of each Debian release have a version of their own, and the newer release has the newer one.
+cmake_host_system_information(RESULT batten_debian QUERY DISTRIB_VERSION_ID)
+set(CPACK_DEBIAN_PACKAGE_VERSION ${PROJECT_VERSION}~deb${batten_debian})
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS OFF)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
-# batten_package(COMPONENT NAME FIRST_LINE MORE): what its description says.
+# batten_package(COMPONENT NAME SYNOPSIS DESCRIPTION): declares the package of a component.
 macro(batten_package component name first more)
   string(TOUPPER ${component} upper)
   set(package ${name})
@@ -36,40 +40,68 @@ set(CPACK_COMPONENTS_ALL)
 string(TIMESTAMP batten_package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 
 if(TARGET batten_cli)
-  batten_package(program batten "surfaces from character lines: skinned, sculpted, analysed"
-"Batten skins lines that a designer drew with continuous finite-element
-surfaces, sculpts these live by pressures, points and springs while
-constraints hold exactly, computes stresses on the same elements, edits
-meshes whose form features stay rigid, and deforming meshes. It writes STEP,
-VTK and CalculiX files.
+  batten_package(program batten "smooth, sculptable surfaces from curves, and mesh morphing"
+"Batten fits smooth (G1) finite-element surfaces through networks of curves.
+You can sculpt the surfaces by pressures, forces and springs while the curves
+stay in place, compute stresses, natural frequencies and buckling loads on the
+same elements, and export STEP, VTK and CalculiX files. Batten also morphs
+meshes and mesh sequences, and keeps form features such as holes exact.
 
-This package holds the command line.")
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "xvfb, xauth")
+This package contains the command-line program and examples.")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "batten-doc, xvfb, xauth")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "calculix-ccx, batten-studio")
-  # Man pages, by scripts/package; the completion of bash; examples.
+  # scripts/package writes the man pages.
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man/program)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/man/program/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/packages/batten.bash RENAME batten COMPONENT program
           DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/batten/examples COMPONENT program
-          FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.json" PATTERN "*.obj" PATTERN "*.bdf" PATTERN "*.svg")
+          REGEX "/examples/CMakeLists.txt$|/__pycache__|/[.]ipynb_checkpoints" EXCLUDE)
+  # Installed texts call installed programs, compile with the installed library, and have no marks of scripts/numbers.
+  install(CODE "set(examples \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/doc/batten/examples\")"
+          COMPONENT program)
+  install(CODE [[
+    file(GLOB texts ${examples}/*/README.md)
+    foreach(text ${texts})
+      get_filename_component(folder ${text} DIRECTORY)
+      get_filename_component(folder ${folder} NAME)
+      file(READ ${text} content)
+      string(REGEX REPLACE "<!--[=/][^>]*-->" "" content "${content}")
+      string(REGEX REPLACE "(env )?PYTHONPATH=[./]*build/release/python " "" content "${content}")
+      string(REPLACE "build/release/bin/batten" "batten" content "${content}")
+      string(REGEX REPLACE "cmake --build build/release --target ([a-z]+)"
+             "g++ -O2 examples/${folder}/main.cpp $(pkg-config --cflags --libs batten-scenes) -o \\1" content "${content}")
+      string(REPLACE "build/release/bin/" "./" content "${content}")
+      file(WRITE ${text} "${content}")
+    endforeach()]] COMPONENT program)
+
+  batten_package(doc batten-doc "documents of Batten, a program for surfaces from curves"
+"Manuals of all commands and file formats, the theory, and the pictures that the
+examples of Batten refer to, as Markdown files.")
+  set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
+  set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
+  set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
+  install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/batten COMPONENT doc)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/batten COMPONENT doc
+          PATTERN "_site" EXCLUDE PATTERN "conf.py" EXCLUDE PATTERN "__pycache__" EXCLUDE)
 endif()
 
-batten_package(dev libbatten-dev "finite-element kernel for continuous surfaces: headers, libraries"
-"Static libraries and headers of Batten for C++20 programs:
-find_package(batten) gives batten::kernel and batten::mesh,
-COMPONENTS io cad drawings the readers and writers of files.")
+batten_package(dev libbatten-dev "smooth surfaces from curves, and mesh morphing: C++ library"
+"Static libraries and headers of Batten for C++20 programs. In CMake,
+find_package(batten) defines batten::kernel and batten::mesh, and the components
+io, cad, drawings and scenes add readers and writers of files. Without CMake, use
+pkg-config.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libsuitesparse-dev, libopenblas-dev, libcgal-dev, libceres-dev, libspectra-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
     "libocct-data-exchange-dev, libvtk9-dev, libtomlplusplus-dev, nlohmann-json3-dev, libgif-dev, libdxflib-dev, lib2geom-dev, lib3mf-dev")
 
 if(BATTEN_HAS_STUDIO)
-  batten_package(studio batten-studio "window in which surfaces are made from lines"
-"Draw lines and see the surface between them, push it, move sliders, watch the
-stress; mark features of a mesh and move its handles; edit deforming meshes.
-What is done is a scene that the command line runs, too.")
-  set(CPACK_DEBIAN_STUDIO_PACKAGE_DEPENDS "batten (= ${PROJECT_VERSION})")
+  batten_package(studio batten-studio "graphical application for smooth surfaces from curves"
+"Draw curves, sculpt the surface between them by pressures, forces and sliders,
+and see its stresses. Morph meshes and animated meshes while their form features
+keep their shape. The program batten runs the saved scenes.")
+  set(CPACK_DEBIAN_STUDIO_PACKAGE_DEPENDS "batten (= ${CPACK_DEBIAN_PACKAGE_VERSION})")
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man/studio)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/man/studio/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT studio)
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/packages/batten-studio.desktop COMPONENT studio
@@ -81,25 +113,26 @@ What is done is a scene that the command line runs, too.")
 endif()
 
 if(TARGET batten_cli)
-  batten_package(freecad batten-freecad "workbench of Batten for FreeCAD"
-"Surfaces between edges and sketches that follow when these change, pressures
-and pushes by sliders, fair curves, continuity along shared edges.")
+  batten_package(freecad batten-freecad "FreeCAD workbench for smooth surfaces from curves"
+"Fits smooth surfaces between edges and sketches, and updates the surfaces when
+the edges or sketches change. Pressures, forces and offsets are sliders, curves
+are faired, and adjacent surfaces are joined with G0 or G1 continuity.")
   set(CPACK_DEBIAN_FREECAD_PACKAGE_ARCHITECTURE all)
   set(CPACK_DEBIAN_FREECAD_PACKAGE_SHLIBDEPS OFF)
-  set(CPACK_DEBIAN_FREECAD_PACKAGE_DEPENDS "freecad, batten (>= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_FREECAD_PACKAGE_DEPENDS "freecad, batten (>= ${CPACK_DEBIAN_PACKAGE_VERSION})")
 endif()
 
 if(TARGET batten_petsc)
-  batten_package(mpi batten-mpi "systems of Batten over several processes"
-"A module that batten loads under mpirun: PETSc factors its systems.")
-  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "batten (= ${PROJECT_VERSION}), openmpi-bin")
+  batten_package(mpi batten-mpi "smooth surfaces from curves: stress analysis on several processes"
+"A module with which batten solves its linear systems by PETSc under mpirun.")
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "batten (= ${CPACK_DEBIAN_PACKAGE_VERSION}), openmpi-bin")
 endif()
 
 if(TARGET batten_python)
-  batten_package(python python3-batten "finite-element kernel for continuous surfaces: Python module"
-"import batten: lines, surfaces, live sessions, deformers and readers as
-numpy arrays.")
+  batten_package(python python3-batten "smooth surfaces from curves, and mesh morphing: Python package"
+"Curves, surfaces, interactive sessions, deformers and file readers as Python
+classes, with NumPy arrays as input and output.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, batten (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, batten (= ${CPACK_DEBIAN_PACKAGE_VERSION})")
 endif()
 include(CPack)

@@ -7,7 +7,9 @@ build_packages=(git g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libop
   libdxflib-dev lib2geom-dev lib3mf-dev libspectra-dev
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-data-exchange-dev libocct-ocaf-dev qtbase5-dev libvtk9-qt-dev pybind11-dev python3-dev)
-run_packages=(xvfb xauth libgl1-mesa-dri calculix-ccx)
+run_packages=(xvfb xauth libgl1-mesa-dri)
+debian=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
+[ "$debian" = trixie ] || run_packages+=(calculix-ccx)  # Debian 13 does not have it
 test_packages=(libpetsc-real-dev openmpi-bin gmsh python3-gmsh freecad-python3 python3-vtk9 python3-numpy python3-meshio python3-pil python3-pandas
   python3-scipy python3-matplotlib python3-nbclient python3-ipykernel mypy dpkg-dev file python3-jsonschema
   python3-sphinx python3-myst-parser furo python3-sphinx-copybutton python3-sphinxcontrib.bibtex)
@@ -22,7 +24,7 @@ need_packages() {
   [ ${#missing[@]} -eq 0 ] && return 0
   if ! command -v apt-get >/dev/null; then
     echo "Missing packages, and this machine has no apt-get to install them: ${missing[*]}" >&2
-    echo "Batten is built on Debian 12; elsewhere install their counterparts and use cmake directly." >&2
+    echo "Batten is built on Debian 12 and 13; elsewhere install their counterparts and use cmake directly." >&2
     return 1
   fi
   local sudo=()

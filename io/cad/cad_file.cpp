@@ -26,6 +26,7 @@
 #include <STEPConstruct_UnitContext.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_Version.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx.hxx>
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
@@ -402,7 +403,11 @@ CadHeader step_header(const StepData_StepModel& model) {
     const auto units = units_of(model.Value(e));
     if (units.IsNull()) continue;
     STEPConstruct_UnitContext context;
+#if OCC_VERSION_HEX >= 0x070800
+    context.ComputeFactors(units, {});
+#else
     context.ComputeFactors(units);
+#endif
     if (!context.LengthDone()) continue;
     const double metres = 1e-3 * context.LengthFactor();
     if (!header.unit_stated)

@@ -22,7 +22,20 @@ from pathlib import Path
 
 SOURCE, PROGRAM, SCRATCH = (Path(word).resolve() for word in sys.argv[1:4])
 LINE = re.compile(r"^ {4,}(?:xvfb-run -a )?(?:build/release/bin/)?batten ([a-z].*)$")
-ENDINGS = re.compile(r"\.[a-z0-9]{2,7}$")
+ENDINGS = re.compile(r"\.(?!\d+$)[a-z0-9]{2,7}$")
+
+
+def expand_loops(lines):
+    """The lines of a document; those in a loop of the shell once per value of its variable."""
+    variable, values = "", [""]
+    for line in lines:
+        loop = re.match(r"^ {4,}for (\w+) in (.*); do$", line)
+        if loop:
+            variable, values = "$" + loop.group(1), loop.group(2).split()
+        elif line.strip() == "done":
+            variable, values = "", [""]
+        else:
+            yield from [line.replace(variable, value) for value in values] if variable else [line]
 
 
 def commands():
@@ -30,7 +43,7 @@ def commands():
     seen = set()
     documents = [SOURCE / "README.md", *sorted(SOURCE.glob("docs/*.md")), *sorted(SOURCE.glob("examples/*/README.md"))]
     for document in documents:
-        for line in document.read_text(encoding="utf-8").splitlines():
+        for line in expand_loops(document.read_text(encoding="utf-8").splitlines()):
             found = LINE.match(line)
             if not found:
                 continue
