@@ -39,18 +39,16 @@ struct Drawing {
 ///          are inserted by INSERT. A curve is named after its layer (in layer 0, after the file),
 ///          with _1, _2, … if several curves have the same name. Names that are not valid as names
 ///          of layers are read from the extended data that write_dxf() adds, unless the curve was
-///          moved to another layer. The unit is $INSUNITS. Only text files are supported. Read with
-///          dxflib.
+///          moved to another layer. The unit is $INSUNITS. Only text files are supported.
 ///   .svg   path, line, polyline, polygon, rect, circle and ellipse elements, with all transforms,
 ///          in the plane z = 0 with y upwards. A curve is named after its Inkscape label, else its
 ///          id, else the file. The unit follows from width and viewBox; the default is pixels of
 ///          1/96 inch. The origin is the lower left corner of the page, or the point in the
-///          attribute `data-batten-origin` of the root element, which write_svg() sets. Paths are
-///          read with lib2geom.
+///          attribute `data-batten-origin` of the root element, which write_svg() sets.
 ///
 /// Polylines without arcs are returned as points, in which corners are detected as in point tables.
 /// Curved entities are converted exactly. Text, hatches, dimensions, images and clones are skipped
-/// and listed in `notes`. Throws InputError if the file cannot be read, is damaged or truncated, or
+/// and listed in `notes`, as are all other entities that are not curves. Throws InputError if the file cannot be read, is damaged or truncated, or
 /// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);
 

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
 // Reads and writes SVG files.
-#include <2geom/bezier-curve.h>
-#include <2geom/elliptical-arc.h>
-#include <2geom/exception.h>
-#include <2geom/pathvector.h>
-#include <2geom/svg-path-parser.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkNew.h>
@@ -26,6 +21,7 @@
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
+#include "batten/io/lines/svg_path.h"
 #include "batten/io/lines/text_rows.h"
 
 namespace batten {
@@ -36,7 +32,7 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 // Attribute of the root element with the origin of the curves, in user coordinates.
 constexpr const char* kOrigin = "data-batten-origin";
 
-Vec3 in_plane(const Geom::Point& p) { return {p.x(), p.y(), 0}; }
+Vec3 in_plane(const Vec2& p) { return {p.x(), p.y(), 0}; }
 
 // Element name without namespace: "svg:path" is a path.
 std::string kind_of(vtkXMLDataElement* element) {
@@ -155,22 +151,16 @@ AffineTransform transform_of(vtkXMLDataElement* element) {
   }
 }
 
-std::shared_ptr<const InputCurve> piece_of(const Geom::Curve& curve) {
-  if (const auto* arc = dynamic_cast<const Geom::EllipticalArc*>(&curve)) {
-    const double c = std::cos(arc->rotationAngle()), s = std::sin(arc->rotationAngle());
-    const CurvePlane plane{in_plane(arc->center()), Vec3(c, s, 0), Vec3(-s, c, 0)};
-    double from = arc->initialAngle(), to = arc->finalAngle();
-    if (arc->sweep() && to <= from) to += kTwoPi;
-    if (!arc->sweep() && to >= from) to -= kTwoPi;
-    return ellipse_arc(plane, arc->ray(Geom::X), arc->ray(Geom::Y), from, to);
+std::shared_ptr<const InputCurve> piece_of(const SvgSegment& segment) {
+  if (segment.type == SvgSegment::Type::arc) {
+    const SvgArc& arc = segment.arc;
+    const double c = std::cos(arc.rotation), s = std::sin(arc.rotation);
+    const CurvePlane plane{in_plane(arc.centre), Vec3(c, s, 0), Vec3(-s, c, 0)};
+    return ellipse_arc(plane, arc.radii.x(), arc.radii.y(), arc.from, arc.to);
   }
-  const auto* bezier = dynamic_cast<const Geom::BezierCurve*>(&curve);
-  if (!bezier || bezier->order() > 3)
-    throw InputError("found a path segment of another type, expected a line, Bézier curve or arc");
-  const auto p = [&](unsigned i) { return in_plane(bezier->controlPoint(i)); };
-  if (bezier->order() == 1) return straight_segment(p(0), p(1));
-  if (bezier->order() == 3) return bezier_curve(p(0), p(1), p(2), p(3));
-  return bezier_curve(p(0), (p(0) + 2 * p(1)) / 3, (2 * p(1) + p(2)) / 3, p(2));
+  const auto p = [&](int i) { return in_plane(segment.points[i]); };
+  if (segment.type == SvgSegment::Type::line) return straight_segment(p(0), p(3));
+  return bezier_curve(p(0), p(1), p(2), p(3));
 }
 
 class SvgReader {
@@ -267,21 +257,22 @@ class SvgReader {
 
   // Adds each subpath as a line: as points if all its segments are straight, else as a curve.
   void path(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
-    Geom::PathVector parts;
+    std::vector<SvgSubpath> parts;
     try {
-      parts = Geom::parse_svg_path(attribute(e, "d").c_str());
-    } catch (const std::exception&) {
-      fail(e, "d", "path data (M, L, C, A, z …)");
+      parts = parse_svg_path(attribute(e, "d"));
+    } catch (const SvgPathError& error) {
+      fail(e, "d",
+           "path data (M, L, C, A, z …); at character " + std::to_string(error.index + 1) + ": " +
+               error.what());
     }
-    for (const Geom::Path& part : parts) {
+    for (const SvgSubpath& part : parts) {
       std::vector<std::shared_ptr<const InputCurve>> pieces;
-      DrawnLine line{name, {in_plane(part.initialPoint())}};
+      DrawnLine line{name, {in_plane(part.start)}};
       bool straight_only = true;
-      for (auto curve = part.begin(); curve != part.end_default(); ++curve) {
-        if (curve->isDegenerate()) continue;
-        pieces.push_back(piece_of(*curve));
-        straight_only = straight_only && curve->isLineSegment();
-        line.points.push_back(in_plane(curve->finalPoint()));
+      for (const SvgSegment& segment : part.segments) {
+        pieces.push_back(piece_of(segment));
+        straight_only = straight_only && segment.type == SvgSegment::Type::line;
+        line.points.push_back(in_plane(segment.end()));
       }
       if (pieces.empty()) {
         passed_over_.add("path of zero length");

@@ -2,10 +2,8 @@
 #include "batten/io/pictures/image.h"
 
 #include <gif_lib.h>
-#include <vtkErrorCode.h>
-#include <vtkImageData.h>
-#include <vtkNew.h>
-#include <vtkPNGWriter.h>
+#include <png.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,19 +22,13 @@ void write_png(const std::filesystem::path& path, const Image& image) {
                      std::to_string(image.height) + " pixels with " +
                      std::to_string(image.rgb.size()) + " bytes, expected three per pixel");
   AtomicFile file(path);
-  vtkNew<vtkImageData> data;
-  data->SetDimensions(image.width, image.height, 1);
-  data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(data->GetScalarPointer());
-  for (int y = image.height - 1; y >= 0; --y, out += row)
-    std::copy_n(&image.rgb[static_cast<size_t>(y) * row], row, out);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(file.temporary().c_str());
-  writer->SetInputData(data);
-  writer->Write();
-  if (writer->GetErrorCode() != vtkErrorCode::NoError)
-    throw FileError(path.string() + ": cannot write this file: " +
-                    vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGB;
+  if (!png_image_write_to_file(&png, file.temporary().c_str(), 0, image.rgb.data(), 0, nullptr))
+    throw FileError(path.string() + ": cannot write this file: " + png.message);
   file.commit();
 }
 

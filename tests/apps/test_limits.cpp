@@ -208,22 +208,6 @@ TEST_CASE("pipes, devices and links in a circle are no files", "[apps][limits]")
     }
 }
 
-TEST_CASE("the number of characters in a line of a drawing is limited", "[apps][limits]") {
-  const CliCase c("limits_dxf");
-  const auto drawing = [](size_t length) {
-    return "999\n" + std::string(length, 'x') +
-           "\n0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n50\n21\n0\n31\n0\n"
-           "0\nENDSEC\n0\nEOF\n";
-  };
-  c.file("a.dxf", drawing(1022));
-  CHECK(c.run({"info", "a.dxf"}).code == 0);
-  c.file("a.dxf", drawing(1023));
-  const CliResult r = c.run({"info", "a.dxf"});
-  CHECK(r.code == 1);
-  CHECK(r.err.find("a.dxf:2: found a line of 1023 characters, expected less than 1023") !=
-        std::string::npos);
-}
-
 TEST_CASE("a face of a mesh may have so many corners", "[apps][limits]") {
   const CliCase c("limits_face");
   const auto face = [](int corners) {

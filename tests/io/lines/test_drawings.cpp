@@ -127,6 +127,80 @@ TEST_CASE("DXF: blocks are placed with scale, turn and base point", "[io][drawin
   CHECK(near(d.lines[0].points[1], Vec3(5, 7, 0)));
 }
 
+TEST_CASE("DXF: only curves of the model are read, others are named", "[io][drawings]") {
+  const std::string line = "10 0 20 0 30 0 11 1 21 0 31 0 ";
+  const Drawing d =
+      dxf("0 LINE 8 0 " + line + "0 LINE 8 frame 67 1 " + line +
+          "0 DIMENSION 8 0 0 VIEWPORT 8 0 67 1 " +
+          "0 POLYLINE 8 fit 66 1 70 4 0 VERTEX 8 fit 10 0 20 9 70 16 0 VERTEX 8 fit 10 0 20 0 70 8 "
+          "0 VERTEX 8 fit 10 5 20 3 70 8 0 SEQEND 8 fit "
+          "0 LINE 8 other 102 {APP 10 7 8 wrong 102 } " +
+          line);
+  REQUIRE(d.lines.size() == 3);
+  CHECK(d.lines[1].points == std::vector<Vec3>{{0, 0, 0}, {5, 3, 0}});
+  CHECK(d.lines[2].name == "other");
+  CHECK(d.lines[2].points == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}});
+  CHECK(d.notes == std::vector<std::string>{"skipped: 1 DIMENSION, 1 LINE in paper space"});
+}
+
+TEST_CASE("DXF: rational splines, elevations and text forms of other programs", "[io][drawings]") {
+  // A quarter of a circle as a rational quadratic spline.
+  const Drawing d =
+      dxf("0 SPLINE 8 0 70 4 71 2 72 6 73 3 40 0 40 0 40 0 40 1 40 1 40 1 "
+          "10 5 20 0 30 0 10 5 20 5 30 0 10 0 20 5 30 0 41 1 41 0.7071067811865476 41 1 "
+          "0 POLYLINE 8 p 66 1 10 0 20 0 30 7 70 1 0 VERTEX 8 p 10 0 20 0 42 1 "
+          "0 VERTEX 8 p 10 2,5 20 +0 0 SEQEND");
+  REQUIRE(d.lines.size() == 2);
+  CHECK(off_circle(d.lines[0], Vec3::Zero(), 5) < 1e-9);
+  CHECK(off_circle(d.lines[1], Vec3(1.25, 0, 7), 1.25) > 1);  // half a circle and its chord
+  CHECK(near(first(d.lines[1]), Vec3(0, 0, 7)));
+
+  std::string text =
+      "\xEF\xBB\xBF  0\r\nSECTION\r\n  2\r\nHEADER\r\n  9\r\n$UCSNAME\r\n  2\r\nTOP\r\n"
+      "  9\r\n$INSUNITS\r\n 70\r\n     5\r\n  0\r\nENDSEC\r\n999\r\n";
+  text += std::string(100000, 'x') +
+          "\r\n  0\r\nSECTION\r\n  2\r\nENTITIES\r\n  0\r\nCIRCLE\r\n 40\r\n1.\r\n"
+          "  0\r\nENDSEC\r\n  0\r\nEOF\r\n\r\n";
+  const Drawing foreign = read_drawing(file_with("foreign.dxf", text));
+  CHECK(foreign.unit_in_metres == 0.01);
+  CHECK(foreign.lines.size() == 1);
+}
+
+TEST_CASE("DXF: errors have the line of the value", "[io][drawings]") {
+  const auto error = [](const std::string& entities) -> std::string {
+    try {
+      dxf(entities);
+    } catch (const InputError& e) {
+      const std::string message = e.what();
+      return message.substr(message.find("a.dxf") + 5);
+    }
+    return "";
+  };
+  CHECK(error("0 LINE 8 0 10 1 20 abc") ==
+        ":28: found 'abc' with group code 20 of LINE, expected a number");
+  CHECK(error("0 LINE 8 0 10 nan") ==
+        ":26: found 'nan' with group code 10 of LINE, expected a number between -1e100 and 1e100, "
+        "and not below 1e-307");
+  CHECK(error("0 POLYLINE 70 1.5") ==
+        ":24: found '1.5' with group code 70 of POLYLINE, expected an integer");
+  CHECK(error("0 LINE x 0") == ":23: found 'x', expected a group code of a DXF file");
+  CHECK(error("0 1.5 8 0") == ":22: found '1.5', expected the type of an entity or object");
+  CHECK(error("0 ARC 40 1 50 0 51 360 0 SPLINE 71 3 10 1 10 2").starts_with(":30: found 2 poles"));
+}
+
+TEST_CASE("DXF: blocks that contain each other many times end", "[io][drawings]") {
+  std::string blocks;
+  for (int level = 0; level < 9; ++level) {
+    blocks += "0 BLOCK 2 b" + std::to_string(level) + " ";
+    for (int i = 0; i < 20; ++i) blocks += "0 INSERT 2 b" + std::to_string(level + 1) + " ";
+    blocks += "0 ENDBLK ";
+  }
+  CHECK_THROWS_WITH(dxf("0 INSERT 2 b0", blocks),
+                    Catch::Matchers::Contains("curves and inserted blocks, expected fewer"));
+  CHECK_THROWS_WITH(dxf("0 INSERT 2 b", "0 BLOCK 2 b 0 INSERT 2 b 0 ENDBLK"),
+                    Catch::Matchers::Contains("blocks that contain each other"));
+}
+
 TEST_CASE("SVG: shapes stand upright in the page's unit", "[io][drawings]") {
   const Drawing d =
       svg("<line id='l' x1='0' y1='200' x2='10' y2='200'/>"
@@ -170,8 +244,10 @@ TEST_CASE("drawings that are damaged or empty are named", "[io][drawings]") {
   CHECK_THAT(error_message(file_with("b.dxf", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n")),
              Contains("found no curve"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><path d='M 0 0 L 1")), Contains("XML"));
-  CHECK_THAT(error_message(file_with("b.svg", "<svg><path id='p' d='M 0 0 L one'/></svg>")),
-             Contains("found d = 'M 0 0 L one' of a path with id 'p', expected path data"));
+  CHECK_THAT(
+      error_message(file_with("b.svg", "<svg><path id='p' d='M 0 0 L one'/></svg>")),
+      Contains("found d = 'M 0 0 L one' of a path with id 'p', expected path data (M, L, C, A, "
+               "z …); at character 9: found 'one', expected a number"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><rect id='r' width='wide' height='1'/></svg>")),
              Contains("found width = 'wide'"));
   CHECK_THAT(error_message(file_with("b.svg", "<svg><rect x='inf' width='1' height='1'/></svg>")),
