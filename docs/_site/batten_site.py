@@ -11,6 +11,7 @@ from docutils.parsers.rst import Directive
 from pybtex.plugin import register_plugin
 from pybtex.style.formatting.unsrt import Style
 from pybtex.style.labels import BaseLabelStyle
+from pygments.lexers.special import TextLexer
 from sphinx.addnodes import pending_xref
 from sphinx.transforms import SphinxTransform
 
@@ -112,5 +113,6 @@ def setup(app):
     app.add_transform(Citations)
     app.connect("source-read", add_files)
     app.connect("source-read", add_python)
+    app.add_lexer("csv", TextLexer)
     app.add_directive("batten-help", Help)
     return {"parallel_read_safe": True}
