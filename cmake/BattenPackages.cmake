@@ -21,6 +21,15 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS OFF)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
+# Binaries of each package, for its copyright file.
+set(batten_binaries_program batten batten_cad)
+set(batten_binaries_dev batten)
+set(batten_binaries_studio batten-studio)
+set(batten_binaries_freecad)
+set(batten_binaries_doc)
+set(batten_binaries_mpi batten_petsc)
+set(batten_binaries_python python batten_cad)
+
 # batten_package(COMPONENT NAME SYNOPSIS DESCRIPTION): declares the package of a component.
 macro(batten_package component name first more)
   string(TOUPPER ${component} upper)
@@ -32,8 +41,21 @@ macro(batten_package component name first more)
   execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/packages/changelog.${name})
   install(FILES ${PROJECT_BINARY_DIR}/packages/changelog.${name}.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
           RENAME changelog.gz COMPONENT ${component})
-  install(FILES ${PROJECT_SOURCE_DIR}/cmake/packages/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
-          COMPONENT ${component})
+  batten_gpl_libraries(gpl ${batten_binaries_${component}})
+  set(batten_licence_note)
+  if(gpl)
+    list(JOIN gpl ", " gpl)
+    set(batten_licence_note
+" .
+ The binaries of this package are linked with libraries whose licence is the
+ GNU General Public License: ${gpl}.
+ The binaries as a whole are therefore distributed under that licence,
+ version 3 or later (/usr/share/common-licenses/GPL-3).
+")
+  endif()
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/packages/copyright.in ${PROJECT_BINARY_DIR}/packages/copyright.${name} @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/packages/copyright.${name} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
+          RENAME copyright COMPONENT ${component})
 endmacro()
 
 set(CPACK_COMPONENTS_ALL)
@@ -94,7 +116,7 @@ pkg-config.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libsuitesparse-dev, libopenblas-dev, libcgal-dev, libceres-dev, libspectra-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
-    "libocct-data-exchange-dev, libvtk9-dev, libtomlplusplus-dev, nlohmann-json3-dev, libgif-dev, libdxflib-dev, lib2geom-dev, lib3mf-dev")
+    "libocct-data-exchange-dev, libvtk9-dev, libtomlplusplus-dev, nlohmann-json3-dev, libgif-dev, libpng-dev, lib3mf-dev")
 
 if(BATTEN_HAS_STUDIO)
   batten_package(studio batten-studio "graphical application for smooth surfaces from curves"
