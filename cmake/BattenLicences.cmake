@@ -2,12 +2,30 @@
 # Licences of the binaries as a whole, by cmake/packages/licences.csv and the options of this build.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/packages/licences.csv)
 
+# Facts about the libraries that were found, which the table uses like options.
+set(BATTEN_VTK_READS_TIFF OFF CACHE INTERNAL "VTK's rendering modules are linked with its readers of images")
+set(BATTEN_CERES_IS_SHARED OFF CACHE INTERNAL "Ceres is a shared library")
+if(TARGET VTK::RenderingOpenGL2)
+  get_target_property(links VTK::RenderingOpenGL2 INTERFACE_LINK_LIBRARIES)
+  if(links MATCHES "VTK::IOImage")
+    set(BATTEN_VTK_READS_TIFF ON CACHE INTERNAL "")
+  endif()
+endif()
+if(BATTEN_WITH_CERES AND TARGET Ceres::ceres)
+  get_target_property(type Ceres::ceres TYPE)
+  if(type STREQUAL "SHARED_LIBRARY")
+    set(BATTEN_CERES_IS_SHARED ON CACHE INTERNAL "")
+  endif()
+endif()
+
 # batten_library_used(option result): whether the libraries of an option are on and were found.
 function(batten_library_used option result)
   set(found_BATTEN_WITH_CHOLMOD ${CHOLMOD_FOUND})
   set(found_BATTEN_WITH_CGAL ${CGAL_FOUND})
   set(found_BATTEN_WITH_CERES ${Ceres_FOUND})
-  set(found_BATTEN_WITH_PETSC ON)
+  if(NOT DEFINED found_${option})
+    set(found_${option} TRUE)
+  endif()
   if(${option} AND found_${option})
     set(${result} TRUE PARENT_SCOPE)
   else()

@@ -16,6 +16,9 @@ PAGE = SOURCE / "docs/licences.md"
 BINARIES = {"batten": "`batten`", "batten_cad": "the module for CAD files", "batten-studio": "`batten-studio`",
             "batten_petsc": "the module for several processes", "python": "the Python module"}
 
+# Facts that the table uses like options, and where they do not hold.
+FACTS = {"BATTEN_VTK_READS_TIFF": "VTK before 9.2 (Debian 12)", "BATTEN_CERES_IS_SHARED": "a static Ceres (Debian 12)"}
+
 
 @dataclass
 class Library:
@@ -55,8 +58,7 @@ def binaries_text(library):
 def without(library):
     if not library.options:
         return "cannot be switched off"
-    options = [f"`-D{option}=OFF`" for option in library.options]
-    return " and ".join(options)
+    return " and ".join(FACTS.get(option, f"`-D{option}=OFF`") for option in library.options)
 
 
 def page(table):
@@ -79,10 +81,12 @@ def page(table):
         lines.append(f"| {name}: {use} | {library.licence} | `{library.package}` | {binaries_text(library)} | "
                      f"{without(library)} |")
     lines += [
-        "", "The preset `minimal` builds `batten` without these libraries. JBIG-KIT remains in the module for CAD files:",
-        "Debian's OpenCASCADE links FreeImage (`libTKXCAF` needs `libTKService`), FreeImage links the TIFF library, and the",
-        "TIFF library links JBIG-KIT. `batten` loads the module only to read or write CAD files. No code of Batten calls",
-        "these image libraries. An OpenCASCADE that was built without FreeImage removes JBIG-KIT.", "",
+        "", "On Debian 12, the preset `minimal` builds `batten` without these libraries. JBIG-KIT remains in the module for",
+        "CAD files: Debian's OpenCASCADE links FreeImage (`libTKXCAF` needs `libTKService`), FreeImage links the TIFF",
+        "library, and the TIFF library links JBIG-KIT. `batten` loads the module only to read or write CAD files. On Debian",
+        "13, `batten` itself is linked with JBIG-KIT, through `libvtkRenderingOpenGL2`, `libvtkIOImage` and the TIFF library.",
+        "Batten never calls these image libraries. An OpenCASCADE without FreeImage, and on Debian 13 a VTK without TIFF,",
+        "remove JBIG-KIT.", "",
         "## Other libraries", "",
         "| Debian package | licence | binaries | feature |", "|---|---|---|---|"]
     for library in table:

@@ -39,8 +39,8 @@ def binaries():
 
 
 def switches():
-    """The options of this build that are on."""
-    return set(re.findall(r"^(BATTEN_\w+):BOOL=(?:ON|1|TRUE|YES)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
+    """The options and facts of this build that are on."""
+    return set(re.findall(r"^(BATTEN_\w+):(?:BOOL|INTERNAL)=(?:ON|1|TRUE|YES)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
 
 
 def shared_libraries(binary):
