@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MPL-2.0
 """Debian packages of files: which packages a build was made from, and what dpkg knows about them."""
+import csv
+import fnmatch
 import os
 import re
 import subprocess
 from pathlib import Path
 
+SOURCE = Path(__file__).resolve().parents[1]
 # glibc, which every Linux system has, and what the kernel provides.
 GLIBC = re.compile(r"^(ld-linux-x86-64|libc|libm|libdl|libpthread|librt|libresolv|libutil|libmvec|libanl|libnsl|libnss_\w+|"
                    r"linux-vdso)\.so(\.\d+)?$")
@@ -45,10 +48,10 @@ def package_of(files):
 
 
 def package_facts(packages):
-    """[{name, version, architecture, source, source_version, homepage, maintainer}], sorted by name."""
-    keys = ["name", "version", "architecture", "source", "source_version", "homepage", "maintainer"]
-    fields = r"${Package}\t${Version}\t${Architecture}\t${source:Package}\t${source:Version}\t${Homepage}\t${Maintainer}\n"
-    lines = run("dpkg-query", "-W", f"-f={fields}", *(f"{p}" for p in sorted(packages))).splitlines()
+    """[{name, version, architecture, source, source_version, homepage}], sorted by name."""
+    keys = ["name", "version", "architecture", "source", "source_version", "homepage"]
+    fields = r"${Package}\t${Version}\t${Architecture}\t${source:Package}\t${source:Version}\t${Homepage}\n"
+    lines = run("dpkg-query", "-W", f"-f={fields}", *sorted(packages)).splitlines()
     facts = {}
     for line in lines:
         fact = dict(zip(keys, line.split("\t")))
@@ -58,24 +61,25 @@ def package_facts(packages):
 
 
 def header_packages(build):
-    """Packages whose headers are compiled into the libraries and programs of a build, without those of the compiler."""
+    """Packages whose headers are compiled into the libraries and programs of a build, without those of the C library."""
     headers, product = set(), False
     for line in run("ninja", "-C", str(build), "-t", "deps").splitlines():
         if not line.startswith(" "):
-            product = not line.startswith(("tests/", "benchmarks/", "examples/"))
+            product = not line.startswith(("tests/", "benchmarks/", "examples/", "apps/python/"))
         elif product and line.strip().startswith("/usr/include/"):
             headers.add(line.strip())
-    packages = set(package_of(headers).values())
-    return {p for p in packages if not re.match(r"(libc6|linux-libc|libstdc\+\+|libgcc|libcrypt|lib\w*-\d+-dev$)", p)}
+    return {p for p in package_of(headers).values() if not re.match(r"(libc6|linux-libc|libcrypt)-dev$", p)}
 
 
 def copyright_text(package):
     return Path(f"/usr/share/doc/{package}/copyright").read_text(errors="replace")
 
 
-def licence_names(package):
-    """Short names of licences in a machine-readable copyright file, in the order of the file; else an empty list."""
-    text = copyright_text(package)
-    if not text.lstrip().startswith("Format"):
-        return []
-    return list(dict.fromkeys(name.strip() for name in re.findall(r"^License:[ \t]*(\S.*)$", text, re.MULTILINE)))
+def licence_of(package):
+    """SPDX expression of a package, by the tables in cmake."""
+    for table in ("packages/licences.csv", "archive/licences.csv"):
+        lines = (SOURCE / "cmake" / table).read_text().splitlines()
+        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+            if fnmatch.fnmatchcase(package, row["package"]):
+                return row["licence"]
+    raise SystemExit(f"{package}: no licence in cmake/packages/licences.csv and cmake/archive/licences.csv")
