@@ -34,6 +34,7 @@ bibtex_default_style = "batten"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
+default_role = "code"  # of docstrings
 
 html_theme = "furo"
 html_title = f"Batten {release}"

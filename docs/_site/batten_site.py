@@ -101,7 +101,8 @@ class Help(Directive):
 
         overview = help_of()
         found = [nodes.literal_block(overview, overview, language="text")]
-        for command in re.findall(r"^  ([a-z][a-z-]+) {2,}", overview.partition("Commands:")[2], re.MULTILINE):
+        commands = re.search(r"^(?:Commands|Subcommands):\n((?:  .*\n)+)", overview, re.MULTILINE)[1]
+        for command in re.findall(r"^  ([a-z][a-z-]+) {2,}", commands, re.MULTILINE):
             text = help_of(command)
             section = nodes.section(ids=[f"batten-{command}"], names=[f"batten-{command}"])
             section += [nodes.title("", "", nodes.literal("", f"batten {command}")), nodes.literal_block(text, text, language="text")]
