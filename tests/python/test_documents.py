@@ -116,6 +116,17 @@ class Documents(PropertyTests):
                     self.assertTrue(any(keys <= own for own in (known[table] if table else every)),
                                     f"{name}: no table '{table}' of the reference has the keys {keys}")
 
+    def test_citation(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("yaml is not there (python3-yaml)")
+        citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+        self.assertLessEqual({"cff-version", "message", "title", "authors", "version", "date-released", "license"}, set(citation))
+        cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        self.assertIn(f"project(batten VERSION {citation['version']}", cmake)
+        self.assertIn(f"## [{citation['version']}] – {citation['date-released']}", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
+
     def test_cpp(self):
         parts = ["#include <batten/batten.h>\n"]
         for number, (_, text) in enumerate(blocks("cpp")):
