@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MPL-2.0
-// Derivatives of the properties of a model and of its stresses with respect to the parameters.
+// Derivatives of the properties of a model and of its stresses with respect to the parameters, and
+// effects of loads.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
+
+#include "batten/core/eigen.h"
 
 namespace batten {
 
@@ -30,6 +33,17 @@ struct StressGradients {
   ValueWithGradient compliance;      ///< work of the loads, Fᵀu
   ValueWithGradient von_mises_norm;  ///< P-norm of the von Mises stress, force per area
   ValueWithGradient mass;            ///< mass of the shell; 0: no density
+};
+
+/// Effect of a load, a curve offset or a slider on the shape, for a small change from its value in
+/// the model. Result of Model::load_effects().
+struct LoadEffect {
+  std::string parameter;
+  double displacement = 0;  ///< largest displacement of the surface per unit of the parameter
+  Vec3 at = Vec3::Zero();   ///< where it is, model units
+  std::string face;         ///< the face that contains that point
+  /// The change that displaces the surface by about 1 % of its size; 0: it has no effect.
+  double visible = 0;
 };
 
 }  // namespace batten

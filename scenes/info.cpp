@@ -36,6 +36,7 @@
 #include "batten/mesh/selection.h"
 #include "batten/scenes/lines/line_files.h"
 #include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/shapes/load_effects.h"
 #include "batten/scenes/shapes/solved_shape.h"
 
 namespace batten {
@@ -206,12 +207,25 @@ std::string network_text(const Scene& scene) {
   return text;
 }
 
+/// The effects of the loads of a scene, or why they are unknown.
+std::string loads_text(const Scene& scene) {
+  if (scene.loads.empty() && scene.moves.empty() && scene.sliders.empty()) return "";
+  try {
+    const BuiltModel made = build_model(scene, faired_lines(scene, {}).lines);
+    return effects_text(load_effects(scene, made, solve_refined_shape(made, scene)), scene.unit);
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const Error& e) {
+    return "effects of the parameters: unknown, because " + std::string(e.what()) + "\n";
+  }
+}
+
 std::string scene_text(const Scene& scene) {
   return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
          (specifies_single_region(scene) ? "" : network_text(scene)) +
-         parameters_text(scene.parameters());
+         parameters_text(scene.parameters()) + loads_text(scene);
 }
 
 std::string fairing_text(const FairScene& scene) {

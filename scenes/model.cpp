@@ -17,6 +17,7 @@
 #include "batten/scenes/lines/scene_lines.h"
 #include "batten/scenes/mesh_data.h"
 #include "batten/scenes/model_data.h"
+#include "batten/scenes/shapes/load_effects.h"
 #include "batten/scenes/shapes/shape_files.h"
 #include "batten/skinning/facets/facets.h"
 #include "batten/skinning/facets/welded_mesh.h"
@@ -345,6 +346,12 @@ double derivative_along(const ModelLayout& layout, const Points& shape, const Po
 }
 
 }  // namespace
+
+std::vector<LoadEffect> Model::load_effects(const Progress& progress) const {
+  const ProgressScope scope(progress);
+  data_->require_surface();
+  return batten::load_effects(data_->scene, *data_->made, data_->shape, progress);
+}
 
 ModelGradients Model::gradients(const Progress& progress) const {
   const ProgressScope scope(progress);

@@ -145,6 +145,10 @@ class Model {
   /// comes from a session that was not in equilibrium, or if its elements change with the parameters
   /// (fitted and lofted shapes), and the exceptions of with_values().
   ModelGradients gradients(const Progress& progress = {}) const;
+  /// How much each load, curve offset and slider displaces the surface, to find values that have a
+  /// visible effect. Cost: a session, and one or two solves per parameter. Throws InputError for a
+  /// model without surface.
+  std::vector<LoadEffect> load_effects(const Progress& progress = {}) const;
   int element_count() const;     ///< number of finite elements of all faces
   const Facets& facets() const;  ///< triangles for display; computed at the first call
 

@@ -26,33 +26,63 @@
 
 namespace batten {
 
-void add_common(const Subcommand& subcommand, CommonOptions& common) {
-  subcommand.option("--threads", common.threads, "Number of threads (default: number of cores)")
-      .in_range(1, 1024);
+void add_common(Subcommand& subcommand, CommonOptions& common) {
+  subcommand.group("General");
+  subcommand.option("--threads COUNT", common.threads, "number of threads, 1 to 1024")
+      .in_range(1, 1024)
+      .default_text("number of cores");
   subcommand
-      .option("--memory", common.memory,
-              "Memory limit in GB (default: available memory); jobs that would exceed it are "
-              "rejected at the start")
-      .positive();
-  subcommand.flag("--quiet", common.quiet, "Print warnings, failed checks and errors only");
+      .option("--memory GB", common.memory,
+              "memory limit; jobs that would exceed it are rejected at the start")
+      .positive()
+      .default_text("available memory");
+  subcommand.flag("--quiet", common.quiet, "print only warnings, failed checks and errors");
 }
 
-void add_unit(const Subcommand& subcommand, std::string& unit) {
-  subcommand.option("--unit", unit, "Length unit").one_of(length_units()).show_default();
+void add_unit(const Subcommand& subcommand, std::string& unit, const std::string& text) {
+  subcommand.option("--unit", unit, text).one_of(length_units()).default_text(unit);
 }
 
 void add_schema(const Subcommand& subcommand, bool& ap242) {
-  subcommand.enum_option(
-      "--schema", {"ap214", "ap242"},
-      [&ap242](const std::string& word) { ap242 = word == "ap242"; },
-      "Schema of STEP files: ap214 (default) or ap242");
+  subcommand
+      .enum_option(
+          "--schema", {"ap214", "ap242"},
+          [&ap242](const std::string& word) { ap242 = word == "ap242"; }, "schema of STEP files")
+      .default_text("ap214");
 }
 
 void add_step_options(const Subcommand& subcommand, StepFileArguments& step) {
   subcommand.flag("--step-curves", step.lines,
-                  "Also write the input curves to the STEP file, in a product 'curves'");
+                  "also write the input curves to the STEP file, in a product 'curves'");
   add_schema(subcommand, step.ap242);
 }
+
+namespace {
+
+// Options that several commands have.
+
+constexpr char kSetText[] = "set a parameter of the scene, with a number as the value";
+
+void add_out(const Subcommand& subcommand, std::string& out) {
+  subcommand.option("--out FOLDER", out, "output folder for all files, including report.json")
+      .required();
+}
+
+void add_edge_length(const Subcommand& subcommand, double& length, const std::string& otherwise) {
+  subcommand.option("--edge-length LENGTH", length, "target edge length of the elements")
+      .positive()
+      .default_text(otherwise);
+}
+
+void add_gap_tolerance(const Subcommand& subcommand, double& tolerance) {
+  subcommand
+      .option("--gap-tolerance LENGTH", tolerance,
+              "gaps between curves up to this length are closed")
+      .positive()
+      .default_text("detected");
+}
+
+}  // namespace
 
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common) {
   end_progress();
@@ -141,6 +171,11 @@ void end_progress() {
   bar_is_drawn = false;
 }
 
+// Headings of the commands in the help of the program.
+namespace {
+constexpr char kSurfaces[] = "Surfaces", kFiles[] = "Files and pictures";
+}  // namespace
+
 // `batten run` and `batten stress`.
 
 namespace {
@@ -151,15 +186,13 @@ struct SceneArguments {
   StressTask stress;
 };
 
-Subcommand add_scene(CommandLine& program, const char* name, const char* what, SceneArguments& a,
-                     CommonOptions& common) {
-  const Subcommand subcommand = program.command(name, what);
-  subcommand.option("scene", a.file, "Scene (.toml)").required();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
-      .allow_repeated();
-  add_common(subcommand, common);
+Subcommand add_scene(CommandLine& program, const char* name, const char* group, const char* what,
+                     SceneArguments& a) {
+  Subcommand subcommand = program.command(name, group, what);
+  subcommand.option("scene", a.file, "scene file (.toml)").required();
+  add_out(subcommand, a.out);
+  subcommand.group("Parameters");
+  subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
   return subcommand;
 }
 
@@ -192,32 +225,52 @@ int stress(const SceneArguments& a, const CommonOptions& common) {
 
 Command add_run(CommandLine& program, CommonOptions& common) {
   const auto a = std::make_shared<SceneArguments>();
-  const Subcommand subcommand =
-      add_scene(program, "run", "Compute a scene and write all its outputs", *a, common);
+  Subcommand subcommand =
+      add_scene(program, "run", kSurfaces, "compute a scene and write all its outputs", *a);
+  add_common(subcommand, common);
+  subcommand.example("batten run examples/05-door/scene.toml --out out/door",
+                     "surface, STEP file and pictures of a car door");
+  subcommand.example("batten run examples/05-door/scene.toml --out out/swollen --set swell=400",
+                     "the same door under a larger pressure");
+  subcommand.example("batten run examples/10-plate-with-holes/turned.toml --out out/plate",
+                     "scenes of mesh edits, mesh sequences and curves run, too");
   return {subcommand, [a, &common] { return run(*a, common); }};
 }
 
 Command add_stress(CommandLine& program, CommonOptions& common) {
   const auto a = std::make_shared<SceneArguments>();
-  const Subcommand subcommand = add_scene(
-      program, "stress", "Run a scene, then analyse the surface as a thin shell (needs [stress])",
-      *a, common);
+  Subcommand subcommand =
+      add_scene(program, "stress", kSurfaces,
+                "run a scene, and analyse its surface as a shell (needs [stress])", *a);
+  subcommand.group("Analysis");
+  subcommand
+      .option("--accuracy NUMBER", a->stress.accuracy,
+              "refine the mesh until the estimated relative error of the displacements is below "
+              "this value; 0.01 is 1 %")
+      .positive()
+      .default_text("no refinement");
   const CommandOption with_ccx =
       subcommand.flag("--with-ccx", a->stress.with_calculix,
-                      "Cross-check: analyse the same shell with CalculiX and print its results");
+                      "cross-check: analyse the same shell with CalculiX and print its results");
   using Element = ShellDeck::Element;
   subcommand
-      .indexed_enum_option(
-          "--ccx-elements",
-          {{"S6", int(Element::S6)}, {"S3", int(Element::S3)}, {"S8R", int(Element::S8R)}},
-          [a](int element) { a->stress.element = Element(element); },
-          "Element type for CalculiX: S6, S3 or S8R")
-      .needs(with_ccx);
-  subcommand
-      .option("--accuracy", a->stress.accuracy,
-              "Refine the mesh until the estimated relative error of the displacements is below "
-              "this value (0.01: 1 %)")
-      .positive();
+      .enum_option(
+          "--ccx-elements", {"S6", "S3", "S8R"},
+          [a](const std::string& name) {
+            a->stress.element = name == "S3"    ? Element::S3
+                                : name == "S8R" ? Element::S8R
+                                                : Element::S6;
+          },
+          "element type for CalculiX")
+      .needs(with_ccx)
+      .default_text("S6");
+  add_common(subcommand, common);
+  subcommand.example("batten stress examples/18-lean/scene.toml --out out/lean",
+                     "stresses and natural frequencies of a car door under 100 N");
+  subcommand.example(
+      "batten stress examples/07-plate-with-hole/scene.toml --out out/hole "
+      "--accuracy 0.02",
+      "a mesh that is refined to a relative error of 2 %");
   return {subcommand, [a, &common] { return stress(*a, common); }};
 }
 
@@ -235,43 +288,60 @@ struct SculptArguments {
 Command add_sculpt(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<SculptArguments>();
   SculptArguments& a = *arguments;
-  const Subcommand subcommand = program.command(
-      "sculpt", "Solve a scene's surface under its loads; parameter sweeps, dynamics, refinement");
-  subcommand.option("scene", a.file, "Scene (.toml)").required();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  subcommand.option("--set", a.task.settings, "Set a parameter: NAME=VALUE").allow_repeated();
+  Subcommand subcommand = program.command(
+      "sculpt", kSurfaces, "solve for series of parameter values, or simulate a motion");
+  subcommand.option("scene", a.file, "scene file (.toml)").required();
+  add_out(subcommand, a.out);
+  subcommand.group("Parameters");
+  subcommand.option("--set NAME=VALUE", a.task.settings, kSetText).allow_repeated();
   const CommandOption sweep =
       subcommand
-          .option("--sweep", a.task.sweeps,
-                  "Solve at COUNT values (2 to 1000) of a parameter, each starting from the "
-                  "previous solution: NAME=FROM:TO:COUNT")
+          .option("--sweep NAME=FROM:TO:COUNT", a.task.sweeps,
+                  "solve at COUNT values (2 to 1000) of a parameter, each starting from the "
+                  "previous solution")
           .allow_repeated();
-  const CommandOption time = subcommand.option(
-      "--time", a.task.time, "Simulate the motion from the converged shape until this time");
-  const CommandOption dt = subcommand.option("--dt", a.task.dt, "Time step of the motion");
-  time.positive().needs(dt);
-  dt.positive().needs(time);
-  subcommand.option("--frames", a.task.frames, "Maximum number of output frames of a motion")
-      .in_range(1, 1000)
-      .show_default();
-  const CommandOption refinement =
-      subcommand.option("--refine", a.task.refinement,
-                        "Bisect elements at curvature jumps, in 1 to 20 iterations: "
-                        "jumps:ITERATIONS");
   subcommand
       .flag("--stress", a.task.stress,
-            "Compute the maximum displacement and stress of the shell of [stress] at each value "
+            "compute the maximum displacement and stress of the shell of [stress] at each value "
             "of a sweep")
       .needs(sweep);
+  subcommand.group("Motion");
+  const CommandOption time = subcommand.option(
+      "--time TIME", a.task.time, "simulate the motion from the converged shape until this time");
+  const CommandOption dt =
+      subcommand.option("--dt TIME", a.task.dt, "time step of the motion; required with --time");
+  time.positive().needs(dt).default_text("no motion");
+  dt.positive().needs(time).default_text("no motion");
+  subcommand
+      .option("--frames COUNT", a.task.frames,
+              "maximum number of output frames of a motion, 1 to 1000")
+      .in_range(1, 1000)
+      .default_text(std::to_string(a.task.frames));
+  subcommand.group("Mesh");
+  const CommandOption refinement =
+      subcommand
+          .option("--refine jumps:ITERATIONS", a.task.refinement,
+                  "bisect elements at curvature jumps, in 1 to 20 iterations")
+          .default_text("no refinement");
+  subcommand.group("Recording");
   const CommandOption record =
-      subcommand.option("--record", a.task.record, "Write all operations to this log file");
-  subcommand.option("--replay", a.task.replay, "Replay a file written by --record")
+      subcommand.option("--record FILE", a.task.record, "write all operations to this log file")
+          .default_text("none");
+  subcommand.option("--replay FILE", a.task.replay, "replay a file written by --record")
       .excludes(sweep)
       .excludes(time)
       .excludes(refinement)
-      .excludes(record);
+      .excludes(record)
+      .default_text("none");
   add_common(subcommand, common);
+  subcommand.example(
+      "batten sculpt examples/05-door/sculpt.toml --out out/bolder "
+      "--sweep bolder=0:1:6",
+      "six doors, with a contact sheet and an animation");
+  subcommand.example(
+      "batten sculpt examples/06-goblet-bowl/scene.toml --out out/bowl "
+      "--set swell=100",
+      "one shape, for another value of a parameter");
   return {subcommand, [arguments, &common] {
             const Report report = run_sculpt(read_scene(arguments->file), arguments->task,
                                              arguments->out, terminal_progress(common.quiet));
@@ -283,11 +353,14 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
 
 Command add_run_script(CommandLine& program, CommonOptions& common) {
   const auto file = std::make_shared<std::string>();
-  const Subcommand subcommand =
-      program.command("run-script", "Run a script of editing commands, as saved by batten-studio");
-  subcommand.option("script", *file, "Script: open, add, set, slide, solve, undo, save, export, …")
+  Subcommand subcommand = program.command(
+      "run-script", "Scripts", "run a script of editing commands, as saved by batten-studio");
+  subcommand
+      .option("script", *file, "script file: open, add, set, slide, solve, undo, save, export, ...")
       .required();
   add_common(subcommand, common);
+  subcommand.example("batten run-script examples/05-door/session.batten",
+                     "open a scene, move a slider, add a load, and write all outputs");
   return {subcommand, [file, &common] {
             const ScriptReport report = run_script(*file, terminal_progress(common.quiet));
             std::string text = report.name + "\n";
@@ -312,14 +385,17 @@ struct EditArguments {
 Command add_deform(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<EditArguments>();
   EditArguments& a = *arguments;
-  const Subcommand subcommand =
-      program.command("deform", "Morph a mesh; its form features keep their shape exactly");
-  subcommand.option("scene", a.file, "Deform scene (.toml)").required();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
-      .allow_repeated();
+  Subcommand subcommand = program.command(
+      "deform", "Meshes", "morph a mesh; its form features keep their shape exactly");
+  subcommand.option("scene", a.file, "scene file of a mesh edit (.toml)").required();
+  add_out(subcommand, a.out);
+  subcommand.group("Parameters");
+  subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
   add_common(subcommand, common);
+  subcommand.example("batten deform examples/11-panel/edit.toml --out out/panel",
+                     "a Nastran deck whose panel becomes longer; its holes keep their shape");
+  subcommand.example("batten deform examples/23-assembly/longer.toml --out out/longer",
+                     "an assembly with bolts and solids, made longer");
   return {subcommand, [arguments, &common] {
             DeformScene scene = read_deform_scene(arguments->file);
             apply_settings(scene, arguments->settings);
@@ -331,25 +407,31 @@ Command add_deform(CommandLine& program, CommonOptions& common) {
 Command add_sequence(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<EditArguments>();
   EditArguments& a = *arguments;
-  const Subcommand subcommand = program.command(
-      "sequence", "Edit a mesh sequence: keyframes, foot plants, paths; mix, filter, morph");
-  subcommand.option("scene", a.file, "Sequence scene (.toml)").required();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  subcommand.parsed_option(
-      "--frames",
-      [arguments](const std::string& text) {
-        const size_t colon = text.find(':');
-        const auto first = parse_number(text.substr(0, colon)),
-                   last = colon == std::string::npos ? first : parse_number(text.substr(colon + 1));
-        if (!first || !last || !(*first >= 1) || !(*last >= *first) || *last > 1e9)
-          return "found " + text + ", expected FIRST:LAST, with FIRST from 1 and LAST not below it";
-        arguments->sequence.frames = {static_cast<int>(*first), static_cast<int>(*last)};
-        return std::string();
-      },
-      "Compute only these frames, FIRST:LAST, counted from 1 (to split the work over a job "
-      "array)");
+  Subcommand subcommand = program.command(
+      "sequence", "Meshes", "edit a mesh sequence: keyframes, foot plants, paths, filters");
+  subcommand.option("scene", a.file, "scene file of a mesh sequence (.toml)").required();
+  add_out(subcommand, a.out);
+  subcommand
+      .parsed_option(
+          "--frames FIRST:LAST",
+          [arguments](const std::string& text) {
+            const size_t colon = text.find(':');
+            const auto first = parse_number(text.substr(0, colon)),
+                       last = colon == std::string::npos ? first
+                                                         : parse_number(text.substr(colon + 1));
+            if (!first || !last || !(*first >= 1) || !(*last >= *first) || *last > 1e9)
+              return "found " + text +
+                     ", expected FIRST:LAST, with FIRST from 1 and LAST not below it";
+            arguments->sequence.frames = {static_cast<int>(*first), static_cast<int>(*last)};
+            return std::string();
+          },
+          "compute only these frames, counted from 1, to split the work over a job array")
+      .default_text("all frames");
   add_common(subcommand, common);
+  subcommand.example("batten sequence examples/24-stairs/stairs.toml --out out/stairs",
+                     "a walk on the spot becomes a walk up the stairs");
+  subcommand.example("batten sequence examples/29-forming/forming.toml --out out/forming",
+                     "a forming simulation whose flange becomes wider, in every frame");
   return {subcommand, [arguments, &common] {
             const auto report = run_sequence(read_sequence_scene(arguments->file), arguments->out,
                                              arguments->sequence, terminal_progress(common.quiet));
@@ -405,60 +487,72 @@ int fair(const FairArguments& a, const CommonOptions& common) {
 Command add_fair(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FairArguments>();
   FairArguments& a = *arguments;
-  const Subcommand subcommand = program.command("fair", "Fair (smooth) drawn or measured curves");
+  Subcommand subcommand =
+      program.command("fair", "Curves", "fair (smooth) drawn or measured curves");
   subcommand
-      .option("curves", a.file, "Curves: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
+      .option("curves", a.file,
+              "file of curves: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       .required();
   subcommand
-      .option("--out", a.out,
-              "Output file; its extension selects the format: " +
+      .option("--out FILE", a.out,
+              "output file; its extension selects the format: " +
                   comma_separated(curve_file_extensions()))
       .required();
+  add_unit(subcommand, a.unit, "length unit of files that state none");
+  subcommand.option("--only NAME", a.only, "fair only this curve").allow_repeated();
+  subcommand.group("Smoothing");
   const CommandOption noise =
-      subcommand.option("--noise", a.noise,
-                        "Known noise level: the fairest curve whose RMS distance from the points "
+      subcommand.option("--noise LENGTH", a.noise,
+                        "known noise level: the fairest curve whose RMS distance from the points "
                         "is this length");
   const CommandOption deviation = subcommand.option(
-      "--deviation", a.deviation, "Maximum distance of the fair curve from any point");
-  const CommandOption wavelength = subcommand.option(
-      "--wavelength", a.wavelength,
-      "Smooth waves shorter than this length (default: estimated by cross-validation)");
-  noise.positive().excludes(deviation).excludes(wavelength);
-  deviation.positive().excludes(wavelength);
-  wavelength.positive();
+      "--deviation LENGTH", a.deviation, "maximum distance of the fair curve from any point");
+  const CommandOption wavelength = subcommand.option("--wavelength LENGTH", a.wavelength,
+                                                     "smooth waves shorter than this length");
+  noise.positive().excludes(deviation).excludes(wavelength).default_text("estimated");
+  deviation.positive().excludes(wavelength).default_text("no limit");
+  wavelength.positive().default_text("estimated by cross-validation");
   subcommand
       .option("--minimize", a.minimize,
-              "Interpolate all points (a few) by the curve of minimum bending energy, or of "
-              "minimum curvature variation, instead of smoothing")
+              "instead of smoothing, interpolate all points (a few) by the curve of minimum "
+              "bending energy, or of minimum curvature variation")
       .one_of({"bending", "variation"})
       .excludes(noise)
       .excludes(deviation)
-      .excludes(wavelength);
-  subcommand
-      .option("--corner-angle", a.corner_angle,
-              "Corner angle in degrees: a curve has a corner where it turns by more (180: no "
-              "corners)")
-      .in_range(1e-3, 180.0)
-      .show_default();
-  subcommand.flag("--fix-ends", a.fix_ends, "Keep the first and last point of each curve fixed");
-  const CommandOption closed =
-      subcommand.flag("--closed", a.closed, "Treat all curves as closed (default: detected)");
-  subcommand.flag("--open", a.open, "Treat all curves as open (default: detected)")
-      .excludes(closed);
+      .excludes(wavelength)
+      .default_text("smoothing");
   subcommand.flag("--keep-outliers", a.keep_outliers,
-                  "Do not reject points that lie off a noisy curve");
+                  "do not reject points that lie off a noisy curve");
   subcommand
-      .option("--segments", a.segments,
-              "Finally approximate the fair curve by as few segments as possible within this "
+      .option("--segments LENGTH", a.segments,
+              "finally approximate the fair curve by as few segments as possible within this "
               "distance")
-      .positive();
-  subcommand.option("--only", a.only, "Name of a curve to fair (may be repeated; default: all)")
-      .allow_repeated();
-  subcommand.option("--picture", a.picture,
-                    "Picture to write (.png): curvature combs before and after");
-  subcommand.option("--report", a.report, "Report to write (.json)");
-  add_unit(subcommand, a.unit);
+      .positive()
+      .default_text("all segments");
+  subcommand.group("Ends and corners");
+  subcommand
+      .option("--corner-angle DEGREES", a.corner_angle,
+              "a curve has a corner where it turns by more than this angle; 180: no corners")
+      .in_range(1e-3, 180.0)
+      .default_text(format_number(a.corner_angle));
+  subcommand.flag("--fix-ends", a.fix_ends, "keep the first and last point of each curve fixed");
+  const CommandOption closed = subcommand.flag(
+      "--closed", a.closed, "treat all curves as closed; without this option, it is detected");
+  subcommand.flag("--open", a.open, "treat all curves as open; without this option, it is detected")
+      .excludes(closed);
+  subcommand.group("Other outputs");
+  subcommand
+      .option("--picture FILE", a.picture,
+              "picture to write (.png): curvature combs before and after")
+      .default_text("none");
+  subcommand.option("--report FILE", a.report, "report to write (.json)").default_text("none");
   add_common(subcommand, common);
+  subcommand.example("batten fair examples/04-fairing/swan.csv --out fair.step",
+                     "a hand-drawn curve becomes a smooth B-spline");
+  subcommand.example(
+      "batten fair examples/04-fairing/swan.csv --out fair.csv --deviation 0.5 "
+      "--picture fair.png",
+      "at most 0.5 mm from the drawn points, with curvature combs");
   return {subcommand, [arguments, &common] { return fair(*arguments, common); }};
 }
 
@@ -519,7 +613,7 @@ int view(LineArguments a, const CommonOptions& common) {
   }
   PictureScene look;
   using Field = PictureScene::Field;
-  look.title = scene.name;
+  look.unit = scene.unit;
   look.field = a.show == "shaded"           ? Field::None
                : a.show == "mean_curvature" ? Field::Mean
                : a.show == "faces"          ? Field::Regions
@@ -540,40 +634,48 @@ int view(LineArguments a, const CommonOptions& common) {
 Command add_skin(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
-  const Subcommand subcommand =
-      program.command("skin", "Fit smooth surfaces through curves: STEP, VTK, report");
+  Subcommand subcommand =
+      program.command("skin", kSurfaces, "fit smooth surfaces through curves: STEP, VTK, report");
   subcommand
       .option("curves", a.files,
-              "Curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
+              "files of curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
       .required();
+  add_out(subcommand, a.out);
   subcommand
-      .option("--inner", a.inner,
-              "File of inner curves, which lie on a face but do not bound one (may be repeated)")
+      .option("--inner FILE", a.inner,
+              "file of inner curves, which lie on a face but do not bound one")
       .allow_repeated();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  add_unit(subcommand, a.unit);
+  add_unit(subcommand, a.unit, "length unit of the results, and of files that state none");
+  subcommand.group("Surface");
+  add_edge_length(subcommand, a.edge_length,
+                  "1/20 of the size of a single face, 1/40 of that of a model");
   subcommand
-      .option("--edge-length", a.edge_length,
-              "Target edge length of the elements (default: 1/20 of the size of a single face, "
-              "1/40 of that of a model)")
-      .positive();
+      .option("--fit-tolerance LENGTH", a.tolerance,
+              "maximum distance of the surface from the input curves")
+      .positive()
+      .default_text("1e-4 of the size");
+  add_gap_tolerance(subcommand, a.gap_tolerance);
   subcommand
-      .option("--fit-tolerance", a.tolerance,
-              "Maximum distance of the surface from the input curves (default: 1e-4 of the size)")
-      .positive();
-  subcommand
-      .option("--gap-tolerance", a.gap_tolerance,
-              "Gaps between curves up to this length are closed (default: detected)")
-      .positive();
-  subcommand.option("--compare", a.compare,
-                    "CAD file to compare with: measure the distance from its faces");
+      .option("--pressure NUMBER", a.pressure,
+              "pressure along the normal, in relative units (batten info shows its effect in a "
+              "scene)")
+      .default_text("0");
+  subcommand.group("Output");
   subcommand.flag("--exact-step", a.exact_step,
-                  "Write the exact surface to STEP: three STEP faces per element instead of one "
+                  "write the exact surface to STEP: three STEP faces per element instead of one "
                   "fitted STEP face per face");
   add_step_options(subcommand, a.step);
-  subcommand.option("--pressure", a.pressure, "Pressure along the normal, in relative units");
+  subcommand
+      .option("--compare FILE", a.compare,
+              "CAD file to compare with: measure the distance from its faces")
+      .default_text("none");
   add_common(subcommand, common);
+  subcommand.example("batten skin examples/05-door/lines/outline.csv --out out/panel",
+                     "a smooth surface inside one closed curve");
+  subcommand.example(
+      "batten skin examples/05-door/lines/outline.csv --out out/ribbed "
+      "--inner examples/05-door/lines/rib.csv",
+      "the same, through a curve inside");
   return {subcommand, [arguments, &common] {
             const auto report =
                 run_scene(lines_scene(*arguments), arguments->out, terminal_progress(common.quiet));
@@ -584,36 +686,57 @@ Command add_skin(CommandLine& program, CommonOptions& common) {
 Command add_info(CommandLine& program) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
-  const Subcommand subcommand = program.command(
-      "info", "Show the contents of a scene, a curve file, a mesh, a mesh sequence or a CAD file");
-  subcommand.option("file", a.file, "File to read").required();
-  subcommand.option("--picture", a.picture,
-                    "Picture to write (.png): the curves with their curvature combs");
-  subcommand.option(
-      "--alternatives", a.alternatives,
-      "Curve networks: draw every ambiguous face and its alternatives into this folder, and print "
-      "the TOML that selects them");
-  add_unit(subcommand, a.unit);
+  Subcommand subcommand = program.command(
+      "info", kFiles, "show the contents of a scene, or a file of curves, CAD or meshes");
+  subcommand.option("file", a.file, "file to read").required();
+  add_unit(subcommand, a.unit, "length unit of files that state none; a scene states its own");
+  subcommand.group("Pictures");
+  subcommand
+      .option("--picture FILE", a.picture,
+              "picture to write (.png): the curves with their curvature combs")
+      .default_text("none");
+  subcommand
+      .option("--alternatives FOLDER", a.alternatives,
+              "curve networks: draw every ambiguous face and its alternatives into this folder, "
+              "and print the TOML that selects them")
+      .default_text("none");
+  subcommand.group("General");
+  subcommand.example("batten info examples/05-door/scene.toml",
+                     "curves, parameters, and how much each load moves the surface");
+  subcommand.example("batten info examples/11-panel/panel.bdf",
+                     "nodes, holes, creases and element quality of a mesh");
+  subcommand.example("batten info examples/04-fairing/swan.csv --picture combs.png",
+                     "a drawn curve with its curvature comb");
   return {subcommand, [arguments] { return info(*arguments); }};
 }
 
 Command add_view(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
-  const Subcommand subcommand =
-      program.command("view", "Draw a picture of the surface of a scene or of a curve file");
-  subcommand.option("file", a.file, "Scene (.toml) or curve file").required();
-  subcommand.option("--screenshot", a.screenshot, "Picture to write (.png)").required();
-  subcommand.option("--set", a.settings, "Set a parameter of the scene: NAME=VALUE")
-      .allow_repeated();
-  subcommand.option("--show", a.show, "What to show")
+  Subcommand subcommand = program.command(
+      "view", kFiles, "draw a picture of the surface of a scene or of a curve file");
+  subcommand.option("file", a.file, "scene (.toml) or file of curves").required();
+  subcommand.option("--screenshot FILE", a.screenshot, "picture to write (.png)").required();
+  add_unit(subcommand, a.unit, "length unit of files that state none; a scene states its own");
+  subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
+  subcommand.group("View");
+  subcommand.option("--show", a.show, "colours of the surface")
       .one_of({"shaded", "mean_curvature", "gauss_curvature", "faces"})
-      .show_default();
-  subcommand.option("--contours", a.contours, "Number of contour lines (default: 0)")
-      .in_range(0, 1000);
-  subcommand.option("--view", a.angles, "Azimuth and elevation of the view, in degrees").count(2);
-  add_unit(subcommand, a.unit);
+      .default_text(a.show);
+  subcommand.option("--contours COUNT", a.contours, "number of height contours, 0 to 1000")
+      .in_range(0, 1000)
+      .default_text(std::to_string(a.contours));
+  subcommand
+      .option("--view DEGREES DEGREES", a.angles, "azimuth and elevation of the direction of view")
+      .count(2)
+      .default_text("-30 30");
   add_common(subcommand, common);
+  subcommand.example("batten view examples/02-hood/scene.toml --screenshot hood.png",
+                     "a picture of a car hood");
+  subcommand.example(
+      "batten view examples/05-door/scene.toml --screenshot door.png "
+      "--show mean_curvature --view 30 20",
+      "mean curvature of a door, from another direction");
   return {subcommand, [arguments, &common] { return view(*arguments, common); }};
 }
 
@@ -621,29 +744,43 @@ Command add_view(CommandLine& program, CommonOptions& common) {
 
 Command add_convert(CommandLine& program, CommonOptions& common) {
   const auto task = std::make_shared<ConvertTask>();
-  const Subcommand subcommand = program.command(
-      "convert", "Convert a file: CAD to CAD or to triangles, mesh to mesh, curves to curves");
-  const auto unit = [&](const char* name, std::string& value, const char* what) {
-    subcommand.option(name, value, what).with_alias("inch", "in").one_of(length_units());
+  Subcommand subcommand =
+      program.command("convert", kFiles, "convert CAD to CAD or to triangles, meshes, and curves");
+  const auto unit = [&](const char* name, std::string& value, const char* what,
+                        const char* otherwise) {
+    subcommand.option(name, value, what)
+        .with_alias("inch", "in")
+        .one_of(length_units())
+        .default_text(otherwise);
   };
-  subcommand.option("from", task->from, "File to read: STEP, IGES, BREP, a mesh or curves")
+  subcommand.option("from", task->from, "file to read: STEP, IGES, BREP, a mesh or curves")
       .required();
   subcommand
       .option("to", task->to,
-              "File to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
+              "file to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
               ".obj .ply .off .vtp .vtu .csv .curves .dxf .svg")
       .required();
-  unit("--unit", task->unit,
-       "Length unit of the written file; the geometry is scaled accordingly (default: as read)");
+  subcommand.group("Units");
+  unit("--unit", task->unit, "length unit of the written file; the geometry is scaled accordingly",
+       "as read");
   unit("--from-unit", task->from_unit,
-       "Length unit of a mesh or of points, whose files state none (required for .glb and .3mf)");
+       "length unit of a mesh or of points, whose files state none; required for .glb and .3mf",
+       "unknown");
+  subcommand.group("Output");
   add_schema(subcommand, task->ap242);
   subcommand
-      .option("--chord", task->chord,
-              "Triangulation of CAD faces: maximum distance of the triangles from the faces "
-              "(default: 0.001 of the size)")
-      .positive();
+      .option("--chord LENGTH", task->chord,
+              "triangulation of CAD faces: maximum distance of the triangles from the faces")
+      .positive()
+      .default_text("0.001 of the size");
   add_common(subcommand, common);
+  subcommand.example("batten convert examples/04-fairing/swan.csv swan.dxf", "points to a drawing");
+  subcommand.example(
+      "batten convert examples/10-plate-with-holes/plate.obj plate.3mf "
+      "--from-unit mm",
+      "a mesh to a file for 3-D printing");
+  subcommand.example("batten convert part.step part.stl --chord 0.1",
+                     "a CAD file of yours to a watertight triangle mesh, within 0.1 mm");
   return {subcommand, [task, &common] {
             const ConvertReport report = run_convert(*task, terminal_progress(common.quiet));
             return print_result(report, report.text, common);
@@ -678,35 +815,37 @@ Scene scene_of(const FitArguments& a) {
 Command add_fit(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FitArguments>();
   FitArguments& a = *arguments;
-  const Subcommand subcommand = program.command(
-      "fit", "Fit a sculptable smooth surface to a CAD model or a mesh: STEP, VTK, report");
+  Subcommand subcommand =
+      program.command("fit", kSurfaces, "fit a sculptable smooth surface to a CAD model or a mesh");
   subcommand
-      .option("target", a.target, "Target surface: .step .iges .brep, or a mesh (.stl .obj .ply …)")
+      .option("target", a.target,
+              "file of the target surface: .step .iges .brep, or a mesh (.stl .obj .ply ...)")
       .required();
+  add_out(subcommand, a.out);
   subcommand
-      .option("--curves", a.lines,
-              "Curve file with the curves to keep (may be repeated; default: the edges of the CAD "
-              "model, or the creases and free edges of the mesh)")
+      .option("--curves FILE", a.lines,
+              "file of the curves to keep; without this option, they are the edges of the CAD "
+              "model, or the creases and free edges of the mesh")
       .allow_repeated();
-  subcommand.option("--out", a.out, "Output folder for all files, including report.json")
-      .required();
-  add_unit(subcommand, a.unit);
+  add_unit(subcommand, a.unit, "length unit of the results, and of files that state none");
+  subcommand.group("Surface");
   subcommand
-      .option("--fit-tolerance", a.tolerance,
-              "Maximum distance from the target surface (default: 1e-4 of the size)")
-      .positive();
+      .option("--fit-tolerance LENGTH", a.tolerance, "maximum distance from the target surface")
+      .positive()
+      .default_text("1e-4 of the size");
   subcommand.flag("--cage", a.cage,
-                  "The mesh is a control cage: fit its Catmull-Clark limit surface");
-  subcommand
-      .option("--edge-length", a.edge_length,
-              "Initial target edge length of the elements (default: 1/40 of the size)")
-      .positive();
-  subcommand
-      .option("--gap-tolerance", a.meet,
-              "Gaps between curves up to this length are closed (default: detected)")
-      .positive();
+                  "the mesh is a control cage: fit its Catmull-Clark limit surface");
+  add_edge_length(subcommand, a.edge_length, "initially 1/40 of the size");
+  add_gap_tolerance(subcommand, a.meet);
+  subcommand.group("Output");
   add_step_options(subcommand, a.step);
   add_common(subcommand, common);
+  subcommand.example(
+      "batten fit examples/30-refit/scan.obj --out out/refit "
+      "--curves examples/30-refit/rims.csv --fit-tolerance 0.5",
+      "a scanned panel becomes a smooth surface within 0.5 mm");
+  subcommand.example("batten fit part.step --out out/part",
+                     "a CAD model of yours becomes a model that you can sculpt");
   return {subcommand, [arguments, &common] {
             const auto report =
                 run_scene(scene_of(*arguments), arguments->out, terminal_progress(common.quiet));

@@ -56,9 +56,9 @@ Command add_info(CommandLine& program);
 Command add_view(CommandLine& program, CommonOptions& common);
 
 /// Adds the options of CommonOptions to a subcommand.
-void add_common(const Subcommand& subcommand, CommonOptions& common);
-/// Adds the option --unit (length unit).
-void add_unit(const Subcommand& subcommand, std::string& unit);
+void add_common(Subcommand& subcommand, CommonOptions& common);
+/// Adds the option --unit (length unit), with this description.
+void add_unit(const Subcommand& subcommand, std::string& unit, const std::string& text);
 
 /// Options of STEP export: curves of the input lines in the file; schema AP242 instead of AP214.
 struct StepFileArguments {

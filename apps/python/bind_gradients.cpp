@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // Binds quantities with their derivatives with respect to the parameters of a model.
 #include "batten/apps/python/bindings.h"
+#include "batten/apps/python/conversions.h"
 #include "batten/core/errors.h"
 #include "batten/scenes/gradients.h"
 
@@ -30,6 +31,20 @@ void bind_gradients(py::module_& m) {
       .def_readonly("area", &ModelGradients::area, "Total area of all faces, model units².")
       .def_readonly("volume", &ModelGradients::volume,
                     "Enclosed volume, model units³; None if the surface is open.");
+  py::class_<LoadEffect>(m, "LoadEffect",
+                         R"(Effect of a load, a curve offset or a slider on the shape.
+
+    >>> effect = batten.load("examples/06-goblet-bowl/scene.toml").load_effects()["swell"]
+    >>> effect.displacement > 0 and effect.visible > 0
+    True)")
+      .def_readonly("displacement", &LoadEffect::displacement,
+                    "Largest displacement of the surface per unit of the parameter, model units.")
+      .def_property_readonly(
+          "at", [](const LoadEffect& of) { return array_of(of.at); }, "Where it is.")
+      .def_readonly("face", &LoadEffect::face, "Name of the face that contains that point.")
+      .def_readonly("visible", &LoadEffect::visible,
+                    "The change of the parameter that displaces the surface by about 1 % of its "
+                    "size; 0: it has no effect.");
   py::class_<StressGradients>(m, "StressGradients",
                               R"(Result of Stress.gradients(), for one load case.
 

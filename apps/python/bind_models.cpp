@@ -360,6 +360,19 @@ void bind_evaluation(py::class_<Model>& c) {
 
 It has `sets` of the faces (triangles) and curves (vertices), and `corner_normals`.)")
       .def(
+          "load_effects",
+          [](const Model& model, const py::object& progress) {
+            py::dict effects;
+            for (const LoadEffect& effect : KernelCall(progress)(
+                     [&](const Progress& hook) { return model.load_effects(hook); }))
+              effects[py::str(effect.parameter)] = effect;
+            return effects;
+          },
+          py::kw_only(), "progress"_a = py::none(),
+          R"(How much each load, curve offset and slider displaces the surface, {name: LoadEffect}.
+
+Takes a small change of each parameter from its value in the model, with one or two solves.)")
+      .def(
           "gradients",
           [](const Model& model, const py::object& progress) {
             return KernelCall(progress)(
@@ -486,11 +499,10 @@ Raises InputError for another extension, FileError if the file cannot be written
 
     >>> model.save("panel.stl")
     [])")
-      .def(
-          "picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
-          "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
-          "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
-          R"(Draws the surface to a PNG file. Without an X server, it starts a virtual one (Xvfb).
+      .def("picture", &picture, "path"_a, py::kw_only(), "width"_a = 1600, "height"_a = 1000,
+           "azimuth"_a = -30.0, "elevation"_a = 30.0, "field"_a = "none", "contours"_a = 0,
+           "zebra"_a = 0, "mesh"_a = false, "title"_a = "",
+           R"(Draws the surface to a PNG file. Without an X server, it starts a virtual one (Xvfb).
 
 Call it on the main thread. `width`, `height`: pixels. `azimuth`, `elevation`: degrees. `field`: none, mean, gauss, faces.
 `contours`: number of height contours. `zebra`: number of zebra stripes.)")

@@ -23,6 +23,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/toml_table.h"
@@ -54,6 +55,19 @@ const char* reason_of(int error) {
   }
 }
 
+// Proposes the file with the most similar name in the same folder, if a file does not exist.
+std::string similar_file(const std::filesystem::path& file) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::vector<std::string> names;
+  for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
+       entry.increment(none))
+    names.push_back(entry->path().filename().string());
+  std::sort(names.begin(), names.end());  // the order of entries depends on the file system
+  return did_you_mean(file.filename().string(), names);
+}
+
 // A file opened for reading.
 class OpenFile {
  public:
@@ -61,7 +75,11 @@ class OpenFile {
       : name_(where + file.string()), expected_(expected) {
     // Check the type before opening, because opening a pipe waits for its other end.
     struct stat found {};
-    if (::stat(file.c_str(), &found) != 0) fail(reason_of(errno));
+    if (::stat(file.c_str(), &found) != 0) {
+      const int error = errno;
+      if (error == ENOENT) expected_ += similar_file(file);
+      fail(reason_of(error));
+    }
     if (const char* what = obstacle(found)) fail(std::string("found ") + what);
     file_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0) fail(reason_of(errno));

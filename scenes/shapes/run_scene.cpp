@@ -20,6 +20,7 @@
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/scenes/lines/scene_lines.h"
 #include "batten/scenes/runs/run_support.h"
+#include "batten/scenes/shapes/load_effects.h"
 #include "batten/scenes/shapes/shape_files.h"
 #include "batten/scenes/shapes/stress_analysis.h"
 #include "batten/scenes/shapes/stress_results.h"
@@ -356,6 +357,7 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, const St
   const SolvedShape shape = solve_refined_shape(made, scene, progress);
   run.watch.lap("sculpt");
   measure_into(run, made, shape, scene, progress);
+  check_load_sizes(run.report, scene);
   if (stress) stress_into(run, scene, made, shape, *stress, progress);
   write_files(run, scene, made, shape, progress);
   draw_pictures(run, scene, made, shape, progress);

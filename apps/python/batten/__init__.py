@@ -37,6 +37,7 @@ from ._batten import (
     Hole,
     InputError,
     LinearConstraint,
+    LoadEffect,
     Mesh,
     MeshEdit,
     MeshError,
@@ -79,7 +80,7 @@ from ._batten import (
 
 __all__ = [
     "CancelledError", "Chain", "ConflictError", "Curve", "Deformer", "DeformerReport", "DetectedFeature", "Edge", "Error", "FairCurve", "FeatureRegions",
-    "FileError", "Hole", "InputError", "LinearConstraint", "Mesh", "MeshEdit", "MeshError", "Model", "ModelGradients", "Move", "NoSolutionError", "OnLine", "OnPlane", "Sequence", "Session", "SessionStress",
+    "FileError", "Hole", "InputError", "LinearConstraint", "LoadEffect", "Mesh", "MeshEdit", "MeshError", "Model", "ModelGradients", "Move", "NoSolutionError", "OnLine", "OnPlane", "Sequence", "Session", "SessionStress",
     "SolveReport", "Stress", "StressCase", "StressGradients", "StressPoint", "SurfacePoint", "ValueWithGradient", "convert", "deform", "fair", "fit", "fit_surface", "load", "measure_hole", "parse", "read_curves", "read_mesh",
     "read_sequence", "run", "sequence", "set_log", "set_threads", "skin", "stress", "write_curves",
 ]
