@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// The limits of docs/limits.md, each on both sides: input within the limit works, input beyond it
+// The limits of docs/limitations.md, each on both sides: input within the limit works, input beyond it
 // is rejected before any work.
 #include <sys/stat.h>
 
