@@ -178,7 +178,7 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
       R"(The model of a scene file (.toml), or of a curve file.
 
 `values`: parameters {name: value} that replace those of the scene. Raises InputError,
-"FILE:LINE:COLUMN: found …, expected …", ConflictError, NoSolutionError.
+`FILE:LINE:COLUMN: found …, expected …`, ConflictError, NoSolutionError.
 
     >>> model.save("panel.toml")
     []
