@@ -105,7 +105,7 @@ examples of Batten refer to, as Markdown files.")
   set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
   install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/batten COMPONENT doc)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/batten COMPONENT doc
-          PATTERN "_site" EXCLUDE PATTERN "conf.py" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+          PATTERN "_site" EXCLUDE PATTERN "conf.py" EXCLUDE PATTERN "numbers.toml" EXCLUDE PATTERN "__pycache__" EXCLUDE)
 endif()
 
 batten_package(dev libbatten-dev "smooth surfaces from curves, and mesh morphing: C++ library"

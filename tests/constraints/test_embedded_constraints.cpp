@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
-#include <catch2/catch.hpp>
-
 #include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/elements/reference_triangle.h"
 #include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/sampling.h"
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
-#include <catch2/catch.hpp>
-
 #include <map>
 #include <set>
 
 #include "batten/fem/refinement.h"
+#include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

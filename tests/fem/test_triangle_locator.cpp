@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
-#include <catch2/catch.hpp>
-
 #include "batten/fem/refinement.h"
+#include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/sampling.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
-#include <catch2/catch.hpp>
-
 #include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
+#include "batten/tests/support/catch.h"
 #include "batten/tests/support/embedded_grid.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/sampling.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
-#include <catch2/catch.hpp>
 #include <numbers>
 
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/domains/mesher.h"
 #include "batten/skinning/layout/region_layout.h"
 #include "batten/skinning/region/skinned_region.h"
+#include "batten/tests/support/catch.h"
 #include "batten/tests/support/random_outlines.h"
 #include "batten/tests/support/reference_static_solver.h"
 
