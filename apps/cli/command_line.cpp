@@ -121,8 +121,6 @@ CommandOption Subcommand::added(CLI::Option* option, const char* name,
                   description};
   if (help.is_positional()) {
     help.group = "Arguments";
-    std::transform(help.name.begin(), help.name.end(), help.name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     help.repeated = option->get_expected_max() > 1;
   }
   help_->options.push_back(std::move(help));
@@ -248,6 +246,29 @@ std::string described(const std::string& term, const std::string& text, size_t c
   return left + "\n" + wrapped(text, column, 0);
 }
 
+/// A command line, continued on further lines before an option if it is wider than the help.
+std::string continued(const std::string& command) {
+  std::string lines = " ";
+  size_t width = lines.size();
+  for (size_t at = 0, next; at < command.size(); at = next) {
+    next = std::min(command.find(" --", at + 1), command.size());
+    const std::string part = (at == 0 ? " " : "") + command.substr(at, next - at);
+    constexpr size_t continuation = 2, indent = 5;
+    if (at > 0 && width + part.size() + continuation > kColumns) {
+      lines += " \\\n" + std::string(indent, ' ');
+      width = indent;
+    }
+    lines += part;
+    width += part.size();
+  }
+  return lines + "\n";
+}
+
+std::string capitalized(std::string text) {
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 std::string term_of(const OptionHelp& option) {
   const std::string more = option.is_positional() && option.repeated ? "..." : "";
   return option.name + more + (option.value.empty() ? "" : " " + option.value);
@@ -292,7 +313,8 @@ std::string CommandLine::help(const std::string& command) const {
   std::string usage = "Usage: " + name_ + " " + own.name;
   for (const OptionHelp& option : own.options)
     if (option.required) usage += " " + term_of(option);
-  std::string text = wrapped(usage + " [OPTION...]", 0, 0) + wrapped(own.summary + ".", 0, 0);
+  std::string text =
+      wrapped(usage + " [OPTION...]", 0, 0) + wrapped(capitalized(own.summary) + ".", 0, 0);
   const auto group_of = [](const OptionHelp& one) { return one.group; };
   for (const std::string& group : groups_of(own.options, group_of)) {
     text += "\n" + group + ":\n";
@@ -301,7 +323,7 @@ std::string CommandLine::help(const std::string& command) const {
   }
   text += described("-h, --help", "show this help", kOptionColumn) + "\nExamples:\n";
   for (const CommandHelp::Example& example : own.examples)
-    text += "  " + example.command + "\n" + wrapped(example.comment, 6, 0);
+    text += continued(example.command) + wrapped(example.comment, 6, 0);
   return text;
 }
 
@@ -309,11 +331,11 @@ std::string CommandLine::help(const std::string& command) const {
 
 /// What is wrong with a command line that CLI11 rejects because of `reason`.
 std::string CommandLine::explain(int argc, char** argv, const std::string& reason) const {
-  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  const std::vector<std::string> words(argv + 1, argv + argc);
   std::vector<std::string> names;
   for (const CommandHelp& one : commands_) names.push_back(one.name);
-  if (words.empty() || words[0].starts_with("-"))
-    return ": " + reason + "\nTry '" + name_ + " --help'.";
+  if (words[0].starts_with("-"))
+    return ": found " + words[0] + ", expected a command\nTry '" + name_ + " --help'.";
   const CommandHelp* command = find(words[0]);
   if (!command)
     return ": '" + words[0] + "' is not a command" + did_you_mean(words[0], names) + "\nTry '" +

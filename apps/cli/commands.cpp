@@ -189,7 +189,7 @@ struct SceneArguments {
 Subcommand add_scene(CommandLine& program, const char* name, const char* group, const char* what,
                      SceneArguments& a) {
   Subcommand subcommand = program.command(name, group, what);
-  subcommand.option("scene", a.file, "scene file (.toml)").required();
+  subcommand.option("SCENE", a.file, "scene file (.toml)").required();
   add_out(subcommand, a.out);
   subcommand.group("Parameters");
   subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
@@ -230,7 +230,7 @@ Command add_run(CommandLine& program, CommonOptions& common) {
   add_common(subcommand, common);
   subcommand.example("batten run examples/05-door/scene.toml --out out/door",
                      "surface, STEP file and pictures of a car door");
-  subcommand.example("batten run examples/05-door/scene.toml --out out/swollen --set swell=400",
+  subcommand.example("batten run examples/05-door/scene.toml --out out/swollen --set swell=250",
                      "the same door under a larger pressure");
   subcommand.example("batten run examples/10-plate-with-holes/turned.toml --out out/plate",
                      "scenes of mesh edits, mesh sequences and curves run, too");
@@ -290,7 +290,7 @@ Command add_sculpt(CommandLine& program, CommonOptions& common) {
   SculptArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "sculpt", kSurfaces, "solve for series of parameter values, or simulate a motion");
-  subcommand.option("scene", a.file, "scene file (.toml)").required();
+  subcommand.option("SCENE", a.file, "scene file (.toml)").required();
   add_out(subcommand, a.out);
   subcommand.group("Parameters");
   subcommand.option("--set NAME=VALUE", a.task.settings, kSetText).allow_repeated();
@@ -356,7 +356,7 @@ Command add_run_script(CommandLine& program, CommonOptions& common) {
   Subcommand subcommand = program.command(
       "run-script", "Scripts", "run a script of editing commands, as saved by batten-studio");
   subcommand
-      .option("script", *file, "script file: open, add, set, slide, solve, undo, save, export, ...")
+      .option("SCRIPT", *file, "script file: open, add, set, slide, solve, undo, save, export, ...")
       .required();
   add_common(subcommand, common);
   subcommand.example("batten run-script examples/05-door/session.batten",
@@ -387,7 +387,7 @@ Command add_deform(CommandLine& program, CommonOptions& common) {
   EditArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "deform", "Meshes", "morph a mesh; its form features keep their shape exactly");
-  subcommand.option("scene", a.file, "scene file of a mesh edit (.toml)").required();
+  subcommand.option("SCENE", a.file, "scene file of a mesh edit (.toml)").required();
   add_out(subcommand, a.out);
   subcommand.group("Parameters");
   subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
@@ -409,7 +409,7 @@ Command add_sequence(CommandLine& program, CommonOptions& common) {
   EditArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "sequence", "Meshes", "edit a mesh sequence: keyframes, foot plants, paths, filters");
-  subcommand.option("scene", a.file, "scene file of a mesh sequence (.toml)").required();
+  subcommand.option("SCENE", a.file, "scene file of a mesh sequence (.toml)").required();
   add_out(subcommand, a.out);
   subcommand
       .parsed_option(
@@ -490,7 +490,7 @@ Command add_fair(CommandLine& program, CommonOptions& common) {
   Subcommand subcommand =
       program.command("fair", "Curves", "fair (smooth) drawn or measured curves");
   subcommand
-      .option("curves", a.file,
+      .option("CURVES", a.file,
               "file of curves: .curves .csv .txt .xyz .dat .obj .iges .step .dxf .svg")
       .required();
   subcommand
@@ -637,7 +637,7 @@ Command add_skin(CommandLine& program, CommonOptions& common) {
   Subcommand subcommand =
       program.command("skin", kSurfaces, "fit smooth surfaces through curves: STEP, VTK, report");
   subcommand
-      .option("curves", a.files,
+      .option("CURVES", a.files,
               "files of curves: .csv .txt .xyz .dat .obj .curves .iges .step .dxf .svg .json")
       .required();
   add_out(subcommand, a.out);
@@ -657,8 +657,7 @@ Command add_skin(CommandLine& program, CommonOptions& common) {
   add_gap_tolerance(subcommand, a.gap_tolerance);
   subcommand
       .option("--pressure NUMBER", a.pressure,
-              "pressure along the normal, in relative units (batten info shows its effect in a "
-              "scene)")
+              "pressure along the normal, in relative units; 1 to 30 gives a slight bulge")
       .default_text("0");
   subcommand.group("Output");
   subcommand.flag("--exact-step", a.exact_step,
@@ -688,7 +687,7 @@ Command add_info(CommandLine& program) {
   LineArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "info", kFiles, "show the contents of a scene, or a file of curves, CAD or meshes");
-  subcommand.option("file", a.file, "file to read").required();
+  subcommand.option("FILE", a.file, "file to read").required();
   add_unit(subcommand, a.unit, "length unit of files that state none; a scene states its own");
   subcommand.group("Pictures");
   subcommand
@@ -715,7 +714,7 @@ Command add_view(CommandLine& program, CommonOptions& common) {
   LineArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "view", kFiles, "draw a picture of the surface of a scene or of a curve file");
-  subcommand.option("file", a.file, "scene (.toml) or file of curves").required();
+  subcommand.option("FILE", a.file, "scene (.toml) or file of curves").required();
   subcommand.option("--screenshot FILE", a.screenshot, "picture to write (.png)").required();
   add_unit(subcommand, a.unit, "length unit of files that state none; a scene states its own");
   subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
@@ -753,10 +752,10 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
         .one_of(length_units())
         .default_text(otherwise);
   };
-  subcommand.option("from", task->from, "file to read: STEP, IGES, BREP, a mesh or curves")
+  subcommand.option("FROM", task->from, "file to read: STEP, IGES, BREP, a mesh or curves")
       .required();
   subcommand
-      .option("to", task->to,
+      .option("TO", task->to,
               "file to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
               ".obj .ply .off .vtp .vtu .csv .curves .dxf .svg")
       .required();
@@ -818,7 +817,7 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
   Subcommand subcommand =
       program.command("fit", kSurfaces, "fit a sculptable smooth surface to a CAD model or a mesh");
   subcommand
-      .option("target", a.target,
+      .option("TARGET", a.target,
               "file of the target surface: .step .iges .brep, or a mesh (.stl .obj .ply ...)")
       .required();
   add_out(subcommand, a.out);
@@ -840,10 +839,8 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
   subcommand.group("Output");
   add_step_options(subcommand, a.step);
   add_common(subcommand, common);
-  subcommand.example(
-      "batten fit examples/30-refit/scan.obj --out out/refit "
-      "--curves examples/30-refit/rims.csv --fit-tolerance 0.5",
-      "a scanned panel becomes a smooth surface within 0.5 mm");
+  subcommand.example("batten fit examples/30-refit/scan.obj --out out/scan --fit-tolerance 0.5",
+                     "a scanned panel becomes a smooth surface within 0.5 mm");
   subcommand.example("batten fit part.step --out out/part",
                      "a CAD model of yours becomes a model that you can sculpt");
   return {subcommand, [arguments, &common] {
