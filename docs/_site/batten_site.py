@@ -101,8 +101,7 @@ class Help(Directive):
 
         overview = help_of()
         found = [nodes.literal_block(overview, overview, language="text")]
-        commands = re.search(r"^(?:Commands|Subcommands):\n((?:  .*\n)+)", overview, re.MULTILINE)[1]
-        for command in re.findall(r"^  ([a-z][a-z-]+) {2,}", commands, re.MULTILINE):
+        for command in re.findall(r"^  ([a-z][a-z-]*)  ", overview, re.MULTILINE):
             text = help_of(command)
             section = nodes.section(ids=[f"batten-{command}"], names=[f"batten-{command}"])
             section += [nodes.title("", "", nodes.literal("", f"batten {command}")), nodes.literal_block(text, text, language="text")]
