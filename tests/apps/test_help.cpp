@@ -140,6 +140,27 @@ TEST_CASE("completion proposes commands, options, values and files", "[apps][hel
   CHECK(completions(c, "batten skin --threads ''").empty());
 }
 
+TEST_CASE("man pages list the options of the help", "[apps][help]") {
+  if (std::system("command -v help2man > /dev/null") != 0) {
+    WARN("skipped: help2man is not installed");
+    return;
+  }
+  CommonOptions common;
+  const Program program(common);
+  const CliCase c("man");
+  const std::string command = "help2man --no-info --version-string 1 --name x '" BATTEN_CLI
+                              " fair' > '" +
+                              (c / "page").string() + "'";
+  REQUIRE(std::system(command.c_str()) == 0);
+  const std::string page = contents(c / "page");
+  for (const OptionHelp& option : command_named(program.line, "fair").options) {
+    const std::string name = std::regex_replace(option.name, std::regex("-"), "\\-");
+    INFO(name);
+    CHECK((page.find("\\fB" + name + "\\fR") != std::string::npos) != option.is_positional());
+  }
+  CHECK(page.find(".SH EXAMPLES") != std::string::npos);
+}
+
 TEST_CASE("wrong words on the command line get a proposal", "[apps][help]") {
   const CliCase c("words");
   c.file("hood.toml", "");
