@@ -41,7 +41,8 @@ def main(out: str) -> int:
     os.makedirs(out, exist_ok=True)
 
     # 1. and 2. Curves and surface.
-    model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, name="glass")
+    model = batten.skin({"foot": circle(FOOT, 0), "rim": circle(RIM, HEIGHT)}, name="glass",
+                        settings='[skin]\nfair = "bending"')
     assert model.failed_checks == [], model.failed_checks
 
     # 3. Find whether the surface normal points outwards.
