@@ -468,6 +468,7 @@ void Model::picture(const std::filesystem::path& file, const PictureView& view) 
   look.zebra = view.zebra;
   look.mesh = view.mesh;
   look.title = view.title;
+  look.unit = data_->scene.unit;
   draw_picture(file, shape_picture(look, *data_->made, data_->shape), {view.width, view.height});
 }
 

@@ -2,17 +2,23 @@
 #include "batten/io/pictures/canvas.h"
 
 #include <vtkActor.h>
+#include <vtkActor2D.h>
 #include <vtkAutoInit.h>
 #include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkFloatArray.h>
 #include <vtkLight.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
+#include <vtkPolyDataMapper2D.h>
 #include <vtkProperty.h>
+#include <vtkProperty2D.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
-#include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
@@ -20,14 +26,18 @@
 #include <vtkUnsignedCharArray.h>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/pictures/display.h"
+#include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/pictures/image.h"
+#include "batten/io/pictures/shading.h"
 
 // Registers VTK's rendering back ends.
 VTK_MODULE_INIT(vtkRenderingOpenGL2)
@@ -38,20 +48,11 @@ namespace fs = std::filesystem;
 namespace detail {
 namespace {
 
-const Colour kTop(1, 1, 1), kBottom(0.80, 0.825, 0.855);
+const Colour kTop(1, 1, 1), kBottom(0.885, 0.897, 0.912);
 
 /// Supersampling factor: pictures are rendered this many times larger and averaged down, which
 /// gives smooth edges with any driver.
 constexpr int kOversampling = 2;
-
-void add_light(vtkRenderer& renderer, double x, double y, double z, double intensity) {
-  vtkNew<vtkLight> light;
-  light->SetLightTypeToCameraLight();
-  light->SetPosition(x, y, z);
-  light->SetFocalPoint(0, 0, 0);
-  light->SetIntensity(intensity);
-  renderer.AddLight(light);
-}
 
 /// VTK's built-in font has Latin letters only and silently drops all others.
 void set_font(vtkTextProperty& text, double pixels) {
@@ -108,6 +109,7 @@ class Viewports {
     canvas_.AddRenderer(renderers_.back());
     return *renderers_.back();
   }
+  const std::vector<vtkSmartPointer<vtkRenderer>>& all() const { return renderers_; }
 
  private:
   vtkRenderWindow& canvas_;
@@ -130,6 +132,29 @@ Image averaged_down(const vtkUnsignedCharArray& pixels, int width, int height) {
         image.rgb.push_back(static_cast<unsigned char>(sum / (n * n)));
       }
   return image;
+}
+
+/// Darkens the concave parts of what a renderer has drawn.
+void occlude(Image& image, vtkRenderer& renderer, const vtkFloatArray& depths) {
+  const int* origin = renderer.GetOrigin();
+  const int* size = renderer.GetSize();
+  vtkCamera& camera = *renderer.GetActiveCamera();
+  const double* range = camera.GetClippingRange();
+  const double pixel = 2 * camera.GetParallelScale() / size[1];
+  const OcclusionMap map =
+      ambient_occlusion(depths, image.width * kOversampling, origin[0], origin[1], size[0], size[1],
+                        (range[1] - range[0]) / pixel);
+  constexpr int n = kOversampling;
+  for (int y = 0; y < size[1] / n; ++y)
+    for (int x = 0; x < size[0] / n; ++x) {
+      const float open = map.at(n * (x + 0.5), n * (y + 0.5));
+      if (open >= 1) continue;
+      const int row = image.height - 1 - (origin[1] / n + y);
+      unsigned char* rgb =
+          &image.rgb[3 * (static_cast<size_t>(row) * image.width + origin[0] / n + x)];
+      for (int c = 0; c < 3; ++c)
+        rgb[c] = static_cast<unsigned char>(std::lround(static_cast<float>(rgb[c]) * open));
+    }
 }
 
 void check(const PictureSize& size) {
@@ -202,14 +227,9 @@ void add_text(vtkRenderer& renderer, std::string text, double x, double y, doubl
   renderer.AddActor2D(drawn);
 }
 
-vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour) {
+vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour, Finish finish) {
   auto result = actor(nullptr, facets, colour);
-  vtkProperty& look = *result->GetProperty();
-  look.SetInterpolationToPhong();
-  look.SetAmbient(0.16);
-  look.SetDiffuse(0.86);
-  look.SetSpecular(0.18);
-  look.SetSpecularPower(40);
+  apply_finish(*result, finish);
   return result;
 }
 
@@ -221,38 +241,34 @@ void add_tubes(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, 
   tubes->SetNumberOfSides(16);
   tubes->CappingOn();
   const auto drawn = actor(tubes->GetOutputPort(), nullptr, colour);
-  drawn->GetProperty()->SetSpecular(0.3);
-  drawn->GetProperty()->SetSpecularPower(25);
-  drawn->GetProperty()->SetAmbient(0.25);
+  apply_finish(*drawn, Finish::Curve);
   drawn->SetPosition(offset.x(), offset.y(), offset.z());
   renderer.AddActor(drawn);
 }
 
-void add_lights(vtkRenderer& renderer) {
+void set_stage(vtkRenderer& renderer) {
   renderer.GradientBackgroundOn();
   renderer.SetBackground(kBottom.data());
   renderer.SetBackground2(kTop.data());
-  add_light(renderer, -0.6, 0.8, 0.9, 0.58);
-  add_light(renderer, 0, 0, 1, 0.38);
-  add_light(renderer, 0.9, -0.1, 0.5, 0.20);
-  add_light(renderer, -0.2, -0.9, 0.6, 0.26);
 }
 
 namespace {
 
-double unit_of(double width, double height) { return std::sqrt(width / 1600 * height / 1000); }
+/// Smaller pictures get relatively thicker lines and larger text.
+double unit_of(double width, double height) { return std::pow(width / 1600 * height / 1000, 0.35); }
 double title_pixels(double width, double height) {
-  return std::max(13.0, 28 * unit_of(width, height));
+  return std::max(14.0, 30 * std::pow(unit_of(width, height), 0.7));
 }
 
 }  // namespace
 
+double label_pixels(double width, double height) { return 0.78 * title_pixels(width, height); }
+
 Viewport viewport_of(double width, double height, const std::string& title, bool caption_below,
-                     double bar_height) {
-  const double unit = unit_of(width, height);
+                     double rows) {
   const double row = title.empty() ? 0 : 2 * title_pixels(width, height);
-  return {width, height, caption_below ? 0 : row, (caption_below ? row : 0) + bar_height * unit,
-          unit};
+  return {width, height, caption_below ? 0 : row,
+          (caption_below ? row : 0) + rows * label_pixels(width, height), unit_of(width, height)};
 }
 
 void add_title(vtkRenderer& renderer, const std::string& title, double width, double height,
@@ -275,29 +291,90 @@ void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, do
   renderer.ResetCameraClippingRange();
 }
 
+namespace {
+
+/// Polygons in pixels, each in one colour, drawn together.
+class FlatPolygons {
+ public:
+  FlatPolygons() { colours_->SetNumberOfComponents(3); }
+  void add(const std::vector<Vec2>& corners, const Colour& colour) {
+    cells_->InsertNextCell(static_cast<int>(corners.size()));
+    for (const Vec2& p : corners)
+      cells_->InsertCellPoint(
+          points_->InsertNextPoint(p.x() * kOversampling, p.y() * kOversampling, 0));
+    colours_->InsertNextTuple3(255 * colour.x(), 255 * colour.y(), 255 * colour.z());
+  }
+  void add_box(double left, double bottom, double width, double height, const Colour& colour) {
+    const double right = left + width, top = bottom + height;
+    add({{left, bottom}, {right, bottom}, {right, top}, {left, top}}, colour);
+  }
+  void draw(vtkRenderer& renderer) {
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points_);
+    data->SetPolys(cells_);
+    data->GetCellData()->SetScalars(colours_);
+    vtkNew<vtkPolyDataMapper2D> mapper;
+    mapper->SetInputData(data);
+    mapper->SetScalarModeToUseCellData();
+    vtkNew<vtkActor2D> drawn;
+    drawn->SetMapper(mapper);
+    renderer.AddActor2D(drawn);
+  }
+
+ private:
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkCellArray> cells_;
+  vtkNew<vtkUnsignedCharArray> colours_;
+};
+
+std::string three_figures(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+/// The title, with the extreme values that are beyond the scale.
+std::string bar_title(const std::string& title, bool below, bool above, const Range& values,
+                      double limit) {
+  if (!below && !above) return title;
+  std::string text = title + " (";
+  if (below) text += "min " + three_figures(values.first) + ", ";
+  if (above) text += "max " + three_figures(values.second) + ", ";
+  return text + "scale clipped at " + (below ? "±" : "") + three_figures(limit) + ")";
+}
+
+}  // namespace
+
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
-                    const Viewport& viewport) {
-  const double width = std::min(0.5 * viewport.width, 640 * viewport.unit);
-  const double bottom = viewport.bottom - 100 * viewport.unit;
-  const double text = std::max(10.0, 20 * viewport.unit);
-  vtkNew<vtkScalarBarActor> bar;
-  bar->SetLookupTable(table);
-  bar->SetOrientationToHorizontal();
-  bar->SetTextPositionToPrecedeScalarBar();
-  bar->SetTextPad(static_cast<int>(6 * viewport.unit * kOversampling));
-  bar->SetNumberOfLabels(5);
-  bar->SetLabelFormat("%.3g");
-  bar->UnconstrainedFontSizeOn();
-  set_font(*bar->GetLabelTextProperty(), text);
-  bar->SetMaximumNumberOfColors(512);
-  bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
-  bar->SetPosition((viewport.width - width) / 2 / viewport.width, bottom / viewport.height);
-  bar->SetWidth(width / viewport.width);
-  bar->SetHeight(64 * viewport.unit / viewport.height);
-  bar->SetBarRatio(0.36);
-  renderer.AddActor2D(bar);
-  add_text(renderer, title, viewport.width / 2, bottom + 64 * viewport.unit + 0.9 * text, text,
-           width, true);
+                    const Range& values, const Viewport& viewport) {
+  const double text = label_pixels(viewport.width, viewport.height);
+  const double width = std::min(0.6 * viewport.width, 30 * text), height = 0.8 * text;
+  const double left = (viewport.width - width) / 2, right = left + width;
+  const double bottom = viewport.bottom - (kScalarBarRows - 1.9) * text, top = bottom + height;
+  const double low = table->GetRange()[0], high = table->GetRange()[1];
+  const auto colour = [&](double value) {
+    Colour c;
+    table->GetColor(value, c.data());
+    return c;
+  };
+  FlatPolygons bar;
+  constexpr int strips = 256;
+  for (int i = 0; i < strips; ++i)
+    bar.add_box(left + width * i / strips, bottom, width / strips, height,
+                colour(low + (i + 0.5) / strips * (high - low)));
+  const double middle = bottom + height / 2, beyond = 1e-6 * (high - low);
+  const bool is_below = values.first<low - beyond, is_above = values.second> high + beyond;
+  if (is_below) bar.add({{left, bottom}, {left, top}, {left - height, middle}}, colour(low));
+  if (is_above) bar.add({{right, bottom}, {right, top}, {right + height, middle}}, colour(high));
+  const double step = round_step((high - low) / 4), tick = 0.3 * text;
+  for (double k = std::ceil(low / step - 1e-6); k * step <= high + beyond; ++k) {
+    const double x = left + width * (k * step - low) / (high - low);
+    bar.add_box(x - 0.04 * text, bottom - tick, 0.08 * text, tick, kText);
+    add_text(renderer, three_figures(k == 0 ? 0 : k * step), x, bottom - text, text, width, true);
+  }
+  bar.draw(renderer);
+  add_text(renderer, bar_title(title, is_below, is_above, values, high), viewport.width / 2,
+           top + 0.85 * text, text, viewport.width - 2 * text, true);
 }
 
 Image sheet_image(int count, int columns, bool captions_below, const PictureSize& size,
@@ -315,6 +392,9 @@ Image sheet_image(int count, int columns, bool captions_below, const PictureSize
                      " pictures on one sheet, expected at least 32 x 32 pixels for each");
   canvas.SetSize(size.width * kOversampling, size.height * kOversampling);
   vtkNew<vtkUnsignedCharArray> pixels;
+  vtkNew<vtkFloatArray> depths;
+  const int right = size.width * kOversampling - 1, top_row = size.height * kOversampling - 1;
+  Image image;
   {
     Viewports viewports(canvas);
     viewports.add().SetBackground(1, 1, 1);  // background of the whole sheet
@@ -327,13 +407,17 @@ Image sheet_image(int count, int columns, bool captions_below, const PictureSize
       draw(renderer, i, width, height);
     }
     canvas.Render();
-    canvas.GetPixelData(0, 0, size.width * kOversampling - 1, size.height * kOversampling - 1, 0,
-                        pixels);
+    canvas.GetPixelData(0, 0, right, top_row, 0, pixels);
+    canvas.GetZbufferData(0, 0, right, top_row, depths);
+    const vtkIdType samples = vtkIdType{right + 1} * (top_row + 1);
+    if (pixels->GetNumberOfValues() != 3 * samples || depths->GetNumberOfValues() != samples)
+      throw NoSolutionError("VTK drew nothing");
+    image = averaged_down(*pixels, size.width, size.height);
+    for (const auto& renderer : viewports.all())
+      if (renderer->GetGradientBackground())  // set_stage(): a picture of surfaces
+        occlude(image, *renderer, *depths);
   }
-  if (pixels->GetNumberOfValues() !=
-      vtkIdType{3} * kOversampling * kOversampling * size.width * size.height)
-    throw NoSolutionError("VTK drew nothing");
-  return averaged_down(*pixels, size.width, size.height);
+  return image;
 }
 
 void draw_sheet(const fs::path& path, int count, int columns, bool captions_below,

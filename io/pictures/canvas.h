@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/pictures/image.h"
 
 namespace batten::detail {
@@ -34,7 +35,7 @@ ViewAxes best_view(const std::vector<Vec3>& points);
 struct Viewport {
   double width, height;  // size of the viewport
   double top, bottom;    // heights of the strips reserved for text
-  double unit;           // scale of text and line widths; 1 at 1600 × 1000
+  double unit;           // scale of line widths; 1 at 1600 × 1000
 };
 
 /// Centre and scale of a picture.
@@ -59,17 +60,18 @@ namespace batten::detail {
 
 /// Red, green and blue, 0 to 1.
 using Colour = Vec3;
-inline const Colour kBody(0.70, 0.775, 0.86), kLine(0.83, 0.21, 0.10), kContour(0.13, 0.17, 0.24),
+inline const Colour kBody(0.535, 0.665, 0.795), kLine(0.83, 0.19, 0.09), kContour(0.13, 0.17, 0.24),
     kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
     kExtraCurve(0.10, 0.45, 0.75);
 
 /// The points of VTK data, in its order.
 std::vector<Vec3> points_of(vtkPolyData& data);
 /// Creates an actor that draws the output of `port` (or `data`, if `port` is null) in one colour.
-
 vtkSmartPointer<vtkActor> actor(vtkAlgorithmOutput* port, vtkPolyData* data, const Colour& colour);
-/// Creates an actor that draws facets as a smoothly shaded body, lit by add_lights().
-vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour);
+/// How an actor reflects light; see shading.h.
+enum class Finish;
+/// Creates an actor that draws facets as a smoothly shaded body.
+vtkSmartPointer<vtkActor> body(vtkPolyData* facets, const Colour& colour, Finish finish);
 /// Draws lines on the surface, `width` pixels wide. `offset` moves them towards the camera by a few
 /// pixels, so that the facets do not hide them. Parallel projection does not show this shift.
 void add_thin_lines(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double width,
@@ -79,17 +81,18 @@ void add_dots(vtkRenderer& renderer, vtkPolyData* points, const Colour& colour, 
 /// Draws lines as tubes. `radius` is in model units; `offset` as in add_thin_lines().
 void add_tubes(vtkRenderer& renderer, vtkPolyData* lines, const Colour& colour, double radius,
                const Vec3& offset);
-/// Sets the background and four lights: from the upper left, from the camera, and two weak ones
-/// from the right and from below. No side that faces the camera stays dark.
-void add_lights(vtkRenderer& renderer);
+/// Sets the background of a picture of surfaces, to which sheet_image() adds ambient occlusion.
+void set_stage(vtkRenderer& renderer);
 /// Draws one line of text, `pixels` high, at (x, y) in pixels from the lower left corner. A text
 /// wider than `width` is scaled down (to 65 % at most), then truncated.
 void add_text(vtkRenderer& renderer, std::string text, double x, double y, double pixels,
               double width, bool centred);
-/// The viewport of a picture with this title (a caption below the picture, or above it) and a
-/// scalar bar of `bar_height` units (0: none). All other lengths are in pixels.
+/// Height of the text of scalar bars and legends, in pixels.
+double label_pixels(double width, double height);
+/// The viewport of a picture with this title (a caption below the picture, or above it), and with
+/// `rows` rows of labels at the lower edge. All other lengths are in pixels.
 Viewport viewport_of(double width, double height, const std::string& title, bool caption_below,
-                     double bar_height);
+                     double rows);
 /// Draws the title, or the caption below the picture.
 void add_title(vtkRenderer& renderer, const std::string& title, double width, double height,
                bool caption_below);
@@ -97,10 +100,13 @@ void add_title(vtkRenderer& renderer, const std::string& title, double width, do
 void set_camera(vtkRenderer& renderer, const ViewAxes& axes, const Fit& view, double width,
                 double height);
 
-/// Draws a scalar bar at the lower edge: colours, numbers, and the title above them. It is 100
-/// units (Viewport::unit) high.
+/// Rows of labels (see viewport_of()) that a scalar bar needs.
+inline constexpr double kScalarBarRows = 4.8;
+/// Draws a scalar bar at the lower edge: colours, round numbers, and the title above them. If
+/// `values`, the range of the field, exceeds the range of the table, the end of the bar is pointed,
+/// and the title gives the extreme value.
 void add_scalar_bar(vtkRenderer& renderer, vtkLookupTable* table, const std::string& title,
-                    const Viewport& viewport);
+                    const Range& values, const Viewport& viewport);
 
 /// Renders a sheet of `count` pictures in `columns` columns to memory.
 ///

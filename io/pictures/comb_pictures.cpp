@@ -30,6 +30,7 @@ const Colour kCurve(0.09, 0.20, 0.40), kTooth(0.86, 0.36, 0.22), kDot(0.45, 0.60
 
 /// In parallel projection everything is drawn in one plane (the "paper"), in layers ordered by
 /// depth.
+constexpr double kLegendRows = 3.6;  // rows of labels below the curves
 enum Layer { kBand, kTeeth, kTips, kDots, kCurves, kCircles, kLegend };
 
 /// Lines, triangles or dots of one colour on one layer of the paper.
@@ -165,7 +166,7 @@ void add_band(vtkRenderer& renderer, const Ink& band) {
 /// Draws the legend: bars of known length for curvature and for model length.
 void add_legend(vtkRenderer& renderer, const CombPicture& picture, const Drawing& drawing,
                 const Fit& view, const Viewport& viewport, double bottom) {
-  const double text = std::max(10.0, 20 * viewport.unit), left = 28 * viewport.unit;
+  const double text = label_pixels(viewport.width, viewport.height), left = 28 * viewport.unit;
   const double room = viewport.width / 2 - left;
   const auto bar = [&](double x, double y, double length, const Colour& colour) {
     // The point of the paper at a pixel.
@@ -354,13 +355,14 @@ void draw_combs(const std::filesystem::path& path, const CombPicture& picture,
                const auto& curves = drawing.panels[index];
                const std::string title = title_of(panel, drawing, curves);
                // All panels get the same drawing area, with or without a caption.
-               const Viewport viewport = viewport_of(width, height, "x", below, 80);
+               const Viewport viewport = viewport_of(width, height, "x", below, kLegendRows);
                const Fit view = fit(in_view, paper, viewport, 1);
                renderer.SetBackground(0.985, 0.985, 0.98);
                Panel(renderer, drawing, viewport, view).add(panel, curves);
+               const double text = label_pixels(width, height);
                if (i == 0)
                  add_legend(renderer, picture, drawing, view, viewport,
-                            viewport.bottom - 80 * viewport.unit);
+                            viewport.bottom - kLegendRows * text);
                add_title(renderer, title, width, height, below);
                set_camera(renderer, paper, view, width, height);
              });
@@ -433,7 +435,7 @@ std::vector<Vec3> extent(const EdgePicture& picture) {
 /// Draws the legend at the lower left, in the colours of the edge kinds that it counts.
 void add_legend(vtkRenderer& renderer, const EdgePicture& picture, const Scale& scale,
                 const Viewport& viewport) {
-  const double text = std::max(11.0, 22 * viewport.unit), left = 28 * viewport.unit;
+  const double text = label_pixels(viewport.width, viewport.height), left = 28 * viewport.unit;
   std::string label;
   for (const EdgeStyle& look : looks) {
     const auto count = std::count_if(picture.edges.begin(), picture.edges.end(),
@@ -469,7 +471,7 @@ void draw_edge_combs(const std::filesystem::path& path, const EdgePicture& pictu
         in_view.push_back(scale.tip(edge.line[k], curvature_vectors[k]));
   const double few = picture.edges.size() > 500 ? 0.5 : 1;  // many edges are drawn thinner
   draw_sheet(path, 1, 1, false, size, [&](vtkRenderer& renderer, int, double width, double height) {
-    const Viewport viewport = viewport_of(width, height, picture.title, false, 80);
+    const Viewport viewport = viewport_of(width, height, picture.title, false, kLegendRows);
     const Fit view = fit(in_view, axes, viewport, 1);
     renderer.SetBackground(0.985, 0.985, 0.98);
     const auto draw = [&](const Chains& chains, const Colour& colour, double pixels) {

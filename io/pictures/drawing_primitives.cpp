@@ -6,7 +6,9 @@
 #include <vtkContourFilter.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
+#include <vtkFeatureEdges.h>
 #include <vtkLookupTable.h>
+#include <vtkMath.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -14,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "batten/core/eigen.h"
@@ -46,6 +49,16 @@ vtkSmartPointer<vtkPolyData> extract_cells(vtkPolyData& data, vtkCellArray* line
   if (lines) result->SetLines(lines);
   if (facets) result->SetPolys(facets);
   return result;
+}
+
+vtkSmartPointer<vtkPolyData> feature_edges(vtkPolyData& facets) {
+  vtkNew<vtkFeatureEdges> filter;
+  filter->SetInputData(&facets);
+  filter->ColoringOff();
+  filter->NonManifoldEdgesOff();
+  filter->SetFeatureAngle(30);
+  filter->Update();
+  return filter->GetOutput();
 }
 
 vtkSmartPointer<vtkPolyData> element_edges(const std::vector<const SkinnedRegion*>& regions,
@@ -144,8 +157,10 @@ vtkSmartPointer<vtkPolyData> polylines(const std::vector<HermiteCurve>& curves) 
 }
 
 double rounded_up(double x) {
-  const double power = std::pow(10, std::floor(std::log10(x)) - 1);
-  return std::ceil(x / power * (1 - 1e-9)) * power;
+  const double power = std::pow(10, std::floor(std::log10(x)));
+  for (const double digit : {1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0})
+    if (x <= digit * power * (1 + 1e-9)) return digit * power;
+  return 10 * power;
 }
 
 double round_step(double x) {
@@ -173,45 +188,29 @@ vtkSmartPointer<vtkLookupTable> diverging_colours(double limit) {
 
 namespace {
 
-struct Stop {
-  double at;
-  Vec3 rgb;
-};
-
-// Colour table from 0 to the limit through these colours, interpolated in CIELAB.
-vtkSmartPointer<vtkLookupTable> table_of(const std::vector<Stop>& stops, double limit) {
-  vtkNew<vtkColorTransferFunction> colours;
-  colours->SetColorSpaceToLab();
-  for (const Stop& s : stops) colours->AddRGBPoint(s.at, s.rgb.x(), s.rgb.y(), s.rgb.z());
-  auto table = vtkSmartPointer<vtkLookupTable>::New();
-  constexpr int entries = 256;
-  table->SetNumberOfTableValues(entries);
-  for (int i = 0; i < entries; ++i) {
-    double rgb[3];
-    colours->GetColor(static_cast<double>(i) / (entries - 1), rgb);
-    table->SetTableValue(i, rgb[0], rgb[1], rgb[2]);
-  }
-  table->SetRange(0, limit);
-  return table;
+/// The sRGB colour of CIELAB lightness, chroma and hue (degrees), for the white point D65.
+Vec3 from_lightness(double lightness, double chroma, double hue) {
+  const double angle = hue * std::numbers::pi / 180;
+  const double lab[3] = {lightness, chroma * std::cos(angle), chroma * std::sin(angle)};
+  double rgb[3];
+  vtkMath::LabToRGB(lab, rgb);
+  return Vec3(rgb[0], rgb[1], rgb[2]).cwiseMax(0).cwiseMin(1);
 }
 
 }  // namespace
 
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit) {
-  return table_of({{0, {0.90, 0.92, 0.94}},
-                   {0.35, {0.55, 0.76, 0.86}},
-                   {0.7, {0.16, 0.44, 0.70}},
-                   {1, {0.06, 0.14, 0.42}}},
-                  limit);
-}
-
-vtkSmartPointer<vtkLookupTable> heat_colours(double limit) {
-  return table_of({{0, {0.19, 0.29, 0.66}},
-                   {0.25, {0.33, 0.66, 0.80}},
-                   {0.5, {0.66, 0.85, 0.55}},
-                   {0.75, {0.98, 0.80, 0.38}},
-                   {1, {0.76, 0.12, 0.13}}},
-                  limit);
+  auto table = vtkSmartPointer<vtkLookupTable>::New();
+  constexpr int entries = 256;
+  table->SetNumberOfTableValues(entries);
+  for (int i = 0; i < entries; ++i) {
+    const double t = static_cast<double>(i) / (entries - 1);
+    const double chroma = 8 + 66 * std::pow(std::sin(std::numbers::pi * std::pow(t, 0.8)), 0.9);
+    const Vec3 c = from_lightness(92 - 72 * t, chroma, 100 - 115 * std::pow(t, 0.9));
+    table->SetTableValue(i, c.x(), c.y(), c.z());
+  }
+  table->SetRange(0, limit);
+  return table;
 }
 
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from,
@@ -219,7 +218,7 @@ vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double 
   auto table = vtkSmartPointer<vtkLookupTable>::New();
   const int entries = static_cast<int>(std::clamp(128 * (high - low) / width, 256.0, 65536.0));
   table->SetNumberOfTableValues(entries);
-  const Vec3 light(0.97, 0.97, 0.97), dark(0.10, 0.12, 0.16);
+  const Vec3 light(0.95, 0.96, 0.97), dark(0.15, 0.18, 0.23);
   constexpr double soft = 0.08;  // width of the transition, as a fraction of a stripe
   for (int i = 0; i < entries; ++i) {
     const double place = (low + (i + 0.5) / entries * (high - low) - from) / width;
@@ -231,6 +230,14 @@ vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double 
   }
   table->SetRange(low, high);
   return table;
+}
+
+Range finite_range(vtkDataArray& values) {
+  Range range{kInfinity, -kInfinity};
+  for (vtkIdType i = 0; i < values.GetNumberOfTuples(); ++i)
+    if (const double v = values.GetTuple1(i); std::isfinite(v))
+      range = {std::min(range.first, v), std::max(range.second, v)};
+  return range.first <= range.second ? range : Range{0, 0};
 }
 
 double field_limit(vtkDataArray& values) {

@@ -23,6 +23,8 @@ void complete_normals(vtkPolyData& data, const std::vector<Vec3>& points);
 /// The subset of `data` with these lines or facets; points and point data are shared.
 vtkSmartPointer<vtkPolyData> extract_cells(vtkPolyData& data, vtkCellArray* lines,
                                            vtkCellArray* facets);
+/// Edges of facets at which the angle between the facets exceeds 30 degrees, and free edges.
+vtkSmartPointer<vtkPolyData> feature_edges(vtkPolyData& facets);
 /// The edges of all elements inside the trim, as polylines with `tessellation` segments per edge.
 vtkSmartPointer<vtkPolyData> element_edges(const std::vector<const SkinnedRegion*>& regions,
                                            int tessellation);
@@ -43,17 +45,18 @@ namespace batten::detail {
 
 /// Colour table from −limit to limit: blue below 0, grey at 0, red above.
 vtkSmartPointer<vtkLookupTable> diverging_colours(double limit);
-/// Colour table from 0 to the limit: light to dark blue.
+/// Colour table from 0 to the limit, from light grey over yellow and red to dark violet. The
+/// lightness decreases linearly, so that equal steps of the value look equal.
 vtkSmartPointer<vtkLookupTable> sequential_colours(double limit);
-/// Colour table from 0 to the limit: blue, green, yellow, red; lighter in the middle.
-vtkSmartPointer<vtkLookupTable> heat_colours(double limit);
 /// Colour table from `low` to `high` with alternating light and dark stripes, which change at from
 /// + k · width.
 vtkSmartPointer<vtkLookupTable> striped_colours(double low, double high, double from, double width);
 /// Limit of a field's colour scale: the largest magnitude between the 2nd and the 98th percentile
 /// of its finite values, rounded by rounded_up(); 1 if that is 0. Cost: O(n log n).
 double field_limit(vtkDataArray& values);
-/// The smallest number with two significant digits that is ≥ x; x > 0.
+/// Range of the finite values; (0, 0) if there are none.
+Range finite_range(vtkDataArray& values);
+/// The smallest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten that is ≥ x; x > 0.
 double rounded_up(double x);
 /// The largest of 1, 2, 5 times a power of ten that is ≤ x; x > 0.
 double round_step(double x);

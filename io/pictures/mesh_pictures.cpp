@@ -23,6 +23,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"
+#include "batten/io/pictures/shading.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
@@ -131,8 +132,8 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
           bool caption_below) {
   const bool coloured = picture.field.size() > 0;
   const Viewport viewport =
-      viewport_of(width, height, picture.title, caption_below, coloured ? 116 : 0);
-  add_lights(renderer);
+      viewport_of(width, height, picture.title, caption_below, coloured ? kScalarBarRows : 0);
+  set_stage(renderer);
   const auto data = facets_of(picture);
   std::vector<Vec3> in_view = used_points(*picture.shells, picture.points);
   for (const Points* more : picture.also_in_view) {
@@ -149,7 +150,7 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
   normals->SplittingOn();
   normals->ConsistencyOn();
   normals->Update();
-  const auto drawn = body(normals->GetOutput(), kBody);
+  const auto drawn = body(normals->GetOutput(), kBody, coloured ? Finish::Field : Finish::Paint);
   drawn->GetMapper()->ScalarVisibilityOn();
   if (coloured) {
     const double largest = picture.field.maxCoeff();
@@ -162,14 +163,14 @@ void draw(vtkRenderer& renderer, const MeshPicture& picture, double width, doubl
     drawn->GetMapper()->SetLookupTable(table);
     drawn->GetMapper()->UseLookupTableScalarRangeOn();
     drawn->GetMapper()->InterpolateScalarsBeforeMappingOn();
-    drawn->GetProperty()->SetAmbient(0.3);
-    drawn->GetProperty()->SetDiffuse(0.7);
-    drawn->GetProperty()->SetSpecular(0.06);
-    add_scalar_bar(renderer, table, picture.field_title, viewport);
+    add_scalar_bar(renderer, table, picture.field_title, {picture.field.minCoeff(), largest},
+                   viewport);
   } else {
     drawn->GetMapper()->SetScalarModeToUseCellData();
   }
   renderer.AddActor(drawn);
+  add_floor_shadow(renderer, *data, axes, picture.up);
+  add_thin_lines(renderer, feature_edges(*data), kMesh, 1.1 * viewport.unit, offset);
   if (picture.mesh) add_thin_lines(renderer, edges_of(*data), kMesh, 0.7 * viewport.unit, offset);
   if (!picture.lines.empty())
     add_tubes(renderer, chains_of(*data, picture.lines), kLine, 2.0 * viewport.unit * view.pixel,

@@ -28,6 +28,7 @@
 #include "batten/core/geometry.h"
 #include "batten/io/pictures/canvas.h"
 #include "batten/io/pictures/drawing_primitives.h"
+#include "batten/io/pictures/shading.h"
 #include "batten/io/vtk/vtk_files.h"
 
 namespace batten {
@@ -128,7 +129,7 @@ vtkSmartPointer<vtkUnsignedCharArray> region_colours(vtkPolyData& data) {
     const double hue = std::fmod(0.58 + r * golden, 1.0);
     const double shades[] = {0.92, 0.76, 0.85};
     double rgb[3];
-    vtkMath::HSVToRGB(hue, 0.48, shades[r % 3], &rgb[0], &rgb[1], &rgb[2]);
+    vtkMath::HSVToRGB(hue, 0.42, shades[r % 3], &rgb[0], &rgb[1], &rgb[2]);
     colours->InsertNextTuple3(255 * rgb[0], 255 * rgb[1], 255 * rgb[2]);
   }
   return colours;
@@ -140,44 +141,40 @@ const char* field_array(const PictureScene& scene) {
                                                     : "Gauss_curvature";
 }
 
+std::string bar_title(const PictureScene& scene) {
+  if (scene.field == PictureScene::Field::Value) return scene.value.title;
+  const bool mean = scene.field == PictureScene::Field::Mean;
+  const std::string unit = scene.unit.empty() ? "" : " [1/" + scene.unit + (mean ? "]" : "²]");
+  return (mean ? "mean curvature" : "Gaussian curvature") + unit;
+}
+
 void add_surface(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData& data,
                  const Viewport& viewport) {
   const auto facets = extract_cells(data, nullptr, data.GetPolys());
-  const auto drawn = body(facets, kBody);
-  vtkProperty& look = *drawn->GetProperty();
+  const bool scale = has_scale(scene);
+  const auto drawn = body(facets, kBody, scale || scene.zebra > 0 ? Finish::Field : Finish::Paint);
+  vtkMapper& mapper = *drawn->GetMapper();
   const auto colour_by = [&](vtkLookupTable* table) {
-    drawn->GetMapper()->ScalarVisibilityOn();
-    drawn->GetMapper()->SetLookupTable(table);
-    drawn->GetMapper()->UseLookupTableScalarRangeOn();
-    drawn->GetMapper()->InterpolateScalarsBeforeMappingOn();
-    look.SetSpecular(0.06);
+    mapper.ScalarVisibilityOn();
+    mapper.SetLookupTable(table);
+    mapper.UseLookupTableScalarRangeOn();
+    mapper.InterpolateScalarsBeforeMappingOn();
   };
-  if (scene.zebra > 0) {
-    const auto table = add_zebra(*facets, scene.zebra_direction, scene.zebra);
-    colour_by(table);
-    look.SetAmbient(0.45);
-    look.SetDiffuse(0.55);
-  }
+  if (scene.zebra > 0) colour_by(add_zebra(*facets, scene.zebra_direction, scene.zebra));
   if (scene.field == PictureScene::Field::Regions) {
     facets->GetCellData()->SetScalars(region_colours(data));
-    drawn->GetMapper()->ScalarVisibilityOn();
-    drawn->GetMapper()->SetScalarModeToUseCellData();
-    drawn->GetMapper()->SetColorModeToDirectScalars();
-  } else if (scene.field != PictureScene::Field::None) {
-    const bool mean = scene.field == PictureScene::Field::Mean;
+    mapper.ScalarVisibilityOn();
+    mapper.SetScalarModeToUseCellData();
+    mapper.SetColorModeToDirectScalars();
+  } else if (scale) {
     const bool value = scene.field == PictureScene::Field::Value;
     facets->GetPointData()->SetActiveScalars(field_array(scene));
+    vtkDataArray& values = *facets->GetPointData()->GetScalars();
     const double stated = value ? scene.value.limit : scene.field_limit;
-    const double limit = stated > 0 ? stated : field_limit(*facets->GetPointData()->GetScalars());
-    const auto table = value ? heat_colours(limit) : diverging_colours(limit);
+    const double limit = stated > 0 ? stated : field_limit(values);
+    const auto table = value ? sequential_colours(limit) : diverging_colours(limit);
     colour_by(table);
-    look.SetAmbient(0.3);
-    look.SetDiffuse(0.7);
-    add_scalar_bar(renderer, table,
-                   value  ? scene.value.title
-                   : mean ? "Mean curvature"
-                          : "Gauss curvature",
-                   viewport);
+    add_scalar_bar(renderer, table, bar_title(scene), finite_range(values), viewport);
   }
   renderer.AddActor(drawn);
 }
@@ -208,10 +205,11 @@ void add_iso_lines(vtkRenderer& renderer, const PictureScene& scene, vtkPolyData
 void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double height,
           bool caption_below) {
   const bool bar = has_scale(scene);
-  const Viewport viewport = viewport_of(width, height, scene.title, caption_below, bar ? 116 : 0);
+  const Viewport viewport =
+      viewport_of(width, height, scene.title, caption_below, bar ? kScalarBarRows : 0);
   const double unit = viewport.unit;
 
-  add_lights(renderer);
+  set_stage(renderer);
   const auto data = facets_of(scene);
   const auto extra_curves = polylines(scene.extra_curves);
   std::vector<Vec3> points = points_of(*data);
@@ -223,6 +221,7 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
   const Fit view = fit(visible_points, axes, viewport, scene.zoom);
   const Vec3 offset = 4 * view.pixel * axes.towards;
 
+  add_floor_shadow(renderer, *data, axes, 2);
   add_surface(renderer, scene, *data, viewport);
   if (scene.mesh)
     add_thin_lines(renderer, element_edges(scene.regions, facets_per_edge(scene)), kMesh,
@@ -231,10 +230,10 @@ void draw(vtkRenderer& renderer, const PictureScene& scene, double width, double
   if (scene.lines && data->GetNumberOfLines() > 0) {
     const auto chains = extract_cells(*data, data->GetLines(), nullptr);
     chains->GetPointData()->Initialize();
-    add_tubes(renderer, chains, kLine, 2.6 * unit * view.pixel, offset);
+    add_tubes(renderer, chains, bar ? kContour : kLine, 2.1 * unit * view.pixel, offset);
   }
   if (scene.lines && !scene.extra_curves.empty())
-    add_tubes(renderer, extra_curves, kExtraCurve, 2.6 * unit * view.pixel, offset);
+    add_tubes(renderer, extra_curves, kExtraCurve, 2.1 * unit * view.pixel, offset);
   add_title(renderer, scene.title, width, height, caption_below);
   set_camera(renderer, axes, view, width, height);
 }
@@ -439,7 +438,7 @@ ViewAxes near_axes(const std::vector<Vec3>& loops, const ViewAxes& afar) {
 void draw(vtkRenderer& renderer, const LoopPicture& picture, const LoopAlternative& panel,
           const ViewAxes& axes, const std::vector<Vec3>& visible_points, double width,
           double height) {
-  add_lights(renderer);
+  set_stage(renderer);
   const Viewport viewport = viewport_of(width, height, panel.title, true, 0);
   const Fit view = fit(visible_points, axes, viewport, 1);
   const Vec3 offset = 4 * view.pixel * axes.towards;

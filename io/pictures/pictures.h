@@ -24,7 +24,7 @@ struct PictureScene {
     Mean,     ///< mean curvature; negative values blue, positive values red
     Gauss,    ///< Gaussian curvature; negative values blue, positive values red
     Regions,  ///< each face in a different colour
-    Value     ///< values of PictureScene::value, from light (0) to dark (maximum)
+    Value     ///< values of PictureScene::value, from light (0) to dark (upper end of the scale)
   };
   /// A non-negative scalar field on the surface, and the title of its colour scale.
   struct Value {
@@ -39,6 +39,7 @@ struct PictureScene {
   /// extreme 2 % of the values at each end are clipped.
   Field field = Field::None;
   Value value;
+  std::string unit;  ///< length unit, shown with the colour scale of a curvature
   int contours = 0;  ///< number of contour lines of height, at equal height steps
   Vec3 contour_direction = Vec3::UnitZ();  ///< direction along which height is measured
   int parameter_lines = 0;  ///< number of lines of constant u, and of lines of constant v

@@ -653,12 +653,13 @@ const std::vector<std::string> kPictureKeys = {"file",
                                                "view",
                                                "size"};
 
-ScenePicture scene_picture(const TomlTable& table, UniqueNames& files) {
+ScenePicture scene_picture(const TomlTable& table, const std::string& unit, UniqueNames& files) {
   using Field = PictureScene::Field;
   ScenePicture picture;
   PictureScene& look = picture.look;
   picture.file = output_file(table, "file", files, {".png"});
   look.title = table.text("title", "");
+  look.unit = unit;
   look.field = table.choice("show", Field::None,
                             {{"shaded", Field::None},
                              {"mean_curvature", Field::Mean},
@@ -689,7 +690,7 @@ SceneSweep read_sweep(const TomlTable& table, const Scene& scene, UniqueNames& f
   sweep.parameter = table.text("parameter");
   sweep.values = table.list("values");
   sweep.columns = table.integer("columns", 1, 0);
-  sweep.picture = scene_picture(table, files);
+  sweep.picture = scene_picture(table, scene.unit, files);
   // All panels of a sheet have the same lines.
   for_each_fair_parameter(scene.fairing, [&](const std::string& name, double) {
     if (name == sweep.parameter)
@@ -773,7 +774,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
       t.fail("calculix", "a CalculiX deck", "a section [stress] with material and supports for it");
   }
   for (const TomlTable& t : root.tables("picture", kPictureKeys))
-    scene.pictures.push_back(scene_picture(t, files));
+    scene.pictures.push_back(scene_picture(t, scene.unit, files));
   std::vector<std::string> sweep_keys = {"parameter", "values", "columns"};
   sweep_keys.insert(sweep_keys.end(), kPictureKeys.begin(), kPictureKeys.end());
   for (const TomlTable& t : root.tables("sweep", sweep_keys))

@@ -333,23 +333,22 @@ void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFil
       look.title = title;
       pictures.push_back(look);
     };
-    const std::string name = rule.title.empty() ? scene.name : rule.title;
     int columns = 1;
     if (rule.show == Show::BeforeAfter) {
-      add(0, name + ", before");
-      add(states.size() - 1, name + ", after");
+      add(0, "before");
+      add(states.size() - 1, "after");
       columns = 2;
     } else if (rule.show == Show::Steps) {
-      add(0, name + ", before");
+      add(0, "before");
       for (size_t k = 1; k < states.size(); ++k) add(k, scene.edits[k - 1].name);
       columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(states.size()))));
     } else {
       if (rule.show == Show::Displacement) {
         look.field = (places.back() - places.front()).rowwise().norm();
-        look.field_title = "Displacement, " + scene.unit;
+        look.field_title = "displacement [" + scene.unit + "]";
       }
       look.also_in_view.clear();
-      add(states.size() - 1, name);
+      add(states.size() - 1, rule.title);
     }
     draw_meshes(out.file(rule.file), pictures, columns, rule.size);
     report.files.push_back(rule.file);

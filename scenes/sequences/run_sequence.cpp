@@ -294,7 +294,7 @@ MeshPicture picture_settings(const SequenceScene& scene, const SequencePicture& 
   look.elevation = rule.elevation;
   look.zoom = rule.zoom;
   look.up = scene.up;
-  look.title = rule.title.empty() ? scene.name : rule.title;
+  look.title = rule.title;
   return look;
 }
 

@@ -186,8 +186,8 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   PictureScene picture = view();
   picture.regions = pointers(regions);
   picture.field = PictureScene::Field::Value;
-  picture.title = scene_.name + ": " + name + " (deformation ×" + format_number(times) + ")";
-  picture.value = {"von Mises stress" + stress_unit(scene_) + ", max of top and bottom",
+  picture.value = {"von Mises stress" + stress_unit(scene_) +
+                       ", max of top and bottom; deformation ×" + format_number(times),
                    [&](int r, const Location& where) {
                      const ShellStress stress = at(r, where);
                      return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
@@ -228,7 +228,7 @@ void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<P
     picture.regions = pointers(kept.back());
     picture.field = PictureScene::Field::Value;
     picture.title = captions[k];
-    picture.value = {"Displacement / max",
+    picture.value = {"displacement / max",
                      [&, k, phase](int r, const Location& where) {
                        return std::abs(phase) *
                               moved[k].position(layout().to_model_location(r, where)).norm();

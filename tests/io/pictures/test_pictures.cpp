@@ -3,10 +3,15 @@
 // a display.
 #include "batten/io/pictures/comb_pictures.h"
 #include "batten/io/pictures/display.h"
+#include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/pictures/pictures.h"
+#include "batten/io/pictures/shading.h"
 
+#include <vtkFloatArray.h>
 #include <vtkImageData.h>
+#include <vtkLookupTable.h>
+#include <vtkMath.h>
 #include <vtkNew.h>
 #include <vtkPNGReader.h>
 
@@ -437,4 +442,79 @@ TEST_CASE("edges of one kind have its colour, their combs stand out by the curva
   picture.edges[0].kind = EdgeComb::Kind::Tangent;
   CHECK(count(picture, red) == 0);
   CHECK(count(picture, blue) > 100);
+}
+
+TEST_CASE("equal steps of a field have equal steps of lightness", "[io][pictures]") {
+  const auto table = batten::detail::sequential_colours(10);
+  std::vector<double> lightness;
+  for (int i = 0; i <= 20; ++i) {
+    double rgb[3], lab[3];
+    table->GetColor(0.5 * i, rgb);
+    vtkMath::RGBToLab(rgb, lab);
+    lightness.push_back(lab[0]);
+  }
+  const double step = (lightness.back() - lightness.front()) / 20;
+  CHECK(step < -3);
+  for (size_t i = 0; i + 1 < lightness.size(); ++i)
+    CHECK(lightness[i + 1] - lightness[i] == Approx(step).epsilon(0.4));
+}
+
+TEST_CASE("scales end at round numbers", "[io][pictures]") {
+  for (const auto& [value, limit] : {std::pair(0.00027, 0.0003),
+                                     {29.1, 30.0},
+                                     {1.0, 1.0},
+                                     {36.0, 40.0},
+                                     {1.21e6, 1.5e6},
+                                     {8.1e-9, 1e-8}})
+    CHECK(batten::detail::rounded_up(value) == Approx(limit).epsilon(1e-9));
+}
+
+TEST_CASE("grooves are darker than planes and ridges", "[io][pictures]") {
+  constexpr int width = 1600, height = 1200;
+  constexpr double range = 4000;  // depth of the buffer in pixels
+  // Depth over the distance from the middle: a plane, a groove, a ridge.
+  const auto middle = [&](double slope_left, double slope_right) {
+    vtkNew<vtkFloatArray> depths;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const double d = x - width / 2.0;
+        depths->InsertNextValue(
+            static_cast<float>(0.5 + d * (d < 0 ? slope_left : slope_right) / range));
+      }
+    return static_cast<double>(
+        batten::detail::ambient_occlusion(*depths, width, 0, 0, width, height, range)
+            .at(width / 2.0, height / 2.0));
+  };
+  const double plane = middle(1, 1), groove = middle(1, -1), ridge = middle(-1, 1);
+  CHECK(plane > 0.9);
+  CHECK(ridge == Approx(plane).margin(0.01));
+  CHECK(groove < plane - 0.12);
+}
+
+TEST_CASE("a surface casts a shadow on the floor, seen from above", "[io][pictures]") {
+  if (!have_display()) return;
+  const SkinnedRegion dome = region(0.8);
+  PictureScene scene;
+  scene.regions = {&dome};
+  const fs::path path = scratch("floor") / "a.png";
+  // The background depends on the height only: count its darker pixels.
+  const auto shadow = [&](double elevation) {
+    scene.elevation = elevation;
+    draw_picture(path, scene, {320, 200});
+    const Picture picture(path);
+    long n = 0;
+    for (int y = 0; y < 200; ++y) {
+      const Vec3 empty = picture.pixel(1, y);
+      for (int x = 0; x < 320; ++x) {
+        const Vec3 seen = picture.pixel(x, y);
+        n += seen.maxCoeff() - seen.minCoeff() < 0.06 && seen.mean() < empty.mean() - 0.06;
+      }
+    }
+    return n;
+  };
+  const long above = shadow(25), below = shadow(-25), top = shadow(90);
+  CAPTURE(above, below, top);
+  CHECK(above > 1000);
+  CHECK(below < above / 4);
+  CHECK(top < above / 4);
 }
