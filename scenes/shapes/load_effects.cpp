@@ -134,15 +134,32 @@ std::vector<LoadEffect> load_effects(const Scene& scene, const BuiltModel& made,
   return effects;
 }
 
+namespace {
+
+/// A number with three digits, which is enough for a linear estimate.
+std::string estimate(double value) {
+  if (value == 0) return "0";
+  const double digit = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+  return format_number(std::round(value / digit) * digit);
+}
+
+/// A point, rounded to a thousandth of the size.
+std::string approximate_point(const Vec3& p, double size) {
+  const double digit = std::pow(10, std::floor(std::log10(size)) - 3);
+  return format_point((p / digit).array().round() * digit);
+}
+
+}  // namespace
+
 std::string effects_text(const std::vector<LoadEffect>& effects, const std::string& unit) {
   std::string text = effects.empty() ? "" : "effects of small changes\n";
   for (const LoadEffect& effect : effects) {
+    const double size = effect.displacement * effect.visible / kVisible;
     text += "  " + effect.parameter + ": ";
     text += effect.displacement > 0
-                ? "1 displaces the surface by up to " + format_number(effect.displacement) + " " +
-                      unit + ", at " + format_point(effect.at) + " on face '" + effect.face +
-                      "'; " + format_number(effect.visible) +
-                      " displaces it by about 1 % of its size"
+                ? "1 displaces the surface by up to " + estimate(effect.displacement) + " " + unit +
+                      ", at " + approximate_point(effect.at, size) + " on face '" + effect.face +
+                      "'; " + estimate(effect.visible) + " displaces it by about 1 % of its size"
                 : "does not displace the surface";
     text += "\n";
   }
@@ -166,15 +183,15 @@ void check_load_sizes(Report& report, const Scene& scene) {
   const double factor = moved > 0 ? kVisible * size / moved : 0;
   std::string advice = "check its place and direction";
   if (factor > 0 && count == 1)
-    advice = "a value near " + format_number(factor * value) + " displaces it by about 1 %";
+    advice = "a value near " + estimate(factor * value) + " displaces it by about 1 %";
   else if (factor > 0)
     advice = "values " +
-             (factor > 1 ? format_number(factor) + " times as large"
-                         : format_number(1 / factor) + " times smaller") +
+             (factor > 1 ? estimate(factor) + " times as large"
+                         : estimate(1 / factor) + " times smaller") +
              " displace it by about 1 %";
-  report.warnings.push_back("the load " + names + " displaces the surface by " +
-                            format_number(moved) + " " + report.unit + ", " +
-                            format_number(moved / size) + " of its size; " + advice);
+  report.warnings.push_back("the load " + names + " displaces the surface by " + estimate(moved) +
+                            " " + report.unit + ", " + estimate(moved / size) + " of its size; " +
+                            advice);
 }
 
 }  // namespace batten

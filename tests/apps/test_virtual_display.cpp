@@ -38,7 +38,12 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   bool started() const { return fs::exists(number_) && fs::file_size(number_) > 0; }
-  bool running() const { return kill(std::stoi(contents(number_)), 0) == 0; }
+  /// False also for a zombie, which has no command line: containers may not reap it.
+  bool running() const {
+    std::string number;
+    std::ifstream(number_) >> number;
+    return !contents("/proc/" + number + "/cmdline").empty();
+  }
 
  private:
   fs::path number_;
