@@ -109,10 +109,22 @@ class Help(Directive):
         return found
 
 
+def join_scripts(app, exception):
+    """Debian 12 ships furo.js as a module that imports gumshoe; browsers do not load modules from a folder, so join the two."""
+    scripts = Path(app.outdir) / "_static/scripts"
+    furo = scripts / "furo.js"
+    if exception or not furo.is_file():
+        return
+    text = furo.read_text(encoding="utf-8")
+    if text.startswith("import Gumshoe from"):
+        furo.write_text((scripts / "gumshoe-patched.js").read_text(encoding="utf-8") + text.partition("\n")[2], encoding="utf-8")
+
+
 def setup(app):
     app.add_transform(Citations)
     app.connect("source-read", add_files)
     app.connect("source-read", add_python)
+    app.connect("build-finished", join_scripts)
     app.add_lexer("csv", TextLexer)
     app.add_directive("batten-help", Help)
     return {"parallel_read_safe": True}

@@ -19,9 +19,9 @@ inline constexpr std::pair<int, double> kInsUnits[] = {
 inline constexpr const char* kXDataApplication = "BATTEN";
 
 /// The text of a DXF string in UTF-8. Characters that are not in the code page of the file are
-/// written in DXF as \U+XXXX, in UTF-16.
+/// written in DXF as `\U+XXXX`, in UTF-16.
 std::string dxf_decoded(std::string_view text);
-/// A character as one or two codes \U+XXXX.
+/// A character as one or two codes `\U+XXXX`.
 std::string unicode_escapes(char32_t c);
 /// A character of a DXF string in ASCII. The escape codes and '^', which starts the code of a
 /// control character, are escaped too.
