@@ -3,7 +3,7 @@
 
 usage: document_messages.py SOURCE
 
-A line that consists of `one text in backquotes` is a message. `…` and words in CAPITALS are placeholders; each text between
+A heading of one `text in backquotes` is a message. `…` and words in CAPITALS are placeholders; each text between
 them occurs in a string of the sources.
 """
 import re
@@ -25,7 +25,7 @@ def strings():
 def main():
     known = "\n".join(strings()).replace('\\"', '"')
     page = (SOURCE / "docs/troubleshooting.md").read_text(encoding="utf-8")
-    messages = re.findall(r"^`([^`]+)`$", page, re.MULTILINE)
+    messages = re.findall(r"^### `([^`]+)`$", page, re.MULTILINE)
     failed = 0
     for message in messages:
         parts = [part.strip(" ,;:.()'=") for part in re.split(r"…|\b[A-Z]{2,}\b", message)]
