@@ -261,7 +261,8 @@ TEST_CASE("help and version", "[apps][cli]") {
   const CliCase c("help");
   const CliResult help = c.run({"--help"});
   CHECK(help.code == 0);
-  CHECK(help.out.find("batten run hood.toml --out result") != std::string::npos);
+  CHECK(help.out.find("batten run examples/05-door/scene.toml --out out/door") !=
+        std::string::npos);
   const CliResult version = c.run({"--version"});
   CHECK(version.code == 0);
   CHECK(version.out.find("batten ") == 0);

