@@ -53,7 +53,7 @@ def shared_libraries(binary):
 
 
 def dependencies():
-    """Folders of the object files of this build, with the headers of packages that they include, one of each folder."""
+    """Headers of packages that the targets of this build include, one of each folder."""
     headers = defaultdict(dict)
     target = ""
     for line in output("ninja", "-t", "deps").splitlines():
@@ -61,7 +61,7 @@ def dependencies():
             target = line.split(":")[0]
         elif line.strip().startswith("/usr/"):
             path = os.path.normpath(line.strip())
-            headers[target.split("/CMakeFiles/")[0]].setdefault(os.path.dirname(path), path)
+            headers[target.split(".dir/")[0]].setdefault(os.path.dirname(path), path)
     return headers
 
 
@@ -93,14 +93,15 @@ class Licences(unittest.TestCase):
         cls.table = licences.read_table()
         cls.used = {}
         headers, archives = dependencies(), static_libraries()
-        # Libraries of the kernel are in all binaries except the module for PETSc.
-        everywhere = {path for folder, paths in headers.items() for path in paths.values()
-                      if not re.match(r"tests|benchmarks|examples|apps|core/solvers", folder)}
-        own = {"batten": r"apps$|apps/cli", "batten-studio": r"apps/studio", "python": r"apps/python",
-               "batten_petsc": r"core/solvers"}
+        # The libraries are in all binaries, except OpenCASCADE and PETSc.
+        special = r"tests|benchmarks|examples|apps|core/solvers|io/CMakeFiles/batten_cad"
+        everywhere = {path for target, paths in headers.items() for path in paths.values() if not re.match(special, target)}
+        own = {"batten": r"apps/CMakeFiles", "batten_cad": r"io/CMakeFiles/batten_cad",
+               "batten-studio": r"apps/studio|apps/CMakeFiles/batten_documents|io/CMakeFiles/batten_cad",
+               "python": r"apps/python|apps/CMakeFiles/batten_documents", "batten_petsc": r"core/solvers"}
         for name, binary in binaries().items():
             files = shared_libraries(binary) | archives[str(binary.relative_to(BUILD))]
-            files |= {path for folder, paths in headers.items() if re.match(own.get(name, "$"), folder)
+            files |= {path for target, paths in headers.items() if re.match(own[name], target)
                       for path in paths.values()}
             cls.used[name] = files if name == "batten_petsc" else files | everywhere
         cls.packages = packages_of(set().union(*cls.used.values()))
