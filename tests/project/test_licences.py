@@ -111,6 +111,9 @@ class Licences(unittest.TestCase):
         return sorted({(name, self.packages[file]) for name, files in self.used.items() for file in files
                        if self.packages[file]})
 
+    def test_the_headers_of_the_build_are_known(self):
+        self.assertIn("libeigen3-dev", self.packages.values())
+
     def test_each_library_belongs_to_a_package(self):
         self.assertEqual([], sorted(file for file, package in self.packages.items() if not package))
 
