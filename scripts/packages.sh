@@ -8,7 +8,7 @@ build_packages=(git g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libop
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-data-exchange-dev libocct-ocaf-dev qtbase5-dev libvtk9-qt-dev pybind11-dev python3-dev)
 run_packages=(xvfb xauth libgl1-mesa-dri)
-debian=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
+debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME:-}" || true)
 [ "$debian" = trixie ] || run_packages+=(calculix-ccx)  # Debian 13 does not have it
 test_packages=(libpetsc-real-dev openmpi-bin gmsh python3-gmsh freecad-python3 python3-vtk9 python3-numpy python3-meshio python3-pil python3-pandas
   python3-scipy python3-matplotlib python3-nbclient python3-ipykernel mypy dpkg-dev file python3-jsonschema
