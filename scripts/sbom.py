@@ -68,7 +68,7 @@ class Document:
         archive = None
         for file in sorted(dist.iterdir()):
             name = file.name
-            if not name.endswith((".deb", ".xz", ".gz", ".whl")):
+            if not name.endswith((".deb", ".xz", ".gz")):
                 continue
             spdx_id = identifier("file", name)
             has_binaries = not name.endswith((".gz", "_all.deb"))  # which are linked with libraries under the GPL
