@@ -153,7 +153,7 @@ void occlude(Image& image, vtkRenderer& renderer, const vtkFloatArray& depths) {
       unsigned char* rgb =
           &image.rgb[3 * (static_cast<size_t>(row) * image.width + origin[0] / n + x)];
       for (int c = 0; c < 3; ++c)
-        rgb[c] = static_cast<unsigned char>(std::lround(static_cast<float>(rgb[c]) * open));
+        rgb[c] = static_cast<unsigned char>(static_cast<float>(rgb[c]) * open + 0.5F);
     }
 }
 

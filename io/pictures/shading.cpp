@@ -40,10 +40,12 @@ const char* const kLighting = R"(
              * smoothstep(-0.95, -0.45, mirrored.x) * (1.0 - smoothstep(0.25, 0.75, mirrored.x));
   float side_lamp = smoothstep(0.70, 0.84, mirrored.x)
                   * (1.0 - smoothstep(0.15, 0.60, abs(mirrored.y - 0.15)));
-  float tubes = pow(0.5 + 0.5 * cos(7.0 * atan(mirrored.x, max(mirrored.y, 0.01)) + 0.6), 3.0)
-              * smoothstep(0.15, 0.60, mirrored.y);
+  float wave = abs(2.0 * fract(1.15 * mirrored.x + 0.3) - 1.0);
+  wave = wave * wave * (3.0 - 2.0 * wave);
+  float tubes = wave * wave * wave * smoothstep(0.15, 0.60, mirrored.y);
   float ceiling = smoothstep(-0.3, 0.8, mirrored.y);
-  float fresnel = pow(1.0 - clamp(n.z, 0.0, 1.0), 4.0);
+  float fresnel = 1.0 - clamp(n.z, 0.0, 1.0);
+  fresnel *= fresnel * fresnel * fresnel;
   float white = gloss * (0.36 * lamp + 0.20 * side_lamp + 0.13 * tubes + 0.06 * ceiling + 0.35 * ceiling * fresnel);
   vec3 seen = mix(diffuseColor * light, vec3(1.0), clamp(white, 0.0, 0.85));
   gl_FragData[0] = vec4(min(seen, vec3(1.0)), opacity);
@@ -201,16 +203,14 @@ void add_floor_shadow(vtkRenderer& renderer, vtkPolyData& facets, const ViewAxes
 }
 
 float OcclusionMap::at(double x, double y) const {
-  const double px = std::clamp(x / kOcclusionStep - 0.5, 0.0, columns - 1.0),
-               py = std::clamp(y / kOcclusionStep - 0.5, 0.0, rows - 1.0);
-  const int i = std::min(static_cast<int>(px), std::max(0, columns - 2)),
-            j = std::min(static_cast<int>(py), std::max(0, rows - 2));
-  const auto u = static_cast<float>(px - i), v = static_cast<float>(py - j);
-  const auto value = [&](int di, int dj) {
-    return factors[std::min(j + dj, rows - 1) * columns + std::min(i + di, columns - 1)];
-  };
-  return (1 - v) * ((1 - u) * value(0, 0) + u * value(1, 0)) +
-         v * ((1 - u) * value(0, 1) + u * value(1, 1));
+  const float px = std::clamp(static_cast<float>(x) / kOcclusionStep - 0.5F, 0.0F, columns - 1.0F),
+              py = std::clamp(static_cast<float>(y) / kOcclusionStep - 0.5F, 0.0F, rows - 1.0F);
+  const int i = static_cast<int>(px), j = static_cast<int>(py);
+  const float u = px - static_cast<float>(i), v = py - static_cast<float>(j);
+  const float* low = &factors[static_cast<size_t>(j) * columns];
+  const float* high = j + 1 < rows ? low + columns : low;
+  const int next = std::min(i + 1, columns - 1);
+  return (1 - v) * ((1 - u) * low[i] + u * low[next]) + v * ((1 - u) * high[i] + u * high[next]);
 }
 
 namespace {
@@ -250,9 +250,9 @@ class Horizons {
   }
 
  private:
-  static constexpr int kDirections = 6;
+  static constexpr int kDirections = 4;
   static constexpr float kBias = 0.05F;       // radians; hides the edges between facets
-  static constexpr float kLineHeight = 2.2F;  // cells; lines are drawn in front of the surface
+  static constexpr float kLineHeight = 1.5F;  // cells; lines are drawn in front of the surface
 
   struct Step {
     int x, y;

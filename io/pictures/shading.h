@@ -34,7 +34,7 @@ void add_floor_shadow(vtkRenderer& renderer, vtkPolyData& facets, const ViewAxes
                       int up_axis);
 
 /// Factors from 0 (occluded) to 1 (open), row by row from the bottom; one per kOcclusionStep² pixels.
-inline constexpr int kOcclusionStep = 4;
+inline constexpr int kOcclusionStep = 6;
 struct OcclusionMap {
   int columns = 0, rows = 0;
   std::vector<float> factors;
