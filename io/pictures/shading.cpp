@@ -170,7 +170,10 @@ vtkSmartPointer<vtkActor> shadow_actor(const FloorGrid& grid, double strength, d
   shadow->SetMapper(mapper);
   shadow->SetTexture(texture);
   shadow->GetProperty()->LightingOff();
-  shadow->ForceTranslucentOn();
+  // Drawn behind everything else, without the cost of VTK's translucent pass.
+  shadow->ForceOpaqueOn();
+  shadow->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Depth::Impl", true,
+                                                            "  gl_FragDepth = 1.0;\n", false);
   return shadow;
 }
 
