@@ -82,7 +82,7 @@ std::string assembly() {
   return deck + "ENDDATA\n";
 }
 
-const std::string kScene = R"(unit = "mm"
+const std::string kAssemblyScene = R"(unit = "mm"
 mesh = "a.bdf"
 [[select]]
 name = "left"
@@ -123,7 +123,7 @@ struct AssemblyRun {
 
 TEST_CASE("everything follows the plate to which it is connected", "[apps][assemblies]") {
   const CliCase c("assembly");
-  const AssemblyRun ran(c, kScene + kLift);
+  const AssemblyRun ran(c, kAssemblyScene + kLift);
   INFO(ran.result.err);
   REQUIRE(ran.result.code == 0);
   const auto& attached = ran.json["attached"];
@@ -152,7 +152,8 @@ TEST_CASE("everything follows the plate to which it is connected", "[apps][assem
 TEST_CASE("fixed parts stay, and destroyed solids are reported", "[apps][assemblies]") {
   const CliCase c("assembly_stay");
   const AssemblyRun ran(
-      c, kScene + "[attached]\nsolids = \"stay\"\nbushes = \"stay\"\nrigid = \"stay\"\n" + kLift +
+      c, kAssemblyScene + "[attached]\nsolids = \"stay\"\nbushes = \"stay\"\nrigid = \"stay\"\n" +
+             kLift +
              "[[edit.handle]]\nname = \"push\"\ntranslate = [0, 0, -1.5]\n[[select]]\nname = "
              "\"push\"\nbox = [[9.9, 5.9, -0.1], [10.1, 6.1, 0.1]]\n");
   CHECK(ran.result.code == 4);
@@ -160,7 +161,7 @@ TEST_CASE("fixed parts stay, and destroyed solids are reported", "[apps][assembl
   for (const long still : {3000, 3004, 3008, 2000, 2024, 4000}) CHECK(!ran.moved(still));
   CHECK(ran.json["attached"]["connections"] == 0);
   const CliResult bad = [&] {
-    c.file("b.toml", kScene + "[attached]\nrigid = \"smooth\"\n" + kLift);
+    c.file("b.toml", kAssemblyScene + "[attached]\nrigid = \"smooth\"\n" + kLift);
     return c.run({"deform", "b.toml", "--out", "out"});
   }();
   CHECK(bad.code == 1);
@@ -169,7 +170,7 @@ TEST_CASE("fixed parts stay, and destroyed solids are reported", "[apps][assembl
 
 TEST_CASE("an edit that moves nothing changes no byte of an assembly", "[apps][assemblies]") {
   const CliCase c("assembly_null");
-  std::string still = kScene + kLift;
+  std::string still = kAssemblyScene + kLift;
   still.replace(still.find("[0, 0, 1]"), 9, "[0, 0, 0]");
   const AssemblyRun ran(c, still);
   REQUIRE(ran.result.code == 0);

@@ -265,7 +265,7 @@ TEST_CASE("fairing gives the same bits on one thread and on two", "[apps][fair]"
 
 namespace {
 
-const std::string kScene = R"(unit = "mm"
+const std::string kFairedScene = R"(unit = "mm"
 [[curve]]
 name = "wave"
 file = "w.csv"
@@ -281,8 +281,8 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
   c.file("w.csv", wave(0.5));
   const std::string fair = "[[fair]]\nname = \"all\"\ncurves = \"wave\"\nwavelength = 25\n";
   const std::string out = "[output]\ncsv = \"o.csv\"\nvtp = \"o.vtp\"\nstep = \"o.stp\"\n";
-  c.file("a.toml", kScene + fair + out);
-  c.file("b.toml", kScene + fair +
+  c.file("a.toml", kFairedScene + fair + out);
+  c.file("b.toml", kFairedScene + fair +
                        "[[fair]]\nname = \"spot\"\nwavelength = 60\n"
                        "brush = { at = [100, 22.7, 0], radius = 30 }\n" +
                        out);
@@ -320,7 +320,7 @@ TEST_CASE("stages of a scene follow each other, local ones leave the rest alone"
 TEST_CASE("conditions of a scene hold, contradictions are named", "[apps][fair]") {
   const CliCase c("fair_conditions");
   c.file("w.csv", wave(0.5));
-  const std::string fair = kScene + "[[fair]]\ncurves = [\"wa*\"]\nwavelength = 30\n";
+  const std::string fair = kFairedScene + "[[fair]]\ncurves = [\"wa*\"]\nwavelength = 30\n";
   const std::string flat =
       "[[fair.condition]]\nname = \"flat\"\ntype = \"plane\"\nat = [0,0,0]\ndirection = [0,0,1]\n";
   c.file("s.toml", fair + flat +
@@ -341,7 +341,7 @@ TEST_CASE("errors in fairing scenes are reported with their position", "[apps][f
   const CliCase c("fair_scene_mistakes");
   c.file("w.csv", wave(0.5));
   const auto fails = [&](const std::string& more, const std::vector<std::string>& parts) {
-    c.fails(kScene + more, 1, parts);
+    c.fails(kFairedScene + more, 1, parts);
   };
   const std::string fair = "[[fair]]\n";
   fails(fair + "wavelenght = 3\n", {"s.toml:9:1:", "'wavelenght'", "did you mean 'wavelength'?"});
@@ -365,9 +365,9 @@ TEST_CASE("errors in fairing scenes are reported with their position", "[apps][f
   fails(fair + "[[picture]]\nfile = \"a.png\"\nshow = \"comb\"\n",
         {"s.toml:11:8:", "did you mean 'combs'?"});
   fails(fair + "[[load]]\nname = \"x\"\n", {"s.toml:9:3:", "'load'"});
-  c.fails(kScene + fair + "name = \"a\"\nwavelength = 3\n", 1,
+  c.fails(kFairedScene + fair + "name = \"a\"\nwavelength = 3\n", 1,
           {"'a.wavelenght'", "did you mean 'a.wavelength'?"}, {"--set", "a.wavelenght=4"});
-  c.fails(kScene + fair + "name = \"a\"\nwavelength = 3\n", 1, {"--set", "above 0"},
+  c.fails(kFairedScene + fair + "name = \"a\"\nwavelength = 3\n", 1, {"--set", "above 0"},
           {"--set", "a.wavelength=-4"});
   c.fails("unit = \"mm\"\n[[fair]]\n", 1, {"no curves"});
 }

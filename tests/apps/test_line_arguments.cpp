@@ -21,7 +21,7 @@ std::string arc_points(int count, double y, bool backwards) {
   return text + "]\n";
 }
 
-std::string half_cylinder(const std::string& front, const std::string& back) {
+std::string half_cylinder_between(const std::string& front, const std::string& back) {
   return "unit = \"mm\"\n[[curve]]\nname = \"front\"\n" + front +
          "[[curve]]\nname = \"left\"\npoints = [[-50,0,0], [-50,120,0]]\n"
          "[[curve]]\nname = \"back\"\n" +
@@ -37,7 +37,8 @@ TEST_CASE("arcs of five, nine and seventeen points are one half cylinder", "[app
   for (const int count : {5, 9, 17}) {
     INFO(count);
     const CliCase c("arcs");
-    c.file("s.toml", half_cylinder(arc_points(count, 0, false), arc_points(count, 120, true)));
+    c.file("s.toml",
+           half_cylinder_between(arc_points(count, 0, false), arc_points(count, 120, true)));
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});
     INFO(r.err);
     REQUIRE(r.code == 0);
@@ -61,8 +62,8 @@ TEST_CASE("keys of curves make the same half cylinder, and copies of its arc", "
         std::string("ellipse = {centre = [0,120,0], radii = [50,50], normal = [0,1,0], angles = "
                     "[0,-180]}\n")}) {
     INFO(back);
-    c.file("s.toml",
-           half_cylinder("arc = {centre = [0,0,0], radius = 50, normal = [0,-1,0], angles = "
+    c.file("s.toml", half_cylinder_between(
+                         "arc = {centre = [0,0,0], radius = 50, normal = [0,-1,0], angles = "
                          "[0,180]}\n",
                          back));
     const CliResult r = c.run({"run", "s.toml", "--out", "out"});

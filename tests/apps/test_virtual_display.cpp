@@ -12,7 +12,7 @@ using namespace batten_test;
 
 namespace {
 
-const std::string kScene =
+const std::string kScenePicture =
     "unit = \"mm\"\n[[curve]]\nname = \"rim\"\n"
     "points = [[0,0,0], [100,0,0], [100,100,20], [0,100,0], [0,0,0]]\n"
     "[mesh]\nedge_length = 40\n[[picture]]\nfile = \"s.png\"\nsize = [200, 100]\n";
@@ -60,7 +60,7 @@ bool have_xvfb() {
 TEST_CASE("a virtual X server draws the pictures and ends with the program", "[apps][pictures]") {
   if (!have_xvfb()) return;
   const CliCase c("virtual_display");
-  c.file("s.toml", kScene);
+  c.file("s.toml", kScenePicture);
   const Server server(c, "exec Xvfb \"$@\"");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   INFO(r.err);
@@ -72,7 +72,7 @@ TEST_CASE("a virtual X server draws the pictures and ends with the program", "[a
 
 TEST_CASE("no virtual X server is started if nothing is drawn", "[apps][pictures]") {
   const CliCase c("no_picture");
-  c.file("s.toml", kScene.substr(0, kScene.find("[[picture]]")));
+  c.file("s.toml", kScenePicture.substr(0, kScenePicture.find("[[picture]]")));
   const Server server(c, "exit 1");
   CHECK(c.run({"run", "s.toml", "--out", "out"}).code == 0);
   CHECK_FALSE(server.started());
@@ -81,7 +81,7 @@ TEST_CASE("no virtual X server is started if nothing is drawn", "[apps][pictures
 TEST_CASE("a virtual X server ends when the program is killed", "[apps][pictures]") {
   if (!have_xvfb()) return;
   const CliCase c("killed_display");
-  c.file("s.toml", kScene);
+  c.file("s.toml", kScenePicture);
   // The server is ready only after the program is gone: nothing but the signal can end it.
   const Server server(c, "exec sleep 100");
   const pid_t program = c.start({"view", "s.toml", "--screenshot", "v.png"});
@@ -95,7 +95,7 @@ TEST_CASE("a virtual X server ends when the program is killed", "[apps][pictures
 TEST_CASE("a server that does not start is named, and all other files are written",
           "[apps][pictures]") {
   const CliCase c("broken_display");
-  c.file("s.toml", kScene + "[output]\nvtp = \"s.vtp\"\n");
+  c.file("s.toml", kScenePicture + "[output]\nvtp = \"s.vtp\"\n");
   const Server server(c, "echo '(EE) no keyboard' >&2; exit 1");
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 4);
