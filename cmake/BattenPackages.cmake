@@ -90,7 +90,6 @@ This package contains the command-line program and examples.")
       file(READ ${text} content)
       string(REGEX REPLACE "<!--[=/][^>]*-->" "" content "${content}")
       string(REGEX REPLACE "(env )?PYTHONPATH=[./]*build/release/python " "" content "${content}")
-      string(REPLACE "build/release/bin/batten" "batten" content "${content}")
       string(REGEX REPLACE "cmake --build build/release --target ([a-z]+)"
              "g++ -O2 examples/${folder}/main.cpp $(pkg-config --cflags --libs batten-scenes) -o \\1" content "${content}")
       string(REPLACE "build/release/bin/" "./" content "${content}")

@@ -26,8 +26,8 @@ Examples:
   batten COMMAND --help
       more examples, and all options of a command
 
-The paths of the examples are relative to the source folder of Batten; in an
-installed package, to a copy of /usr/share/doc/batten.
+The paths of the examples are relative to the source folder or the unpacked
+archive of Batten; in an installed package, to a copy of /usr/share/doc/batten.
 )";
 
 }  // namespace
