@@ -11,44 +11,7 @@
 #include "batten/core/eigen.h"
 #include "batten/io/pictures/drawing_primitives.h"
 #include "batten/io/pictures/image.h"
-
-namespace batten::detail {
-
-// The camera of a picture: its direction, and the scale at which the model fits.
-
-/// Camera axes, orthonormal: to the right, upwards, and towards the camera.
-struct ViewAxes {
-  Vec3 right, up, towards;
-  /// Axes of a camera at this azimuth and elevation, in degrees as in PictureScene. `up_axis` is
-  /// the axis that points upwards, 0 (x) to 2 (z); the cyclically next axis takes the part of x.
-  ViewAxes(double azimuth, double elevation, int up_axis = 2);
-  /// Axes of a camera that looks from this direction. z points upwards in the picture; if the
-  /// direction is less than 45 degrees from +z or −z, y does.
-  explicit ViewAxes(const Vec3& towards_camera);
-};
-/// Axes of a camera perpendicular to the best-fit plane of the points. It looks from above (+z),
-/// from the front (−y) if the plane is steeper than 45 degrees, or from the right (+x) if it faces
-/// sideways. Cost: O(points).
-ViewAxes best_view(const std::vector<Vec3>& points);
-
-/// A rectangular part of the window, in pixels, with the origin at its lower left corner.
-struct Viewport {
-  double width, height;  // size of the viewport
-  double top, bottom;    // heights of the strips reserved for text
-  double unit;           // scale of line widths; 1 at 1600 × 1000
-};
-
-/// Centre and scale of a picture.
-struct Fit {
-  Vec3 focus;
-  double pixel;  // length of a pixel, in model units
-};
-/// Computes the centre and scale that fit all points into the viewport at `zoom` = 1. A zoom of 2
-/// draws everything twice as large. Cost: O(points).
-Fit fit(const std::vector<Vec3>& points, const ViewAxes& axes, const Viewport& viewport,
-        double zoom);
-
-}  // namespace batten::detail
+#include "batten/io/pictures/picture_camera.h"
 
 class vtkActor;
 class vtkAlgorithmOutput;
@@ -64,8 +27,6 @@ inline const Colour kBody(0.535, 0.665, 0.795), kLine(0.83, 0.19, 0.09), kContou
     kParameter(0.30, 0.38, 0.50), kMesh(0.25, 0.30, 0.38), kText(0.14, 0.16, 0.20),
     kExtraCurve(0.10, 0.45, 0.75);
 
-/// The points of VTK data, in its order.
-std::vector<Vec3> points_of(vtkPolyData& data);
 /// Creates an actor that draws the output of `port` (or `data`, if `port` is null) in one colour.
 vtkSmartPointer<vtkActor> actor(vtkAlgorithmOutput* port, vtkPolyData* data, const Colour& colour);
 /// How an actor reflects light; see shading.h.

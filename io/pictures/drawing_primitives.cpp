@@ -23,6 +23,13 @@
 
 namespace batten::detail {
 
+std::vector<Vec3> points_of(vtkPolyData& data) {
+  std::vector<Vec3> points(static_cast<size_t>(data.GetNumberOfPoints()));
+  for (size_t p = 0; p < points.size(); ++p)
+    data.GetPoint(static_cast<vtkIdType>(p), points[p].data());
+  return points;
+}
+
 void complete_normals(vtkPolyData& data, const std::vector<Vec3>& points) {
   vtkDataArray& normals = *data.GetPointData()->GetNormals();
   std::vector<Vec3> sum(points.size(), Vec3::Zero());

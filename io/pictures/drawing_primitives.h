@@ -18,6 +18,8 @@ using Range = std::pair<double, double>;
 /// The range of a list of values.
 Range range_of(const std::vector<double>& values);
 
+/// The points of VTK data, in its order.
+std::vector<Vec3> points_of(vtkPolyData& data);
 /// Sets the normals of points at which the surface is singular, from the surrounding facets.
 void complete_normals(vtkPolyData& data, const std::vector<Vec3>& points);
 /// The subset of `data` with these lines or facets; points and point data are shared.

@@ -22,6 +22,7 @@
 
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
+#include "batten/io/pictures/drawing_primitives.h"
 
 namespace batten::detail {
 namespace {

@@ -6,7 +6,7 @@
 #include <vtkSmartPointer.h>
 #include <vector>
 
-#include "batten/io/pictures/canvas.h"
+#include "batten/io/pictures/picture_camera.h"
 
 class vtkActor;
 class vtkFloatArray;
