@@ -42,12 +42,12 @@ need_packages() {
     "${missing[@]}" >/dev/null
 }
 
-# build PRESET TARGET…: configures once and builds.
+# build PRESET TARGET…: configures once, with the options in cmake_options, and builds.
 build() {
   local preset=$1
   shift
   cd "$root"
-  [ -f "build/$preset/build.ninja" ] || cmake --preset "$preset"
+  [ -f "build/$preset/build.ninja" ] || cmake --preset "$preset" ${cmake_options:-}
   cmake --build "build/$preset" --parallel "$(nproc)" ${1:+--target "$@"}
 }
 
