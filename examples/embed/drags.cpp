@@ -12,7 +12,7 @@ int main(int, char**) {
   for (int i = 1; i <= 100; ++i) {
     session.set("swell", 0.2 * i);
     session.update();
-    session.frame();  // points and normals to draw
+    session.frame();  // points and normals to draw; triangles: pattern->facets
   }
   session.solve();
   const double swollen = session.volume();
