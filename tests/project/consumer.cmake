@@ -7,8 +7,10 @@
 cmake_minimum_required(VERSION 3.22)
 string(REPLACE "," ";" COMPONENTS "${COMPONENTS}")
 set(work ${BUILD}/consumer)
+set(of_packages OFF)
 if(PREFIX)
   set(work ${BUILD}/consumer-of-packages)
+  set(of_packages ON)  # installed by the same rules: the project of examples/embed is built from the other one
 endif()
 file(REMOVE_RECURSE ${work})
 file(MAKE_DIRECTORY ${work})
@@ -45,7 +47,7 @@ run(${CMAKE_COMMAND} --build ${work}/build)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${work}/build --output-on-failure)
 message(STATUS "${output}")
 
-if("scenes" IN_LIST COMPONENTS AND NOT SANITIZE)
+if("scenes" IN_LIST COMPONENTS AND NOT SANITIZE AND NOT of_packages)
   run(${CMAKE_COMMAND} -S ${SOURCE}/examples/embed -B ${work}/embed -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
       -DCMAKE_PREFIX_PATH=${PREFIX})
   run(${CMAKE_COMMAND} --build ${work}/embed)
