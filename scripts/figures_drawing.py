@@ -310,7 +310,7 @@ def tour(target, runner):
     drag([40, 80, 120, 120, 80, 40], "zebra stripes", zebra=30)
     film.add(striped, "zebra stripes", 4)
     stress = Image.open(runner("batten stress examples/09-mouse/scene.toml --out {out}", "mouse_drop.png")).convert("RGB")
-    film.fade(striped, stress, "von Mises stress after a drop", 3)
+    film.fade(striped, stress, "", 3)
     film.add(stress, "", 14)
     step = freecad_view(runner)
     film.fade(stress, step, "", 3)
