@@ -29,20 +29,26 @@ def needed_libraries(file):
     return libraries
 
 
-def package_of(files):
-    """{file: package} by dpkg's database; files that belong to no package are an error."""
+def owners_of(files):
+    """{file: package} by dpkg's database; None for files that belong to no package."""
     spellings = {}  # /lib and /usr/lib are one folder, and dpkg knows a file under one of the names
     for file in files:
         real = os.path.realpath(file)
         for name in {real, real.removeprefix("/usr"), f"/usr{real}"}:
             spellings[name] = file
     output = subprocess.run(["dpkg-query", "-S", *spellings], capture_output=True, text=True).stdout
-    packages = {}
+    packages = dict.fromkeys(files)
     for line in output.splitlines():
         owner, _, name = line.partition(": ")
         if name in spellings and not owner.startswith("diversion"):
             packages[spellings[name]] = owner.split(",")[0].split(":")[0]
-    if missing := sorted(str(f) for f in files if f not in packages):
+    return packages
+
+
+def package_of(files):
+    """{file: package} by dpkg's database; files that belong to no package are an error."""
+    packages = owners_of(files)
+    if missing := sorted(str(file) for file, package in packages.items() if not package):
         raise SystemExit("no Debian package has " + ", ".join(missing[:5]))
     return packages
 

@@ -7,7 +7,6 @@ For each binary, the test lists the packages of the shared libraries with which 
 libraries (ldd), and of the static libraries and headers that are compiled into it. Each package must be in the table, and
 a package under the GPL must belong to a switch that is on in this build.
 """
-import importlib.util
 import os
 import re
 import subprocess
@@ -18,10 +17,9 @@ from pathlib import Path
 
 BUILD = Path(sys.argv[1]).resolve()
 SOURCE = Path(__file__).resolve().parents[2]
-spec = importlib.util.spec_from_file_location("licences", SOURCE / "scripts/licences.py")
-licences = importlib.util.module_from_spec(spec)
-sys.modules["licences"] = licences
-spec.loader.exec_module(licences)
+sys.path.insert(0, str(SOURCE / "scripts"))
+import debian  # noqa: E402
+import licences  # noqa: E402
 
 PATTERNS = {"batten": "bin/batten", "batten_cad": "bin/batten_cad.so", "batten-studio": "bin/batten-studio",
             "batten_petsc": "bin/batten_petsc.so", "python": "python/batten/_batten*.so"}
@@ -74,19 +72,6 @@ def static_libraries():
     return found
 
 
-def packages_of(files):
-    """Maps each file to its Debian package; files of no package to None."""
-    names = dict.fromkeys(files)
-    # Since /usr is merged, packages may contain /lib/x or /usr/lib/x.
-    queries = sorted(files) + sorted(name[len("/usr"):] for name in files if name.startswith("/usr/lib"))
-    for line in output("dpkg", "-S", *queries).splitlines():
-        owners, _, path = line.rpartition(": ")
-        path = path if path.startswith("/usr") else "/usr" + path
-        if path in names:
-            names[path] = owners.split(",")[0].split(":")[0]
-    return names
-
-
 class Licences(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -104,7 +89,7 @@ class Licences(unittest.TestCase):
             files |= {path for target, paths in headers.items() if re.match(own[name], target)
                       for path in paths.values()}
             cls.used[name] = files if name == "batten_petsc" else files | everywhere
-        cls.packages = packages_of(set().union(*cls.used.values()))
+        cls.packages = debian.owners_of(set().union(*cls.used.values()))
 
     def libraries(self):
         """Pairs of a binary and a package that it uses."""
