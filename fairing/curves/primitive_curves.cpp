@@ -31,8 +31,8 @@ class CompositeCurve final : public InputCurve {
   double start() const override { return 0; }
   double end() const override { return ends_.back(); }
   Vec3 evaluate(double t, int order) const override {
-    size_t k = 0;
-    while (k + 1 < curves_.size() && t >= ends_[k + 1]) ++k;
+    const auto inner = ends_.begin() + 1;  // the ends of all curves but the last
+    const auto k = static_cast<size_t>(std::upper_bound(inner, ends_.end() - 1, t) - inner);
     return curves_[k]->evaluate(curves_[k]->start() + t - ends_[k], order);
   }
   std::vector<double> breaks() const override {
@@ -275,8 +275,9 @@ class Spline final : public InputCurve {
     if (p < 0) return Homogeneous::Zero();
     const auto& poles = poles_[derivative];
     const double* knots = knots_.data() + derivative;
-    int k = p;  // span [knot k, knot k+1) that contains t
-    while (k + 1 < isize(poles) && t >= knots[k + 1]) ++k;
+    // The span [knot k, knot k+1) that contains t.
+    const auto k =
+        static_cast<int>(std::upper_bound(knots + p + 1, knots + poles.size(), t) - knots) - 1;
     std::array<Homogeneous, 10> d;
     for (int i = 0; i <= p; ++i) d[i] = poles[k - p + i];
     for (int r = 1; r <= p; ++r)

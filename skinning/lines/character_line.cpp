@@ -13,11 +13,22 @@
 namespace batten {
 namespace {
 
-// A part of a curve, in either direction.
+using SharedBreaks = std::shared_ptr<const std::vector<double>>;
+
+SharedBreaks shared_breaks(const InputCurve& curve) {
+  return std::make_shared<const std::vector<double>>(curve.breaks());
+}
+
+// A part of a curve, in either direction. All parts of a curve share its breaks.
 class Subcurve final : public InputCurve {
  public:
-  Subcurve(std::shared_ptr<const InputCurve> whole, double from, double to, bool backwards)
-      : whole_(std::move(whole)), from_(from), to_(to), backwards_(backwards) {}
+  Subcurve(std::shared_ptr<const InputCurve> whole, SharedBreaks given, double from, double to,
+           bool backwards)
+      : whole_(std::move(whole)),
+        given_(std::move(given)),
+        from_(from),
+        to_(to),
+        backwards_(backwards) {}
   double start() const override { return backwards_ ? -to_ : from_; }
   double end() const override { return backwards_ ? -from_ : to_; }
   Vec3 evaluate(double t, int order) const override {
@@ -31,9 +42,10 @@ class Subcurve final : public InputCurve {
     return (order == 1 ? -1 : 1) * whole_->evaluate(forward, order);
   }
   std::vector<double> breaks() const override {
+    const auto first = std::upper_bound(given_->begin(), given_->end(), from_),
+               last = std::lower_bound(first, given_->end(), to_);
     std::vector<double> inside = {from_};
-    for (const double b : whole_->breaks())
-      if (b > from_ && b < to_) inside.push_back(b);
+    inside.insert(inside.end(), first, last);
     inside.push_back(to_);
     if (backwards_) {
       std::reverse(inside.begin(), inside.end());
@@ -45,6 +57,7 @@ class Subcurve final : public InputCurve {
 
  private:
   std::shared_ptr<const InputCurve> whole_;
+  SharedBreaks given_;
   double from_, to_;
   bool backwards_;
 };
@@ -97,12 +110,14 @@ void check(const CharacterLine& line) {
 
 std::shared_ptr<const InputCurve> subcurve(std::shared_ptr<const InputCurve> curve, double from,
                                            double to) {
-  return std::make_shared<Subcurve>(std::move(curve), from, to, false);
+  const SharedBreaks given = shared_breaks(*curve);
+  return std::make_shared<Subcurve>(std::move(curve), given, from, to, false);
 }
 
 std::shared_ptr<const InputCurve> reversed(std::shared_ptr<const InputCurve> curve) {
   const double a = curve->start(), b = curve->end();
-  return std::make_shared<Subcurve>(std::move(curve), a, b, true);
+  const SharedBreaks given = shared_breaks(*curve);
+  return std::make_shared<Subcurve>(std::move(curve), given, a, b, true);
 }
 
 std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double corner_angle) {
@@ -125,7 +140,8 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
     return {{line.name, line.role, whole, line.mesh_alignment, line.prescribed, line.curve}};
 
   std::vector<double> cuts = {curve.start()};
-  const std::vector<double> breaks = curve.breaks(), corners = curve.corners();
+  const SharedBreaks given = shared_breaks(curve);
+  const std::vector<double>&breaks = *given, corners = curve.corners();
   for (size_t i = 1; i + 1 < breaks.size(); ++i) {
     const auto [a, b] = one_sided(curve, breaks[i]);
     if (degrees_between(a, b) > corner_angle ||
@@ -140,7 +156,7 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     parts.push_back({line.name + "." + std::to_string(i + 1),
                      line.role,
-                     subcurve(line.curve, cuts[i], cuts[i + 1]),
+                     std::make_shared<Subcurve>(line.curve, given, cuts[i], cuts[i + 1], false),
                      line.mesh_alignment,
                      {},
                      {},

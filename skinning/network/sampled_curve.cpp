@@ -222,6 +222,15 @@ void unite_equal(const std::vector<CharacterLine>& lines,
 
 }  // namespace
 
+TrimmedCurve::TrimmedCurve(std::shared_ptr<const InputCurve> whole, double from, double to,
+                           bool backwards)
+    : whole_(std::move(whole)),
+      given_breaks_(std::make_shared<const std::vector<double>>(whole_->breaks())),
+      given_corners_(std::make_shared<const std::vector<double>>(whole_->corners())),
+      from_(from),
+      to_(to),
+      backwards_(backwards) {}
+
 Vec3 TrimmedCurve::evaluate(double t, int order) const {
   const double sliver = 1e-12 * (to_ - from_);
   double u = backwards_ ? -t : t;
@@ -231,19 +240,23 @@ Vec3 TrimmedCurve::evaluate(double t, int order) const {
 }
 
 std::vector<double> TrimmedCurve::corners() const {
-  std::vector<double> inside;
-  for (const double c : whole_->corners())
-    if (c > from_ && c < to_) inside.push_back(backwards_ ? -c : c);
-  if (backwards_) std::reverse(inside.begin(), inside.end());
+  const std::vector<double>& given = *given_corners_;
+  std::vector<double> inside(std::upper_bound(given.begin(), given.end(), from_),
+                             std::lower_bound(given.begin(), given.end(), to_));
+  if (backwards_) {
+    std::reverse(inside.begin(), inside.end());
+    for (double& c : inside) c = -c;
+  }
   return inside;
 }
 
 std::vector<double> TrimmedCurve::breaks() const {
-  std::vector<double> all = {from_};
   const double sliver = 1e-12 * (to_ - from_);
-  const std::vector<double> given = whole_->breaks();
-  for (const double b : given)
-    if (b > from_ + sliver && b < to_ - sliver) all.push_back(b);
+  const std::vector<double>& given = *given_breaks_;
+  const auto first = std::upper_bound(given.begin(), given.end(), from_ + sliver),
+             last = std::lower_bound(first, given.end(), to_ - sliver);
+  std::vector<double> all = {from_};
+  all.insert(all.end(), first, last);
   const double period = whole_->end() - whole_->start();
   for (size_t i = 1; i < given.size() && given[i] + period < to_ - sliver; ++i)
     if (to_ > whole_->end()) all.push_back(given[i] + period);
@@ -261,7 +274,11 @@ std::shared_ptr<const TrimmedCurve> TrimmedCurve::part(double a, double b, bool 
   const double period = whole_->end() - whole_->start();
   if (from < whole_->start()) from += period, to += period;
   if (from >= whole_->end()) from -= period, to -= period;
-  return std::make_shared<TrimmedCurve>(whole_, from, to, backwards_ != back);
+  auto part = std::make_shared<TrimmedCurve>(*this);
+  part->from_ = from;
+  part->to_ = to;
+  part->backwards_ = backwards_ != back;
+  return part;
 }
 
 double SampledCurve::between(double s0, double s1) const {

@@ -20,8 +20,7 @@ namespace batten::detail {
 /// The parameter runs from `from` to `to`, or from -to to -from if the part is reversed.
 class TrimmedCurve final : public InputCurve {
  public:
-  TrimmedCurve(std::shared_ptr<const InputCurve> whole, double from, double to, bool backwards)
-      : whole_(std::move(whole)), from_(from), to_(to), backwards_(backwards) {}
+  TrimmedCurve(std::shared_ptr<const InputCurve> whole, double from, double to, bool backwards);
   double start() const override { return backwards_ ? -to_ : from_; }
   double end() const override { return backwards_ ? -from_ : to_; }
   /// Evaluates a point or derivative. At the ends, derivatives are one-sided, taken from inside the
@@ -38,7 +37,10 @@ class TrimmedCurve final : public InputCurve {
   bool backwards() const { return backwards_; }
 
  private:
+  using Parameters = std::shared_ptr<const std::vector<double>>;
+
   std::shared_ptr<const InputCurve> whole_;
+  Parameters given_breaks_, given_corners_;  ///< of the whole curve; all its parts share them
   double from_, to_;
   bool backwards_;
 };
