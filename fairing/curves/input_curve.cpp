@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
@@ -141,34 +142,38 @@ double inverse_of_integral(const Speeds& speed, double fraction) {
 }  // namespace
 
 // Bisects a panel until the sum of both halves agrees with the whole.
-void ArcLength::add_panels(const Panel& whole, double total, int depth) {
+void ArcLength::add_panels(const Panel& whole, double tolerance, int depth) {
   const double middle = 0.5 * (whole.start + whole.end);
   const auto half = [&](double a, double b) {
     const Speeds speed = speeds(*curve_, a, b);
     return Panel{a, b, 0, length_rule().weights.dot(speed) * (b - a), speed};
   };
   Panel first = half(whole.start, middle), second = half(middle, whole.end);
-  if (depth >= 12 || std::abs(first.length + second.length - whole.length) <= 1e-14 * total) {
+  if (depth >= 12 || std::abs(first.length + second.length - whole.length) <= tolerance) {
     for (Panel* panel : {&first, &second}) {
       panel->before = panels_.empty() ? 0 : this->total();
       panels_.push_back(*panel);
     }
     return;
   }
-  add_panels(first, total, depth + 1);
-  add_panels(second, total, depth + 1);
+  add_panels(first, tolerance, depth + 1);
+  add_panels(second, tolerance, depth + 1);
 }
 
 ArcLength::ArcLength(std::shared_ptr<const InputCurve> curve) : curve_(std::move(curve)) {
   const std::vector<double> breaks = curve_->breaks();
   std::vector<Panel> spans;
-  double total = 0;
+  double total = 0, far = 0;
   for (size_t i = 0; i + 1 < breaks.size(); ++i) {
     const double length = speed_integral(*curve_, breaks[i], breaks[i + 1]);
     spans.push_back({breaks[i], breaks[i + 1], total, length, Speeds::Zero()});
     total += length;
+    far = std::max(far, curve_->evaluate(breaks[i]).norm());
   }
-  for (const Panel& span : spans) add_panels(span, total, 0);
+  // On a curve far from the origin, speeds have rounding errors that no bisection reduces.
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+  const double tolerance = std::max(1e-14 * total, rounding * far);
+  for (const Panel& span : spans) add_panels(span, tolerance, 0);
 }
 
 // The panel that contains the value; `start` selects parameters or lengths.
