@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/io/files/text.h"
@@ -295,26 +296,66 @@ class DxfCollector {
   std::vector<double> bulges_;
 };
 
-// Collects the curves of a block and of the blocks that it inserts, recursively.
+// Curves, vertices and inserted blocks of a block, including those of the blocks that it inserts.
+struct BlockSize {
+  double curves = 0, vertices = 0, inserts = 0;
+  int levels = 0;  // of blocks inside of it
+
+  void add(const BlockSize& inner) {
+    curves += inner.curves;
+    vertices += inner.vertices;
+    inserts += inner.inserts;
+    levels = std::max(levels, inner.levels + 1);
+  }
+};
+
+// Collects the curves of a block and of the blocks that it inserts, recursively. A few blocks that
+// insert each other several times can expand to any number of curves, so they are counted first.
 class BlockExpansion {
  public:
   explicit BlockExpansion(const std::map<std::string, Block>& blocks) : blocks_(blocks) {}
-  std::vector<DrawnLine> lines;
+
+  std::vector<DrawnLine> run(const Block& model) {
+    constexpr double most_curves = 250000, most_vertices = 2500000;
+    const BlockSize all = size_of(model, 0);
+    if (all.curves - isize(model.lines) > most_curves || all.inserts > most_curves)
+      throw InputError("found more than " + format_number(most_curves) +
+                       " curves of inserted blocks, or inserted blocks, expected fewer");
+    if (all.vertices - own_size(model).vertices > most_vertices)
+      throw InputError("found more than " + format_number(most_vertices) +
+                       " vertices of curves of inserted blocks, expected fewer");
+    add(model, {}, "", 0);
+    return std::move(lines_);
+  }
+
+ private:
+  static BlockSize own_size(const Block& block) {
+    BlockSize size{static_cast<double>(block.lines.size()), 0,
+                   static_cast<double>(block.inserts.size()), 0};
+    for (const DrawnLine& line : block.lines) size.vertices += isize(line.points);
+    return size;
+  }
+
+  BlockSize size_of(const Block& block, int depth) {
+    constexpr int deepest = 16;
+    const auto known = sizes_.find(&block);
+    BlockSize size = known == sizes_.end() ? own_size(block) : known->second;
+    if (depth + size.levels > deepest)
+      throw InputError("found blocks that contain each other, or are nested more than " +
+                       std::to_string(deepest) + " levels deep, expected fewer levels");
+    if (known != sizes_.end()) return size;
+    for (const Insert& insert : block.inserts)
+      if (const auto found = blocks_.find(insert.block); found != blocks_.end())
+        size.add(size_of(found->second, depth + 1));
+    return sizes_[&block] = size;
+  }
 
   void add(const Block& block, const AffineTransform& transform, const std::string& layer,
-           int depth = 0) {
-    constexpr int deepest = 16;
-    constexpr size_t most = 1000000;
-    if (depth > deepest)
-      throw InputError("found blocks that contain each other, expected nested blocks");
+           int depth) {
     for (const DrawnLine& line : block.lines) {
-      lines.push_back(depth > 0 ? transformed(line, transform) : line);
-      if (lines.back().name.empty()) lines.back().name = layer;
+      lines_.push_back(depth > 0 ? transformed(line, transform) : line);
+      if (lines_.back().name.empty()) lines_.back().name = layer;
     }
-    inserted_ += block.inserts.size();
-    if (lines.size() > most || inserted_ > most)
-      throw InputError("found more than " + std::to_string(most) +
-                       " curves and inserted blocks, expected fewer");
     for (const Insert& insert : block.inserts) {
       const auto found = blocks_.find(insert.block);
       if (found == blocks_.end()) continue;
@@ -324,9 +365,9 @@ class BlockExpansion {
     }
   }
 
- private:
   const std::map<std::string, Block>& blocks_;
-  size_t inserted_ = 0;
+  std::map<const Block*, BlockSize> sizes_;
+  std::vector<DrawnLine> lines_;
 };
 
 }  // namespace
@@ -334,14 +375,12 @@ class BlockExpansion {
 Drawing read_dxf(const std::filesystem::path& path) {
   DxfCollector all(path);
   all.read();
-  BlockExpansion expansion(all.blocks);
+  Drawing drawing;
   try {
-    expansion.add(all.model, {}, "");
+    drawing.lines = BlockExpansion(all.blocks).run(all.model);
   } catch (const InputError& e) {
     throw InputError(path.string() + ": " + e.what());
   }
-  Drawing drawing;
-  drawing.lines = std::move(expansion.lines);
   drawing.unit_in_metres = all.unit_in_metres;
   all.skipped.report_to(drawing);
   return drawing;
