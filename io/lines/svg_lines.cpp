@@ -6,8 +6,10 @@
 #include <vtkXMLDataElement.h>
 #include <vtkXMLDataParser.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <ostream>
@@ -34,18 +36,18 @@ constexpr const char* kOrigin = "data-batten-origin";
 
 Vec3 in_plane(const Vec2& p) { return {p.x(), p.y(), 0}; }
 
+// An element of the file: [name, {attribute: value}, [elements inside of it]].
+using Element = nlohmann::json;
+
 // Element name without namespace: "svg:path" is a path.
-std::string kind_of(vtkXMLDataElement* element) {
-  const std::string name = element->GetName() ? element->GetName() : "";
+std::string kind_of(const Element& element) {
+  const std::string name = element[0];
   return name.substr(name.find(':') + 1);
 }
 
-std::string attribute(vtkXMLDataElement* element, const char* key) {
-  const char* value = element->GetAttribute(key);
-  return value ? value : "";
-}
+std::string attribute(const Element& element, const char* key) { return element[1].value(key, ""); }
 
-[[noreturn]] void fail(vtkXMLDataElement* element, const std::string& key,
+[[noreturn]] void fail(const Element& element, const std::string& key,
                        const std::string& expected) {
   const std::string id = attribute(element, "id");
   throw InputError("found " + key + " = " + quoted_excerpt(attribute(element, key.c_str())) +
@@ -91,7 +93,7 @@ double rounded_unit(double metres) {
   return metres;
 }
 
-double coordinate(vtkXMLDataElement* element, const char* key, double fallback = 0) {
+double coordinate(const Element& element, const char* key, double fallback = 0) {
   const std::string text = attribute(element, key);
   if (text.empty()) return fallback;
   const std::optional<double> metres = length_of(text);
@@ -100,7 +102,7 @@ double coordinate(vtkXMLDataElement* element, const char* key, double fallback =
 }
 
 // One transform function with its arguments.
-AffineTransform transform_name(vtkXMLDataElement* element, const std::string& name,
+AffineTransform transform_name(const Element& element, const std::string& name,
                                const std::vector<double>& n) {
   const size_t count = n.size();
   AffineTransform p;
@@ -133,7 +135,7 @@ AffineTransform transform_name(vtkXMLDataElement* element, const std::string& na
   return p;
 }
 
-AffineTransform transform_of(vtkXMLDataElement* element) {
+AffineTransform transform_of(const Element& element) {
   const std::string text = attribute(element, "transform");
   AffineTransform all;
   for (size_t i = 0;;) {
@@ -165,7 +167,7 @@ std::shared_ptr<const InputCurve> piece_of(const SvgSegment& segment) {
 
 class SvgReader {
  public:
-  Drawing read(vtkXMLDataElement* root) {
+  Drawing read(const Element& root) {
     if (kind_of(root) != "svg") throw InputError("found no <svg>, expected an SVG drawing");
     go_into(root, page_of(root), "");
     drawing_.unit_in_metres = unit_;
@@ -176,7 +178,7 @@ class SvgReader {
  private:
   // Sets the unit, and maps the page to coordinates with y upwards from its lower edge, or from the
   // origin that the writer states.
-  AffineTransform page_of(vtkXMLDataElement* root) {
+  AffineTransform page_of(const Element& root) {
     std::vector<double> box = numbers_of(attribute(root, "viewBox"));
     const auto width = length_of(attribute(root, "width"));
     const auto height = length_of(attribute(root, "height"));
@@ -191,9 +193,8 @@ class SvgReader {
     return page;
   }
 
-  void go_into(vtkXMLDataElement* parent, const AffineTransform& outer, const std::string& layer) {
-    for (int i = 0; i < parent->GetNumberOfNestedElements(); ++i) {
-      vtkXMLDataElement* element = parent->GetNestedElement(i);
+  void go_into(const Element& parent, const AffineTransform& outer, const std::string& layer) {
+    for (const Element& element : parent[2]) {
       const std::string kind = kind_of(element);
       if (attribute(element, "display") == "none" ||
           attribute(element, "style").find("display:none") != std::string::npos)
@@ -208,7 +209,7 @@ class SvgReader {
     }
   }
 
-  void shape(vtkXMLDataElement* e, const std::string& kind, const AffineTransform& here,
+  void shape(const Element& e, const std::string& kind, const AffineTransform& here,
              const std::string& name) {
     if (kind == "path") return path(e, here, name);
     if (kind == "text" || kind == "image" || kind == "use" || kind == "foreignObject")
@@ -237,7 +238,7 @@ class SvgReader {
     }
   }
 
-  void rect(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
+  void rect(const Element& e, const AffineTransform& here, const std::string& name) {
     const double w = coordinate(e, "width"), h = coordinate(e, "height");
     if (!(w > 0 && h > 0)) return passed_over_.add("rect without size");
     const double rx = coordinate(e, "rx", coordinate(e, "ry"));
@@ -256,7 +257,7 @@ class SvgReader {
   }
 
   // Adds each subpath as a line: as points if all its segments are straight, else as a curve.
-  void path(vtkXMLDataElement* e, const AffineTransform& here, const std::string& name) {
+  void path(const Element& e, const AffineTransform& here, const std::string& name) {
     std::vector<SvgSubpath> parts;
     try {
       parts = parse_svg_path(attribute(e, "d"));
@@ -297,16 +298,59 @@ class SvgReader {
 
 }  // namespace
 
+namespace {
+
+// Entities are replaced by their text wherever they are used, so those that contain others, or long
+// texts, can expand to any size. Drawings use them for short addresses of namespaces.
+void check_entities(const std::string& text, const std::filesystem::path& path) {
+  constexpr size_t longest = 200;
+  for (size_t at = text.find("<!ENTITY"); at != text.npos; at = text.find("<!ENTITY", at + 1)) {
+    const size_t begin = std::min(text.find_first_of("\"'", at), text.size() - 1),
+                 end = std::min(text.find(text[begin], begin + 1), text.size());
+    const std::string_view value = std::string_view(text).substr(begin + 1, end - begin - 1);
+    if (value.size() > longest || value.find_first_of("&%<") != value.npos)
+      throw InputError(path.string() + ":" +
+                       std::to_string(1 + std::count(text.begin(), text.begin() + at, '\n')) +
+                       ": found an entity with the text " + quoted_excerpt(value) +
+                       ", expected a plain text of at most " + std::to_string(longest) +
+                       " characters");
+  }
+}
+
+Element element_of(vtkXMLDataElement* element) {
+  Element attributes = Element::object(), nested = Element::array();
+  for (int i = 0; i < element->GetNumberOfAttributes(); ++i)
+    attributes[element->GetAttributeName(i)] = element->GetAttributeValue(i);
+  for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
+    nested.push_back(element_of(element->GetNestedElement(i)));
+  return Element::array(
+      {element->GetName() ? element->GetName() : "", std::move(attributes), std::move(nested)});
+}
+
+Element read_elements(const std::filesystem::path& path) {
+  const std::string bytes = sandboxed_read(path, "VTK", [&] {
+    vtkNew<vtkXMLDataParser> parser;
+    parser->SetFileName(path.string().c_str());
+    // Suppress VTK's error output.
+    parser->AddObserver(vtkCommand::ErrorEvent, vtkNew<vtkCallbackCommand>());
+    if (!parser->Parse() || !parser->GetRootElement())
+      throw InputError(path.string() + ": found no well-formed XML, expected an SVG drawing");
+    std::string result;
+    Element::to_cbor(element_of(parser->GetRootElement()), result);
+    return result;
+  });
+  return Element::from_cbor(bytes);
+}
+
+}  // namespace
+
 Drawing read_svg(const std::filesystem::path& path) {
-  check_xml_nesting_depth(read_input_file(path, "a drawing"), path.string());
-  vtkNew<vtkXMLDataParser> parser;
-  parser->SetFileName(path.string().c_str());
-  // Suppress VTK's error output.
-  parser->AddObserver(vtkCommand::ErrorEvent, vtkNew<vtkCallbackCommand>());
-  if (!parser->Parse() || !parser->GetRootElement())
-    throw InputError(path.string() + ": found no well-formed XML, expected an SVG drawing");
+  const std::string text = read_input_file(path, "a drawing");
+  check_xml_nesting_depth(text, path.string());
+  check_entities(text, path);
+  const Element root = read_elements(path);
   try {
-    return SvgReader().read(parser->GetRootElement());
+    return SvgReader().read(root);
   } catch (const std::exception& e) {
     throw InputError(path.string() + ": " + e.what());
   }
