@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "batten/core/containers.h"
@@ -16,9 +17,9 @@ namespace batten {
 namespace {
 
 constexpr long kMostThings = 1000000000;
-/// Maximum size of an accessor without data (or with sparse data only), whose other numbers are
-/// zero.
-constexpr long kMostZeros = 1L << 25;
+/// Numbers that an accessor without data (or with sparse data only) may have in addition to one per
+/// byte of the buffers. They are zero.
+constexpr size_t kMostZeros = 1UL << 20;
 
 /// Size of a component type in bytes; 0 for an unknown type.
 size_t size_of_type(long type) {
@@ -84,6 +85,12 @@ std::string decoded_uri(const std::string& uri) {
     text += low >= 0 ? static_cast<char>(16 * high + low) : uri[i];
   }
   return text;
+}
+
+/// True for an absolute uri, such as "file:///data.bin" or "https://host/data.bin".
+bool has_scheme(const std::string& uri) {
+  const size_t colon = uri.find(':');
+  return colon != uri.npos && uri.find_first_of("/?#") > colon;
 }
 
 /// Decodes base64; empty if the text is invalid.
@@ -175,26 +182,50 @@ void GltfDocument::require_extensions() const {
 }
 
 void GltfDocument::read_buffers() {
+  std::map<std::string, std::shared_ptr<const std::string>> read;  // by uri
   for (int b = 0; b < count("buffers"); ++b) {
     const std::string what = "buffer " + std::to_string(b);
     const Json& buffer = item("buffers", b);
     const long length = integer(buffer, "byteLength", what);
-    std::string bytes = !buffer.contains("uri") && b == 0 && has_binary_
-                            ? std::move(binary_)
-                            : buffer_bytes(buffer, what);
-    if (length < 0 || bytes.size() < static_cast<size_t>(length))
-      fail("found " + std::to_string(bytes.size()) + " bytes in " + what + ", expected " +
+    const bool is_binary_chunk = !buffer.contains("uri") && b == 0 && has_binary_;
+    const std::string uri = text(buffer, "uri", "");
+    std::shared_ptr<const std::string>& bytes = read[uri];
+    if (!bytes || uri.empty()) {
+      bytes = std::make_shared<const std::string>(is_binary_chunk ? std::move(binary_)
+                                                                  : read_buffer(buffer, what));
+      buffer_bytes_ += bytes->size();
+    }
+    if (length < 0 || bytes->size() < static_cast<size_t>(length))
+      fail("found " + std::to_string(bytes->size()) + " bytes in " + what + ", expected " +
            std::to_string(length));
-    buffers_.push_back(std::move(bytes));
+    buffers_.push_back(bytes);
   }
 }
 
-std::string GltfDocument::buffer_bytes(const Json& buffer, const std::string& what) const {
+/// The file that a uri names. A scene may come from anywhere, so it names only files of its own
+/// folder and below: links are followed before this is checked.
+std::filesystem::path GltfDocument::buffer_file(const std::string& uri,
+                                                const std::string& what) const {
+  namespace fs = std::filesystem;
+  const fs::path named = decoded_uri(uri),
+                 own = path_.has_parent_path() ? path_.parent_path() : ".";
+  const bool outside =
+      has_scheme(uri) || named.is_absolute() || named.native().find('\0') != std::string::npos;
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(own, error),
+                 file = fs::weakly_canonical(own / named, error);
+  const auto [end, inside] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  if (outside || error || end != folder.end())
+    fail("found the uri " + quoted_excerpt(uri) + " of " + what +
+         ", expected a file in the folder of this scene or below it");
+  return own / named;
+}
+
+std::string GltfDocument::read_buffer(const Json& buffer, const std::string& what) const {
   const std::string uri = text(buffer, "uri", "");
   if (uri.empty()) fail("found no data for " + what + ", expected a uri");
   if (!uri.starts_with("data:"))
-    return read_input_file(path_.parent_path() / decoded_uri(uri), "the data of " + what,
-                           path_.string() + ": ");
+    return read_input_file(buffer_file(uri, what), "the data of " + what, path_.string() + ": ");
   const size_t comma = uri.find(',');
   const bool base64 = comma != uri.npos && uri.substr(0, comma).ends_with(";base64");
   auto bytes = base64 ? decoded_base64(std::string_view(uri).substr(comma + 1)) : std::nullopt;
@@ -286,7 +317,7 @@ GltfDocument::Slice GltfDocument::view(long index) const {
   const long buffer = integer(view, "buffer", what), offset = integer(view, "byteOffset", 0L),
              length = integer(view, "byteLength", what), stride = integer(view, "byteStride", 0L);
   item("buffers", buffer);
-  const std::string& bytes = buffers_[static_cast<size_t>(buffer)];
+  const std::string& bytes = *buffers_[static_cast<size_t>(buffer)];
   const auto size = static_cast<long>(bytes.size());
   if (offset < 0 || length < 0 || stride < 0 || offset > size || length > size - offset)
     fail(what + " ends at byte " + std::to_string(offset + length) + " of buffer " +
@@ -341,6 +372,10 @@ void GltfDocument::read_sparse(const Json& sparse, long type, bool normalized, M
   }
 }
 
+long GltfDocument::element_count(long number) const {
+  return integer(item("accessors", number), "count", "accessor " + std::to_string(number));
+}
+
 MatX GltfDocument::accessor(long number, int components) const {
   const std::string what = "accessor " + std::to_string(number);
   const Json& accessor = item("accessors", number);
@@ -358,7 +393,8 @@ MatX GltfDocument::accessor(long number, int components) const {
   const bool normalized = accessor.contains("normalized") && accessor["normalized"] == true;
   const int from = index(accessor, "bufferView");
   // Checked before memory is allocated for data that the file does not have.
-  const size_t room = from < 0 ? kMostZeros * size_of_type(type) : view(from).size;
+  const size_t room =
+      from < 0 ? (kMostZeros + buffer_bytes_) * size_of_type(type) : view(from).size;
   if (static_cast<size_t>(count) > room / (size_of_type(type) * static_cast<size_t>(components)))
     fail(what + " has " + std::to_string(count) + " elements, more than there is room for in " +
          (from < 0 ? "any scene" : "the " + std::to_string(room) + " bytes of its buffer view"));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -45,6 +46,10 @@ class GltfDocument {
   /// The elements of an accessor, one per row; normalized integers are converted to fractions.
   /// `components`: expected number of components per element.
   MatX accessor(long index, int components) const;
+  /// Number of elements that an accessor states, before accessor() compares it with its data.
+  long element_count(long index) const;
+  /// Size of all buffers. A file that several buffers name counts once.
+  size_t buffer_bytes() const { return buffer_bytes_; }
 
   /// Throws InputError that begins with the file name.
   [[noreturn]] void fail(const std::string& message) const;
@@ -56,7 +61,8 @@ class GltfDocument {
   };
   void read_glb(const std::string& bytes);
   void read_buffers();
-  std::string buffer_bytes(const Json& buffer, const std::string& what) const;
+  std::filesystem::path buffer_file(const std::string& uri, const std::string& what) const;
+  std::string read_buffer(const Json& buffer, const std::string& what) const;
   void require_extensions() const;
   Slice view(long index) const;
   /// Reads `count` consecutive elements of a view into the rows of `into`.
@@ -67,7 +73,8 @@ class GltfDocument {
 
   std::filesystem::path path_;
   Json root_;
-  std::vector<std::string> buffers_;
+  std::vector<std::shared_ptr<const std::string>> buffers_;
+  size_t buffer_bytes_ = 0;
   std::string binary_;  // binary chunk of a GLB
   bool has_binary_ = false;
 };

@@ -46,6 +46,7 @@ class GltfSurface {
   };
   void add(int node);
   void add_primitive(const GltfDocument::Json& primitive, Part part, const std::string& what);
+  void count_elements(const GltfDocument::Json& primitive, const std::string& what);
   void read_joints(const GltfDocument::Json& attributes, Part& part, const std::string& what) const;
   std::vector<std::array<int, 3>> triangles_of(const GltfDocument::Json& primitive, int vertices,
                                                const std::string& what) const;
@@ -57,6 +58,7 @@ class GltfSurface {
   std::vector<Skin> skins_;
   std::vector<std::array<int, 3>> triangles_;
   int vertex_count_ = 0;
+  double elements_ = 0;  // of the accessors that were read, again for each use
 };
 
 namespace {
@@ -138,6 +140,7 @@ void GltfSurface::add_primitive(const GltfJson& primitive, Part part, const std:
   if (mode < kTriangles || mode > kFan) return;  // points and lines
   const GltfJson& attributes = member(primitive, "attributes");
   const long position = document_.index(attributes, "POSITION");
+  count_elements(primitive, what);
   const GltfJson& extensions = member(primitive, "extensions");
   for (const auto& [name, data] : extensions.items())
     if (name == "KHR_draco_mesh_compression" &&
@@ -161,6 +164,25 @@ void GltfSurface::add_primitive(const GltfJson& primitive, Part part, const std:
   if (vertex_count_ > 1000000000 - vertices) document_.fail("found too many vertices");
   vertex_count_ += vertices;
   parts_.push_back(std::move(part));
+}
+
+/// Limits what many uses of the same data add up to.
+void GltfSurface::count_elements(const GltfJson& primitive, const std::string& what) {
+  constexpr double most_repeated = 1 << 22;
+  const auto count = [&](const GltfJson& object, const std::string& key) {
+    if (const long accessor = document_.index(object, key.c_str()); accessor >= 0)
+      elements_ += static_cast<double>(document_.element_count(accessor));
+  };
+  for (const auto& [name, data] : member(primitive, "attributes").items())
+    if (name == "POSITION" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
+      count(member(primitive, "attributes"), name);
+  count(primitive, "indices");
+  if (primitive.contains("targets"))
+    for (const GltfJson& target : primitive["targets"]) count(target, "POSITION");
+  if (elements_ > most_repeated + static_cast<double>(document_.buffer_bytes()))
+    document_.fail("found " + format_number(elements_) + " vertices and indices up to " + what +
+                   ", counted for each node that uses them, expected " +
+                   format_number(most_repeated) + " at most, or one per byte of the buffers");
 }
 
 void GltfSurface::read_joints(const GltfJson& attributes, Part& part,
@@ -384,6 +406,7 @@ MeshSequence read_gltf_sequence(const std::filesystem::path& path, const Sequenc
     }
   }
 
+  require_frame_memory(path, range.count, isize(vertices));
   MeshSequence sequence;
   sequence.shells.points.resize(isize(vertices), 3);
   for (const auto& [a, b, c] : surface.triangles())

@@ -259,6 +259,7 @@ MeshSequence read_files(const std::vector<TimedFile>& files, const FrameRange& r
   const fs::path& first_file = files.front().path;
   const MeshFile first = MeshFile::read(first_file);
   sequence.shells = first.shells();
+  require_frame_memory(first_file, range.count, sequence.node_count());
   const bool corners = lower_extension(first_file) == ".stl";
   for (int k = range.first; k < range.first + range.count; ++k) {
     progress.update("reading frames", static_cast<double>(k - range.first) / range.count);
@@ -297,12 +298,16 @@ std::string attribute(std::string_view tag, const std::string& name) {
 }
 
 /// Removes XML comments.
-std::string without_comments(std::string text) {
-  for (size_t at = text.find("<!--"); at != text.npos; at = text.find("<!--", at)) {
-    const size_t end = text.find("-->", at);
-    text.erase(at, end == text.npos ? text.npos : end + 3 - at);
+std::string without_comments(const std::string& text) {
+  std::string rest;
+  size_t done = 0;
+  while (done < text.size()) {
+    const size_t begin = std::min(text.find("<!--", done), text.size());
+    rest.append(text, done, begin - done);
+    const size_t end = text.find("-->", begin);
+    done = end == text.npos ? text.size() : end + 3;
   }
-  return text;
+  return rest;
 }
 
 std::vector<TimedFile> files_of_pvd(const fs::path& path) {

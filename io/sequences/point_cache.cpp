@@ -71,16 +71,20 @@ std::string head_of(std::ifstream& in, size_t count) {
 }
 
 void require_size(const fs::path& path, const CacheHeader& header, std::uintmax_t size) {
-  const auto expected = header.first_byte + static_cast<std::uintmax_t>(header.points) *
-                                                static_cast<std::uintmax_t>(header.frames) * 12;
+  // As a floating-point number, because the counts of a damaged file may overflow an integer.
+  const double expected =
+      static_cast<double>(header.first_byte) +
+      12.0 * static_cast<double>(header.points) * static_cast<double>(header.frames);
   if (header.points < 1 || header.frames < 1)
     throw InputError(path.string() + ": found " + std::to_string(header.frames) + " frames of " +
                      std::to_string(header.points) + " points, expected at least one of each");
-  if (size != expected || static_cast<std::uintmax_t>(header.points) > size ||
-      static_cast<std::uintmax_t>(header.frames) > size)
+  constexpr double most_exact = 1e15;
+  if (static_cast<double>(size) != expected)
     throw InputError(path.string() + ": found " + std::to_string(size) + " bytes, expected " +
-                     std::to_string(expected) + " for " + format_count(header.frames, "frame") +
-                     " of " + format_count(header.points, "point"));
+                     (expected < most_exact ? std::to_string(static_cast<std::uintmax_t>(expected))
+                                            : format_number(expected)) +
+                     " for " + format_count(header.frames, "frame") + " of " +
+                     format_count(header.points, "point"));
 }
 
 CacheHeader read_pc2_header(const fs::path& path, std::ifstream& in, std::uintmax_t size) {

@@ -5,6 +5,7 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 #include "batten/io/decks/frd_results.h"
 #include "batten/io/files/text.h"
 
@@ -19,8 +20,15 @@ FrameRange frame_range(const SequenceOptions& options, long all, const std::stri
   return {options.first - 1, static_cast<int>(last - options.first + 1)};
 }
 
+void require_frame_memory(const std::filesystem::path& file, long frames, long points) {
+  const double bytes = 3.0 * sizeof(double) * static_cast<double>(frames);
+  require_memory(bytes * static_cast<double>(points), file.string() + ": reading " +
+                                                          format_count(frames, "frame") + " of " +
+                                                          format_count(points, "point"));
+}
+
 MeshSequence read_frames(const std::filesystem::path& path, const SequenceOptions& options,
-                           const Progress& progress) {
+                         const Progress& progress) {
   static const std::map<std::string, SequenceReader*> readers{
       {".pvd", read_pvd_sequence},   {".pc2", read_pc2_sequence},  {".mdd", read_mdd_sequence},
       {".gltf", read_gltf_sequence}, {".glb", read_gltf_sequence}, {".frd", read_frd_sequence}};

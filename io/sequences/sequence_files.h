@@ -67,7 +67,7 @@ struct SequenceOptions {
 /// Throws CancelledError if `progress` requests cancellation. Cost: O(frames · size). Memory: the
 /// frames and one file.
 MeshSequence read_frames(const std::filesystem::path& path, const SequenceOptions& options = {},
-                           const Progress& progress = {});
+                         const Progress& progress = {});
 
 // Readers of sequences, one per file format.
 
@@ -81,6 +81,9 @@ struct FrameRange {
 /// The range of frames that the options request from a sequence of `all` frames. `name`: name of
 /// the sequence for messages. Throws InputError if a requested frame does not exist.
 FrameRange frame_range(const SequenceOptions& options, long all, const std::string& name);
+
+/// Throws MemoryError if `frames` frames of `points` points do not fit into the available memory.
+void require_frame_memory(const std::filesystem::path& file, long frames, long points);
 
 /// Tolerance within which points of a frame are merged into one vertex, relative to the size of the
 /// mesh.
