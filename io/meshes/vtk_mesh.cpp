@@ -273,8 +273,53 @@ class VtkMesh : public MeshContent {
 
 }  // namespace
 
+namespace {
+
+// Compares the counts in the XML part of a file with its size: VTK allocates memory by the counts
+// before it reads the data. Compressed data have fewer bytes than numbers, but not this few.
+void check_counts(const std::string& text, const fs::path& path) {
+  constexpr double most_per_byte = 8, most_numbers_per_byte = 64, always = 4096;
+  const auto size = static_cast<double>(text.size());
+  const auto fail = [&](const std::string& found, const std::string& expected) -> void {
+    throw InputError(path.string() + ": found " + found + ", expected " + expected);
+  };
+  const std::string_view xml = std::string_view(text).substr(0, text.find("<AppendedData"));
+  if (xml.find("<!DOCTYPE") != xml.npos) fail("a document type", "a VTK file, which has none");
+  std::map<std::string, double> sums;  // over all pieces
+  double components = 1;
+  constexpr std::string_view prefix = "NumberOf";
+  for (size_t at = xml.find(prefix); at != xml.npos; at = xml.find(prefix, at + 1)) {
+    const size_t name_end = std::min(xml.find_first_of("= \t\r\n", at), xml.size()),
+                 quote = std::min(xml.find_first_of("\"'", at), xml.size() - 1),
+                 end = std::min(xml.find(xml[quote], quote + 1), xml.size());
+    const std::string name(xml.substr(at, name_end - at));
+    const bool is_attribute = at > 0 && std::string_view(" \t\r\n").find(xml[at - 1]) != xml.npos &&
+                              trimmed(xml.substr(name_end, quote - name_end)).starts_with('=');
+    if (!is_attribute) continue;  // part of a name or of a text
+    const std::string_view number = trimmed(xml.substr(quote + 1, end - quote - 1));
+    long count = -1;
+    if (!parse_integer(number, count) || count < 0)
+      fail(name + " = " + quoted_excerpt(number), "a number from 0");
+    double& sum = sums[name];
+    sum = name == "NumberOfComponents" ? std::max(sum, static_cast<double>(count))
+                                       : sum + static_cast<double>(count);
+    if (sum > most_per_byte * size + always)
+      fail(name + " = " + quoted_excerpt(number) + " in " + std::to_string(text.size()) + " bytes",
+           "as many numbers as there are data");
+    components = std::max(components, sums["NumberOfComponents"]);
+  }
+  for (const auto& [name, sum] : sums)
+    if (name != "NumberOfComponents" && sum * components > most_numbers_per_byte * size + always)
+      fail(format_number(components) + " components of " + format_number(sum) + " tuples in " +
+               std::to_string(text.size()) + " bytes",
+           "as many numbers as there are data");
+}
+
+}  // namespace
+
 std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
-  MeshSourceText(path, true);  // checks that the file exists and is not empty
+  const MeshSourceText file(path, true);  // checks that the file exists and is not empty
+  check_counts(file.text(), path);
   return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
 }
 
