@@ -60,9 +60,22 @@ bool parse_integer(std::string_view field, long& value) {
   return error == std::errc() && end == last;
 }
 
+namespace {
+
+fs::path true_path(const fs::path& file) {
+  std::error_code error;
+  const fs::path result = fs::weakly_canonical(file, error);
+  return error ? file.lexically_normal() : result;
+}
+
+}  // namespace
+
 MeshSourceText::MeshSourceText(const fs::path& path, bool binary) {
-  open({path, read_input_file(path, "a mesh"), 0, std::string::npos, path.filename()}, binary);
+  open({path, true_path(path), read_input_file(path, "a mesh"), 0, std::string::npos,
+        path.filename()},
+       binary);
   const std::string& text = this->text();
+  different_bytes_ = text.size();
   if (std::all_of(text.begin(), text.end(), [](char c) { return is_blank(c) || c == '\n'; }))
     fail(size_t{0}, "found an empty file, expected a mesh");
 }
@@ -358,15 +371,12 @@ namespace {
 // exponentially.
 constexpr size_t kMostFiles = 10000;
 constexpr int kDeepestInclude = 64;
+// Limits the text of files that are included many times: each has its own copy.
+constexpr size_t kMostRepeated = 16;
+constexpr size_t kAlwaysAllowed = 1 << 24;  // bytes
 
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
-fs::path true_path(const fs::path& file) {
-  std::error_code error;
-  const fs::path result = fs::weakly_canonical(file, error);
-  return error ? file.lexically_normal() : result;
 }
 
 /// Path of `file` relative to `folder`; empty if it is not inside that folder.
@@ -413,18 +423,26 @@ void MeshSourceText::include(const std::string& name, std::string_view where,
   if (found.empty()) found = here / with_slashes(name);
   // Normalises the path: "parts/a.bdf" instead of "parts/../parts/a.bdf".
   found = found.lexically_normal();
+  const fs::path canonical = true_path(found);
   for (size_t at = line; at != std::string::npos; at = source_of(at).included_at)
-    if (true_path(source_of(at).path) == true_path(found))
+    if (source_of(at).canonical == canonical)
       throw InputError(include_trace(line) + "found " + found.string() +
                        ", which includes itself, expected includes without a cycle");
   if (depth() >= kDeepestInclude || sources_.size() >= kMostFiles)
     throw InputError(include_trace(line) + "found more files than are followed (" +
                      std::to_string(kMostFiles) + ", " + std::to_string(kDeepestInclude) +
                      " deep)");
-  Source source{
-      found, read_input_file(found, "an included file", include_trace(line)), 0, line, {}};
-  if (position() + source.text.size() > kMaxInputFileSize)
-    throw InputError(include_trace(line) + "found included files that are too large together");
+  Source source{found, canonical, read_input_file(found, "an included file", include_trace(line)),
+                0,     line,      {}};
+  const Source& last = *sources_.back();
+  const size_t all = last.base + last.text.size() + source.text.size();
+  if (included_.insert(canonical).second) different_bytes_ += source.text.size();
+  const size_t most =
+      std::min<size_t>(kMaxInputFileSize, kAlwaysAllowed + kMostRepeated * different_bytes_);
+  if (all > most)
+    throw InputError(include_trace(line) + "found " + std::to_string(all >> 20) +
+                     " MB of included files, expected " + std::to_string(most >> 20) +
+                     " MB at most, or files that are included fewer times");
   if (!elsewhere) source.beside = inside(found, root);
   open_.push_back({current_, at_});
   open(std::move(source), false);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -73,6 +74,7 @@ class MeshSourceText {
   /// One opened file.
   struct Source {
     std::filesystem::path path;
+    std::filesystem::path canonical;  ///< absolute, without links
     std::string text;
     size_t base = 0;  ///< offset of its first byte
     /// Offset of the line that includes it; npos for the main file.
@@ -151,7 +153,9 @@ class MeshSourceText {
 
   std::vector<std::shared_ptr<const Source>> sources_;
   std::vector<Including> open_;
+  std::set<std::filesystem::path> included_;  ///< canonical paths
   size_t current_ = 0, at_ = 0;
+  size_t different_bytes_ = 0;  ///< of the files, each counted once
 };
 
 // Formatting of coordinates in the fields of a file.
