@@ -34,14 +34,20 @@
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
 #include <locale>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "batten/core/errors.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/toml_table.h"
 
 namespace batten {
 namespace {
@@ -176,6 +182,34 @@ std::string cad_unit(double model_unit_in_metres) {
   return name;
 }
 
+namespace {
+
+/// The date of SOURCE_DATE_EPOCH, which makes files reproducible (reproducible-builds.org); empty if
+/// the variable is not set. Throws InputError if its value is not a date.
+std::optional<std::tm> source_date() {
+  const char* const value = std::getenv("SOURCE_DATE_EPOCH");
+  if (!value) return {};
+  constexpr long end_of_9999 = 253402300799;  // the last second with a year of four digits
+  const std::string_view text = value;
+  long seconds = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (error != std::errc() || end != text.data() + text.size() || seconds < 0 ||
+      seconds > end_of_9999)
+    throw InputError("found SOURCE_DATE_EPOCH = " + quoted_excerpt(text) +
+                     " in the environment, expected the seconds since 1970 that 'date +%s' prints");
+  const std::time_t time = seconds;
+  std::tm date{};
+  gmtime_r(&time, &date);
+  return date;
+}
+
+std::string formatted(const std::tm& date, const char* format) {
+  std::array<char, 32> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), format, &date)};
+}
+
+}  // namespace
+
 void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::ostream& out) {
   name_curves(*writer.Model());
   APIHeaderSection_MakeHeader made(writer.Model());
@@ -184,6 +218,8 @@ void write_step_text(STEPControl_Writer& writer, const StepHeader& header, std::
   made.SetOrganizationValue(1, occ_string(""));
   made.SetDescriptionValue(1, occ_string(header.description));
   made.SetOriginatingSystem(occ_string("Batten"));
+  if (const auto date = source_date())
+    made.SetTimeStamp(occ_string(formatted(*date, "%Y-%m-%dT%H:%M:%S")));
   StepData_StepWriter text(writer.Model());
   // Enough digits to read the same number back. (OpenCASCADE's zero suppression, which would make
   // the file smaller, truncates the exponents of numbers as long as these.)
@@ -235,6 +271,12 @@ CadFace face_of_region(const TopoDS_Face& face, const std::string& region, size_
 
 bool print_iges(IGESControl_Writer& writer, std::ostream& out) {
   writer.ComputeModel();
+  if (const auto date = source_date()) {
+    IGESData_GlobalSection header = writer.Model()->GlobalSection();
+    header.SetDate(occ_string(formatted(*date, "%Y%m%d.%H%M%S")));
+    header.SetLastChangeDate(header.Date());
+    writer.Model()->SetGlobalSection(header);
+  }
   IGESData_IGESWriter text(writer.Model());
   text.FloatWriter().SetFormat("%#.17G");
   text.FloatWriter().SetZeroSuppress(false);
