@@ -36,8 +36,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -419,9 +421,10 @@ void write_iges_curves(const fs::path& path, const std::vector<CubicSpline>& spl
   header.SetSendName(occ_string(path.stem().string()));
   header.SetFileName(occ_string(path.filename().string()));
   writer.Model()->SetGlobalSection(header);
-  write_file_atomically(path, [&](std::ostream& out) {
-    if (!print_iges(writer, out)) throw Error(path.string() + ": OpenCASCADE cannot write it");
-  });
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  if (!print_iges(writer, text)) throw Error(path.string() + ": OpenCASCADE cannot write IGES");
+  write_file_atomically(path, [&](std::ostream& out) { out << text.str(); });
 }
 
 }  // namespace
