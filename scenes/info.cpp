@@ -97,6 +97,16 @@ std::string flatness(const InputCurve& curve) {
   return "  in a plane with normal " + format_point(normal);
 }
 
+// False for points that coincide, which sketches may contain. Throws InputError for a parametric
+// curve without length.
+bool has_length(const SourceLine& line, double corner_angle) {
+  if (!line.curve)
+    return std::any_of(line.points.begin(), line.points.end(),
+                       [&](const Vec3& p) { return p != line.points.front(); });
+  split_at_corners({line.name, line.curve}, std::min(corner_angle, 179.9));
+  return true;
+}
+
 std::string lines_text(const std::vector<SourceLine>& lines, const std::string& unit,
                        double corner_angle) {
   std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " curve" : " curves") +
@@ -105,8 +115,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
   for (const auto& line : lines) width = std::max(width, line.name.size());
   for (const auto& line : lines) {
     text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
-    // Sketches may contain strokes without length.
-    if (!sample_line(line, corner_angle).has_length()) {
+    if (!has_length(line, corner_angle)) {
       text += "zero length  at " + format_point(line.points.front()) + "\n";
       continue;
     }
@@ -140,7 +149,7 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
   CombPanel& panel = sheet.panels[0];
   panel.title = std::to_string(lines.size()) + (lines.size() == 1 ? " curve" : " curves");
   for (const SourceLine& line : lines) {
-    if (!sample_line(line, corner_angle).has_length()) continue;
+    if (!has_length(line, corner_angle)) continue;
     try {
       const auto curve = line.as_curve(corner_angle);
       FitOptions options;
