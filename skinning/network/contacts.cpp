@@ -382,9 +382,8 @@ std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, do
     for (int end = 0; end < 2 && !sampled_curve.closed; ++end) {
       if (sampled_curve.corner[end]) continue;
       double& gap = gaps.emplace_back(std::numeric_limits<double>::infinity());
-      for (const NearPoint& near : tree.near_points(sampled_curve.end_point(end), reach))
-        if (sampled_curves[near.sampled_curve].line != sampled_curve.line && near.distance <= reach)
-          gap = std::min(gap, near.distance);
+      const double nearest = tree.distance(sampled_curve.end_point(end), sampled_curve.line);
+      if (nearest <= reach) gap = nearest;
       for (const auto& [s, distance] : met[&sampled_curve - sampled_curves.data()])
         if (std::abs(s - (end ? sampled_curve.length : 0)) <= reach) gap = std::min(gap, distance);
     }
@@ -431,6 +430,15 @@ ChordTree::ChordTree(const std::vector<SampledCurve>& sampled_curves)
     : sampled_curves_(sampled_curves),
       chords_(chords_of(sampled_curves)),
       tree_(tree_of(sampled_curves, chords_)) {}
+
+double ChordTree::distance(const Vec3& p, int except) const {
+  const auto distance2 = [&](int i) {
+    const SampledCurve& curve = sampled_curves_[chords_[i].sampled_curve];
+    if (curve.line == except) return std::numeric_limits<double>::infinity();
+    return (curve.point(closest_parameter_near(curve, chords_[i].segment, p)) - p).squaredNorm();
+  };
+  return std::sqrt(tree_.nearest(p, distance2).distance2);
+}
 
 std::vector<NearPoint> ChordTree::near_points(const Vec3& p, double reach) const {
   std::vector<int> near;

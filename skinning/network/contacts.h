@@ -52,7 +52,7 @@ Contacts find_contacts(const std::vector<SampledCurve>& sampled_curves, double t
 /// One value per end of an open sampled curve; ends that are a corner inside their input curve are
 /// skipped. The value is infinite if nothing lies within `reach` (model units). An end that
 /// overshoots one of the `contacts` by less than `reach` gets at most the distance of that contact.
-/// Cost: O(n log n) for n chords if few of them lie within reach.
+/// Cost: O(n log n) for n chords.
 std::vector<double> end_gaps(const std::vector<SampledCurve>& sampled_curves, double reach,
                              const std::vector<Contact>& contacts = {});
 
@@ -87,6 +87,9 @@ class ChordTree {
   /// One result per chord, in the order of the chords: a curve occurs once for each of its nearby
   /// chords. The distance may exceed `reach`.
   std::vector<NearPoint> near_points(const Vec3& p, double reach) const;
+  /// Distance of a point from the nearest input curve other than `except`; infinite if there is
+  /// none. O(log n).
+  double distance(const Vec3& p, int except) const;
 
  private:
   const std::vector<SampledCurve>& sampled_curves_;
