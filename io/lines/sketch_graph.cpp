@@ -57,6 +57,9 @@ class Reader {
 
   std::vector<CharacterLine> lines() {
     read_segments();
+    // In sketches, each segment belongs to one stroke.
+    constexpr size_t most_uses = 16, always = 100000;
+    size_t uses = 0;
     std::vector<CharacterLine> lines;
     std::map<long, bool> seen;
     for (const Json& stroke : list(json_, "strokes", "the file")) {
@@ -71,6 +74,11 @@ class Reader {
         if (found == segments_.end())
           fail(what, "found segment " + shown(segment) +
                          ", which is not in the file, expected the id of a segment");
+        uses += found->second.size();
+        if (uses > always + most_uses * piece_count_)
+          fail(what, "found " + std::to_string(uses) + " pieces of segments in the strokes, but " +
+                         std::to_string(piece_count_) +
+                         " in the file, expected segments that are used once");
         for (const Bezier& piece : found->second) {
           if (!pieces.empty() && (pieces.back().b[3] - piece.b[0]).norm() > 1e-6 * size_)
             fail(what, "found segment " + shown(segment) + " starting at " +
@@ -142,6 +150,7 @@ class Reader {
           pieces.push_back({{a, point(piece[1], what), point(piece[2], what), b}});
         box.extend(bounding_box(pieces.back().b));
       }
+      piece_count_ += pieces.size();
       if (!segments_.emplace(id, std::move(pieces)).second)
         fail(what, "found its id twice, expected unique ids");
     }
@@ -151,6 +160,7 @@ class Reader {
   std::string file_;
   Json json_;
   std::map<long, std::vector<Bezier>> segments_;
+  size_t piece_count_ = 0;
   double size_ = 0;
 };
 

@@ -71,6 +71,7 @@ void DeckMeshBuilder::finish(const std::string& missing_hint) {
 
 void DeckMeshBuilder::add_element(DeckElement element) {
   count_other_element(element.name);
+  count_members(element.nodes.size());
   elements_.push_back(std::move(element));
 }
 
@@ -126,14 +127,20 @@ void DeckMeshBuilder::join_shell(const Shell& shell, long label, const std::stri
 
 namespace {
 
+/// Number of steps between the ends of a range that is not empty.
+unsigned long steps_of(const LabelRange& range) {
+  const unsigned long length =
+      static_cast<unsigned long>(range.last) - static_cast<unsigned long>(range.first);
+  return length / static_cast<unsigned long>(range.step);
+}
+
 std::vector<int> indices_of(const Labels& labels, const std::vector<LabelRange>& ranges) {
   std::vector<int> result;
   for (const LabelRange& range : ranges) {
     if (range.last < range.first || range.step <= 0) continue;
     const unsigned long length =
         static_cast<unsigned long>(range.last) - static_cast<unsigned long>(range.first);
-    if (length / static_cast<unsigned long>(range.step) <=
-        2 * static_cast<unsigned long>(labels.count())) {
+    if (steps_of(range) <= 2 * static_cast<unsigned long>(labels.count())) {
       for (unsigned long i = 0; i <= length; i += static_cast<unsigned long>(range.step))
         if (const auto found = labels.find(range.first + static_cast<long>(i)))
           result.push_back(*found);
@@ -152,11 +159,34 @@ std::vector<int> indices_of(const Labels& labels, const std::vector<LabelRange>&
 
 }  // namespace
 
-std::vector<int> DeckMeshBuilder::nodes_of(const std::vector<LabelRange>& ranges) const {
+size_t DeckMeshBuilder::text_size() const {
+  const MeshSourceText::Source& last = *mesh_.file.sources().back();
+  return last.base + last.text.size();
+}
+
+void DeckMeshBuilder::count_members(size_t count) {
+  constexpr size_t most_per_byte = 16, always = 1000000;
+  members_ += count;
+  if (const size_t most = always + most_per_byte * text_size(); members_ > most)
+    throw InputError(mesh_.file.path().string() + ": found more than " + std::to_string(most) +
+                     " nodes and faces in the sets and connections together, expected fewer for a "
+                     "deck of " +
+                     std::to_string(text_size()) + " bytes");
+}
+
+void DeckMeshBuilder::count_members(const std::vector<LabelRange>& ranges, const Labels& labels) {
+  for (const LabelRange& range : ranges)
+    if (range.last >= range.first && range.step > 0)
+      count_members(std::min(steps_of(range) + 1, static_cast<unsigned long>(labels.count())));
+}
+
+std::vector<int> DeckMeshBuilder::nodes_of(const std::vector<LabelRange>& ranges) {
+  count_members(ranges, mesh_.node_labels);
   return indices_of(mesh_.node_labels, ranges);
 }
 
-std::vector<int> DeckMeshBuilder::faces_of(const std::vector<LabelRange>& ranges) const {
+std::vector<int> DeckMeshBuilder::faces_of(const std::vector<LabelRange>& ranges) {
+  count_members(ranges, mesh_.face_labels);
   return indices_of(mesh_.face_labels, ranges);
 }
 

@@ -58,9 +58,10 @@ class DeckMeshBuilder {
   /// appended to the latter message.
   void finish(const std::string& missing_hint = {});
   /// Ascending indices of the nodes (or faces) with these numbers; call after finish(). Unknown
-  /// numbers are skipped.
-  std::vector<int> nodes_of(const std::vector<LabelRange>& ranges) const;
-  std::vector<int> faces_of(const std::vector<LabelRange>& ranges) const;
+  /// numbers are skipped. Throws InputError if the sets and elements have together more nodes and
+  /// faces than a deck of this size can reasonably have: a few ranges may name any number of them.
+  std::vector<int> nodes_of(const std::vector<LabelRange>& ranges);
+  std::vector<int> faces_of(const std::vector<LabelRange>& ranges);
   /// Adds a warning about everything that is not a shell, such as "12 CBAR, 3 RBE2; 2 nodes that no
   /// shell uses". Call after finish().
   void warn_about_other_elements();
@@ -76,8 +77,12 @@ class DeckMeshBuilder {
   void join_shell(const Shell& shell, long label, const std::string& missing_hint);
   void join_element(DeckElement& element, const std::string& missing_hint);
   bool scalar_point(long label) const;
+  size_t text_size() const;
+  void count_members(size_t count);
+  void count_members(const std::vector<LabelRange>& ranges, const Labels& labels);
 
   TextMeshContent& mesh_;
+  size_t members_ = 0;  // nodes and faces of sets and elements
   std::vector<double> coordinates_;
   std::vector<long> node_labels_, shell_labels_, nodes_;
   std::vector<size_t> node_where_;

@@ -426,8 +426,9 @@ class BulkDataCard {
   bool thru(int i) {
     if (upper(at(i)) != "THRU" || element_.nodes.empty()) return false;
     const long last = file_.integer(at(i + 1), "a node number");
-    constexpr long kMost = 10'000'000;
-    if (last - element_.nodes.back() > kMost)
+    // A node takes more than one byte of the deck.
+    const MeshSourceText::Source& source = *file_.sources().back();
+    if (last - element_.nodes.back() > static_cast<long>(source.base + source.text.size()))
       file_.fail(at(i + 1), "found more nodes than an element has");
     for (long n = element_.nodes.back() + 1; n < last; ++n) element_.nodes.push_back(n);
     return true;
