@@ -108,10 +108,17 @@ HOSTILE = [
     ("entities.svg", f"<!DOCTYPE svg [{ENTITIES}]>" + SVG.format("&e0;"), "found an entity with the text"),
     ("long.svg", f'<!DOCTYPE svg [<!ENTITY a "{"M0 0L1 1" * 9000}">]>' + SVG.format(f'<path d="{"&a;" * 9000}"/>'),
      "found an entity with the text"),
+    ("uses.json", json.dumps({"nodes": [], "strokes": [{"id": i, "segments": [0]} for i in range(5000)], "segments": [
+        {"id": 0, "stroke_id": 0, "nodes": [0, 1], "ctrl_pts": [[[i, 0, 0], [i + 1, 0, 0]] for i in range(5000)]}]}),
+     "expected segments that are used once"),
     ("nodes.off", "OFF\n2000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "found 4 nodes, expected 2000000000"),
     ("faces.off", "OFF\n3 2000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "found 1 face, expected 2000000000"),
     ("nodes.ply", PLY.format(2000000000, 1), "found the end of the file"),
     ("faces.ply", PLY.format(3, 2000000000), "found the end of the file"),
+    ("elements.bdf", "GRID,1\nGRID,2\nGRID,3\nCTRIA3,1,1,1,2,3\n" + "RBE2,10,1,123,2,THRU,9999999\n" * 100,
+     "found more nodes than an element has"),
+    ("sets.inp", "*NODE\n" + "".join(f"{i},{i % 7}.,{i}.,0.\n" for i in range(1, 3001)) + "*ELEMENT,TYPE=S3\n1,1,2,3\n" +
+     "".join(f"*NSET,NSET=A{i},GENERATE\n1,2000000000,1\n" for i in range(3000)), "nodes and faces in the sets and connections"),
     ("many.stl", bytes(80) + struct.pack("<I", 0xffffffff) + bytes(50), "for 4294967295 triangles"),
     ("many.curves", "v 2000000000\n0 0 0\n1 1 1\n", "expected 2000000000 as stated"),
     ("a.pc2", b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 2147483647, 0, 1, 2147483647) + bytes(36), "expected 5.53402e+19"),
@@ -210,6 +217,18 @@ class HostileFiles(Case):
                 code, messages, seconds, _ = self.measured("info", self.write(name, text))
                 self.assertEqual(code, 0, messages)
                 self.assertLess(seconds, 5)
+
+
+class SoundFiles(Case):
+    def test_names_that_look_like_counts(self):
+        text = vtp().replace('Name="x"', 'Name="NumberOfHits"')
+        done = self.run_batten("info", self.write("a.vtp", text))
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_entities_of_addresses(self):
+        text = '<!DOCTYPE svg [<!ENTITY a "http://ns.adobe.com/Extensibility/1.0/">]>' + SVG.format('<path d="M0 0 L9 9" class="&a;"/>')
+        done = self.run_batten("info", self.write("a.svg", text))
+        self.assertEqual(done.returncode, 0, done.stderr)
 
 
 class FilesOfScenes(Case):

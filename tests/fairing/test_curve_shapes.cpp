@@ -93,6 +93,76 @@ TEST_CASE("splines by their poles: Bézier, circle by weights, multiple knots",
     CHECK(error_of_derivatives(*curve) < 1e-7);
 }
 
+TEST_CASE("the pieces of a long curve are found at and between their ends",
+          "[fairing][curve_shapes]") {
+  // Straight pieces of lengths 1, 2, 3, 1, …, each in another direction.
+  std::vector<std::shared_ptr<const InputCurve>> pieces;
+  std::vector<Vec3> slopes;
+  std::vector<double> starts{0};
+  Vec3 at = Vec3::Zero();
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 slope(std::cos(i), std::sin(i), 0.1 * (i % 7));
+    const double length = 1 + i % 3;
+    const Vec3 from = at;
+    pieces.push_back(curve_from_formula(0, length, [=](double t, int order) -> Vec3 {
+      return order == 0 ? Vec3(from + t * slope) : order == 1 ? slope : Vec3::Zero();
+    }));
+    slopes.push_back(slope);
+    starts.push_back(starts.back() + length);
+    at += length * slope;
+  }
+  const auto whole = concatenated(pieces);
+  CHECK(whole->breaks() == starts);
+  double worst = 0;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    for (const double t : {0.0, 1e-9, 0.5 * pieces[i]->end(), pieces[i]->end() - 1e-9}) {
+      worst = std::max(worst, (whole->evaluate(starts[i] + t) - pieces[i]->evaluate(t)).norm());
+      worst = std::max(worst, (whole->evaluate(starts[i] + t, 1) - slopes[i]).norm());
+    }
+  CHECK(worst < 1e-12);
+  CHECK((whole->evaluate(whole->end(), 1) - slopes.back()).norm() == 0);
+  CHECK((whole->evaluate(-1, 1) - slopes.front()).norm() == 0);
+
+  // A spline of degree 1 has other slopes at its knots, on the side where the piece begins.
+  std::vector<Vec3> poles{Vec3::Zero()};
+  for (size_t i = 0; i < pieces.size(); ++i)
+    poles.push_back(poles.back() + (starts[i + 1] - starts[i]) * slopes[i]);
+  std::vector<double> knots = starts;
+  knots.insert(knots.begin(), starts.front());
+  knots.push_back(starts.back());
+  const auto spline = nurbs_curve(1, poles, {}, knots);
+  worst = 0;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    for (const double t : {starts[i], 0.5 * (starts[i] + starts[i + 1])}) {
+      worst = std::max(worst, (spline->evaluate(t) - whole->evaluate(t)).norm());
+      worst = std::max(worst, (spline->evaluate(t, 1) - slopes[i]).norm());
+    }
+  CHECK(worst < 1e-11);
+}
+
+TEST_CASE("arc length far from the origin has the accuracy of the coordinates",
+          "[fairing][curve_shapes]") {
+  int calls = 0;
+  const auto away = [&](double distance) {
+    calls = 0;
+    const Vec3 centre(distance, -0.3 * distance, 0);
+    return ArcLength(curve_from_formula(0, pi,
+                                        [=, &calls](double t, int order) -> Vec3 {
+                                          ++calls;
+                                          const double a = t + order * pi / 2;
+                                          const Vec3 p(std::cos(a), std::sin(a), 0);
+                                          if (order == 0) return centre + p;
+                                          // The derivative of a cubic with these coordinates has their rounding errors.
+                                          return (Vec3(centre + p) - centre).eval();
+                                        }))
+        .total();
+  };
+  CHECK(std::abs(away(0) - pi) < 1e-13);
+  const int near = calls;
+  CHECK(std::abs(away(1e6) - pi) < 1e-9);
+  CHECK(calls < 4 * near);
+}
+
 TEST_CASE("copies are where they are put", "[fairing][curve_shapes]") {
   const auto arc = arc_through({5, 0, 1}, {0, 5, 1}, {-5, 0, 1});
   const AffineTransform there =

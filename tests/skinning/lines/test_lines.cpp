@@ -80,6 +80,24 @@ TEST_CASE("points that form no curve are refused by name", "[skinning][curves]")
                     Contains("point 2") && Contains("finite"));
 }
 
+TEST_CASE("the parts between corners have the breaks of the whole curve", "[skinning][curves]") {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i) points.emplace_back(i, std::abs(i % 8 - 4), 0);
+  const auto whole = curve_through_points("zigzag", points, 20);
+  const std::vector<SmoothSegment> parts = split_at_corners({"zigzag", whole}, 20);
+  REQUIRE(parts.size() > 5);
+  std::vector<double> breaks{whole->start()};
+  for (const SmoothSegment& part : parts) {
+    const std::vector<double> own = part.curve->breaks();
+    CHECK(own.front() == breaks.back());
+    breaks.insert(breaks.end(), own.begin() + 1, own.end());
+  }
+  CHECK(breaks == whole->breaks());
+  const std::vector<double> turned = reversed(whole)->breaks();
+  REQUIRE(turned.size() == breaks.size());
+  for (size_t i = 0; i < turned.size(); ++i) CHECK(turned[i] == -breaks[breaks.size() - 1 - i]);
+}
+
 TEST_CASE("arc length and its inverse", "[skinning][curves]") {
   const ArcLength arc(helix(1));
   const double speed = std::sqrt(1 + 0.09);

@@ -12,6 +12,8 @@
 
 #include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_through_points.h"
+#include "batten/skinning/network/contacts.h"
+#include "batten/skinning/network/sampled_curve.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 
@@ -709,6 +711,43 @@ TEST_CASE("curves whose ends stop short of each other get the tolerance that joi
     stated.tolerance = 1e-4 * size;
     CHECK(CurveNetwork(lines, stated).tolerance() == 1e-4 * size);
   }
+}
+
+TEST_CASE("the gap of an end is the distance of the nearest other curve", "[skinning][network]") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> anywhere(0, 1);
+  const auto point = [&] { return Vec3(anywhere(random), anywhere(random), anywhere(random)); };
+  std::vector<std::pair<Vec3, Vec3>> segments;
+  std::vector<CharacterLine> lines;
+  for (int i = 0; i < 80; ++i) {
+    const Vec3 a = point();
+    segments.emplace_back(a, a + 0.3 * (point() - Vec3::Constant(0.5)));
+    lines.push_back(straight("l" + std::to_string(i), segments[i].first, segments[i].second));
+  }
+  const auto sampled = detail::make_sampled_curves(lines, 20).sampled_curves;
+  constexpr double reach = 0.1;
+  const std::vector<double> gaps = detail::end_gaps(sampled, reach);
+  REQUIRE(gaps.size() == 2 * sampled.size());
+  double worst = 0;
+  int found = 0;
+  for (size_t k = 0; k < gaps.size(); ++k) {
+    const auto& own = sampled[k / 2];
+    double expected = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < isize(segments); ++i) {
+      const auto& [a, b] = segments[i];
+      const Vec3 p = own.end_point(k % 2);
+      const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      if (i != own.line) expected = std::min(expected, (a + along * (b - a) - p).norm());
+    }
+    if (expected > reach) {
+      CHECK(gaps[k] > 1e300);
+    } else {
+      worst = std::max(worst, std::abs(gaps[k] - expected));
+      ++found;
+    }
+  }
+  CHECK(worst < 1e-12);
+  CHECK(found > 40);
 }
 
 TEST_CASE("curves that cross and extend slightly beyond are not taken as hand-drawn",
