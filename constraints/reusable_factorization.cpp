@@ -112,24 +112,24 @@ ReusableFactorization::ReusableFactorization(std::shared_ptr<const AffineReducti
   check(S);
   prepare_expansion();
   const SparseMatrix reduced = reduction_->reduce(S);
-  std::vector<int> order;
-  if (!vertices.empty()) order = vertex_ordering(*reduction_, reduced, vertices, factor_reuse);
-  factorize(S, reduced, &order);
+  order_ = std::make_shared<const std::vector<int>>(
+      vertices.empty() ? std::vector<int>()
+                       : vertex_ordering(*reduction_, reduced, vertices, factor_reuse));
+  factorize(S, reduced, true);
   S_ = std::move(S);
 }
 
 ReusableFactorization::ReusableFactorization(const ReusableFactorization& like, SparseMatrix S)
-    : reduction_(like.reduction_) {
+    : reduction_(like.reduction_), order_(like.order_) {
   check(S);
   prepare_expansion();
-  const std::vector<int> order = like.factor_.order();
-  factorize(S, reduction_->reduce(S), &order);
+  factorize(S, reduction_->reduce(S), true);
   S_ = std::move(S);
 }
 
 void ReusableFactorization::factorize(const SparseMatrix& S, const SparseMatrix& reduced,
-                                      const std::vector<int>* order) {
-  if (order) factor_.analyze(reduced, *order);
+                                      bool analyzes) {
+  if (analyzes) factor_.analyze(reduced, *order_);
   // H = Dᵀ (S R).
   const SparseMatrix& R = reduction_->rhs_to_particular();
   SparseMatrix H(free_count(), R.cols());
@@ -165,11 +165,11 @@ void ReusableFactorization::set_matrix(SparseMatrix S) {
   if (S.nonZeros() != S_.nonZeros() || S.rows() != S_.rows())
     throw InputError("reusable factorization: the new matrix has a different sparsity pattern");
   try {
-    factorize(S, reduction_->reduce(S), nullptr);
+    factorize(S, reduction_->reduce(S), false);
   } catch (const CancelledError&) {  // the previous factor would take as long
     throw;
   } catch (...) {
-    factorize(S_, reduction_->reduce(S_), nullptr);
+    factorize(S_, reduction_->reduce(S_), false);
     throw;
   }
   S_ = std::move(S);
@@ -210,8 +210,9 @@ void ReusableFactorization::expand(const MatX& y, const Points& e, Points& z) co
 }
 
 size_t ReusableFactorization::bytes() const {
-  return sizeof(double) * static_cast<size_t>(factor_.factor_entries()) +
-         12 * static_cast<size_t>(S_.nonZeros() + H_.nonZeros());
+  return factor_.bytes() + 12 * static_cast<size_t>(S_.nonZeros() + H_.nonZeros()) +
+         sizeof(int) * order_->size() + sizeof(terms_[0]) * terms_.size() +
+         sizeof(ConstrainedDof) * constrained_dofs_.size();
 }
 
 }  // namespace batten

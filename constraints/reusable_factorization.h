@@ -45,8 +45,8 @@ class ReusableFactorization {
   /// if constraints are coupled or sizes differ, NoSolutionError if the reduced matrix is singular.
   ReusableFactorization(std::shared_ptr<const AffineReduction> reduction, SparseMatrix S,
                         const DofVertices& vertices, FactorReuse factor_reuse = FactorReuse::many);
-  /// Factors another matrix S under the same constraints, in the elimination order of `like`. S
-  /// must have the pattern of like.matrix().
+  /// Factors another matrix S under the same constraints, in the elimination order of `like`: to the
+  /// same bits as the constructor above. S must have the pattern of like.matrix().
   ReusableFactorization(const ReusableFactorization& like, SparseMatrix S);
 
   /// Replaces the values of the matrix S and factors it; the symbolic analysis is reused. Throws
@@ -86,8 +86,8 @@ class ReusableFactorization {
 
  private:
   const SparseMatrix& D() const { return reduction_->D(); }
-  // `reduced`: DᵀSD; `order`: order of the free unknowns, or null if already analysed.
-  void factorize(const SparseMatrix& S, const SparseMatrix& reduced, const std::vector<int>* order);
+  // `reduced`: DᵀSD; `analyzes`: whether its pattern is not analysed yet.
+  void factorize(const SparseMatrix& S, const SparseMatrix& reduced, bool analyzes);
   void check(const SparseMatrix& S) const;
   SparseMatrix columns_of_constrained(const SparseMatrix& S) const;
   std::shared_ptr<const AffineReduction> reduction_;
@@ -100,6 +100,7 @@ class ReusableFactorization {
   std::vector<std::pair<int, double>> terms_;
   void prepare_expansion();
   SparseMatrix S_, H_;
+  std::shared_ptr<const std::vector<int>> order_;  // given to the analysis
   SparseCholesky factor_;
 };
 

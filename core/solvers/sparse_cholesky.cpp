@@ -33,6 +33,7 @@ struct SparseCholesky::Data {
   std::unique_ptr<SupernodalFactor> factor;
   SupernodalSolve solve;
   long n = -1;  // rows of the analysed matrix; -1: none
+  long matrix_entries = 0;
   std::uint64_t pattern = 0;
   bool factored = false;
   std::string message;
@@ -48,6 +49,7 @@ struct SparseCholesky::Data {
     update_progress("ordering", 0);
     if (A.rows() > 0) factor->analyze(A, order, factor_reuse);
     pattern = pattern_hash(A);
+    matrix_entries = A.nonZeros();
     n = A.rows();
     update_progress("ordering", 1);
   }
@@ -150,6 +152,16 @@ bool SparseCholesky::is_factored() const { return data_->factored; }
 const std::string& SparseCholesky::message() const { return data_->message; }
 
 long SparseCholesky::factor_entries() const { return data_->solve.entries(); }
+
+size_t SparseCholesky::bytes() const {
+  if (!data_->factored || data_->n == 0) return 0;
+  const SupernodalPattern L = data_->factor->pattern();
+  const auto size = [](long count) { return static_cast<size_t>(count); };
+  // Values; rows in the pattern, in updates and in solves; positions of the entries of A; orders
+  // and work vectors of the unknowns.
+  return 8 * size(L.value_starts[L.count]) + 20 * size(L.row_starts[L.count]) +
+         8 * size(data_->matrix_entries) + 100 * size(data_->n);
+}
 
 double refine_least_squares(const SparseCholesky& normal, const SparseMatrix& A,
                             const Eigen::Ref<const MatX>& b, Eigen::Ref<MatX> x) {

@@ -105,6 +105,8 @@ class SparseCholesky final : public LinearSolverBackend {
   /// Number of entries of the Cholesky factor, including explicit zeros in supernodes. A solve
   /// reads each entry twice.
   long factor_entries() const;
+  /// Memory of the factor and of its analysis, bytes.
+  size_t bytes() const;
 
   /// Name of the default library of the build: "CHOLMOD" or "Eigen".
   static const char* backend() { return library_name(cholesky_libraries().front()); }

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
@@ -55,29 +54,13 @@ SculptingSession::SculptingSession(ModelLayout layout, const SessionOptions& opt
   d.solve_to_equilibrium();
 }
 
-namespace {
-
-/// A copy of a system that shares only immutable parts with it, and has no factors.
-std::shared_ptr<detail::SessionSystem> without_factors(const detail::SessionSystem& system) {
-  auto copy = std::make_shared<detail::SessionSystem>(system);
-  copy->statics.reset();
-  copy->dynamics.reset();
-  copy->coupling.reset();
-  copy->dynamics_coupling.reset();
-  copy->coupled_rows.reset();
-  copy->dynamics_constraints.reset();
-  copy->matrix_values.clear();
-  return copy;
-}
-
-}  // namespace
-
 SculptingSession::SculptingSession(const SessionSnapshot& state, const Progress& progress)
     : data_(std::make_unique<SessionData>()) {
   SessionData& d = *data_;
   d.options = state.options;
   d.now = state.state;
-  d.now.system = without_factors(*state.state.system);
+  d.now.system = detail::without_factors(*state.state.system);
+  d.now.system->matrix_values.clear();
   d.progress = progress;
   const ProgressScope scope(d.progress);
   // Working storage of its own, so that sessions in different threads do not share it.
@@ -90,7 +73,7 @@ SculptingSession::SculptingSession(const SessionSnapshot& state, const Progress&
 
 std::shared_ptr<const SessionSnapshot> SculptingSession::snapshot() const {
   auto copy = std::make_shared<SessionSnapshot>(SessionSnapshot{data_->options, data_->now});
-  copy->state.system = without_factors(*data_->now.system);
+  copy->state.system = detail::without_factors(*data_->now.system);
   return copy;
 }
 
@@ -210,13 +193,26 @@ bool SculptingSession::in_motion() const { return data_->now.in_motion; }
 void SculptingSession::set_time(double time) { apply({.kind = Kind::Time, .value = time}); }
 
 bool SculptingSession::undo() {
-  data_->record_operation({.kind = Kind::Undo});
-  return data_->move_in_history(data_->undo_stack, data_->redo_stack);
+  SessionData& d = *data_;
+  d.record_operation({.kind = Kind::Undo});
+  const UncancellableScope scope;
+  if (!d.history.can_undo()) return false;
+  d.restore_state(d.history.undo(d.snapshot(), d.options.history_bytes));
+  return true;
 }
 
 bool SculptingSession::redo() {
-  data_->record_operation({.kind = Kind::Redo});
-  return data_->move_in_history(data_->redo_stack, data_->undo_stack);
+  SessionData& d = *data_;
+  d.record_operation({.kind = Kind::Redo});
+  const UncancellableScope scope;
+  if (!d.history.can_redo()) return false;
+  d.restore_state(d.history.redo(d.snapshot(), d.options.history_bytes));
+  return true;
+}
+
+void SculptingSession::clear_history() {
+  data_->history.clear();
+  data_->coalesces = false;
 }
 
 void SculptingSession::record(bool on) {
@@ -341,6 +337,8 @@ const Frame& SculptingSession::frame() {
 
 double SculptingSession::residual() const {
   SessionData& d = *data_;
+  const ProgressScope scope(d.progress);
+  d.require_matrix();
   return d.engine.residual(d.system(), d.now.shape_values, d.now.shape.x) / d.size();
 }
 
@@ -383,15 +381,9 @@ double SculptingSession::enclosed_volume() const {
   return d.system().parts->pressure().volume(dofs(), {});
 }
 
-size_t SculptingSession::history_bytes() const { return data_->bytes(); }
+size_t SculptingSession::history_bytes() const { return data_->history.bytes(data_->now); }
 
 using detail::SessionSystem;
-
-namespace {
-
-constexpr size_t kMaxUndoSteps = 256;
-
-}  // namespace
 
 detail::SessionState SessionData::snapshot() const {
   detail::SessionState copy = now;
@@ -400,22 +392,8 @@ detail::SessionState SessionData::snapshot() const {
 }
 
 void SessionData::push_history(detail::SessionState before) {
-  redo_stack.clear();
-  undo_stack.push_back(std::move(before));
+  history.push(std::move(before), now, options.history_bytes);
   coalesces = false;
-  while (undo_stack.size() > kMaxUndoSteps ||
-         (undo_stack.size() > 1 && bytes() > options.history_bytes))
-    undo_stack.pop_front();
-}
-
-size_t SessionData::bytes() const {
-  std::set<const void*> seen;
-  size_t sum = 0;
-  for (const auto* list : {&undo_stack, &redo_stack})
-    for (const detail::SessionState& s : *list)
-      sum += detail::bytes_of(*s.system, seen) +
-             8 * static_cast<size_t>(s.shape.x.size() + s.shape.v.size() + s.converged_x.size());
-  return sum;
 }
 
 void SessionData::restore_state(detail::SessionState state) {
@@ -425,16 +403,6 @@ void SessionData::restore_state(detail::SessionState state) {
   update_value_names();
   coalesces = false;
   ++version;
-}
-
-bool SessionData::move_in_history(std::deque<detail::SessionState>& from,
-                                  std::deque<detail::SessionState>& to) {
-  if (from.empty()) return false;
-  to.push_back(snapshot());
-  detail::SessionState state = std::move(from.back());
-  from.pop_back();
-  restore_state(std::move(state));
-  return true;
 }
 
 void SessionData::record_operation(const Operation& op) {

@@ -37,8 +37,8 @@ struct SessionSnapshot;
 /// constraints.
 ///
 /// The state consists of dofs, velocities, time and parameter values. The data behind it (mesh, K,
-/// factor, constraints) is shared and immutable. undo() and redo() therefore only restore pointers:
-/// the shape is bit-identical and nothing is factored.
+/// factor, constraints) is shared and immutable. undo() and redo() restore states to the last bit,
+/// and so are all solves after them.
 ///
 /// Cost of a change (measurements: docs/theory/sculpting.md):
 ///
@@ -158,8 +158,15 @@ class SculptingSession {
   /// Each edit is one step of the history. All calls of set() since the last solve_to_equilibrium()
   /// or edit together are one step (a drag of one or several sliders), and so are all consecutive
   /// time steps of a motion.
+  ///
+  /// The history goes back to the constructor or clear_history(), through at least 1,000 steps within
+  /// the memory SessionOptions::history_bytes. Costs a copy of the dofs. Matrices and factors that
+  /// the history has dropped to save memory are computed again, to the same bits: those of the mesh
+  /// at once, the factor at the next solve.
   bool undo();
   bool redo();
+  /// Makes the current state the origin of the history: neither undo() nor redo() leaves it.
+  void clear_history();
   /// Switches the recording of operations on or off; it is initially off. The memory of the record
   /// grows by pages of 4,096 operations. Operations that throw are recorded as well.
   void record(bool on);
@@ -212,7 +219,7 @@ class SculptingSession {
   /// comparison, from the surface with the dofs `before` on the same layout.
   std::vector<PointCloudDistances> scan_distances(const Points& before) const;
   double enclosed_volume() const;  ///< ⅓ ∬ x·(x_u × x_v) du dv for the current shape
-  size_t history_bytes() const;
+  size_t history_bytes() const;    ///< memory of the history, without what the current state shares
 
  private:
   std::unique_ptr<SessionData> data_;

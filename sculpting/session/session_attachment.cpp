@@ -59,6 +59,31 @@ ModelPoint foot_point(const std::string& name, const Vec3& at, const ModelProjec
   return closest.at;
 }
 
+// Moves a location that is at most `distance` (model units) from a curve onto the curve, and returns
+// the curve; null: there is none.
+const ModelLine* snap_to_curve(ModelPoint& at, double distance, const ModelLayout& layout) {
+  const RegionLayout& region = layout.region(at.region);
+  const double period = region.mesh()->period();
+  double nearest = distance / region.size();
+  const ModelPoint from = at;
+  const ModelLine* found = nullptr;
+  for (const ModelLine& line : layout.lines())
+    for (const LineSide& side : line.sides) {
+      if (side.region != at.region) continue;
+      const HermiteCurve pcurve = layout.pcurve(side);
+      for (const int turn : {0, -1, 1}) {
+        if (turn != 0 && period == 0) continue;
+        const auto closest =
+            pcurve.closest_point(Vec3(from.uv.x() + turn * period, from.uv.y(), 0));
+        if (!(closest.distance <= nearest)) continue;
+        nearest = closest.distance;
+        found = &line;
+        at.uv = region.mesh()->wrapped(drop_z(pcurve.evaluate(closest.u)));
+      }
+    }
+  return found;
+}
+
 SharedPoints shared(const Surface& surface) { return std::make_shared<Points>(surface.dofs()); }
 
 void check_area(const Area& area, const SessionDefinition& def, const Surface& surface) {
@@ -151,21 +176,36 @@ AttachedStiffnessField attach(const StiffnessField& weight, const SessionDefinit
 AttachedConstraint attach(const Constraint& c, const SessionDefinition& def,
                           const Surface& surface) {
   AttachedConstraint placed{c, {}, nullptr};
-  const double size = def.layout->size();
+  // Beside a curve, the surface could reach a goal only by a steep slope.
+  constexpr double steep = 0.1, beside = 1e-3;  // slope; fraction of the size
+  const auto put = [&](const Vec3& at, const Vec3* goal) {
+    const double size = def.layout->size();
+    const ModelProjector projector(*def.layout, surface.dofs());
+    placed.foot_point = foot_point(c.name, at, projector, size);
+    if (def.fix_corners_only) return;
+    double moved = 0;
+    if (goal) {
+      const int region = placed.foot_point.region;
+      const TriangleLocator locator(*def.layout->region(region).mesh());
+      const Location where = locator.locate(placed.foot_point.uv);
+      moved = (projector.surface(region).position(where) - *goal).norm();
+    }
+    const double rounding = kRoundingTolerance * size;
+    const double reach = std::max(rounding, std::min(moved / steep, beside * size));
+    const ModelLine* line = snap_to_curve(placed.foot_point, reach, *def.layout);
+    if (line && moved > rounding) throw ConflictError({{{line->name, c.name}, moved}});
+  };
   if (const auto* point = std::get_if<Constraint::Point>(&c.kind)) {
     require_finite(c.name, point->goal.allFinite());
-    placed.foot_point =
-        foot_point(c.name, point->at, ModelProjector(*def.layout, surface.dofs()), size);
+    put(point->at, &point->goal);
   } else if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind)) {
     require_direction(c.name, normal->normal);
-    placed.foot_point =
-        foot_point(c.name, normal->at, ModelProjector(*def.layout, surface.dofs()), size);
+    put(normal->at, nullptr);
   } else if (const auto* tangent = std::get_if<Constraint::Tangent>(&c.kind)) {
     require_direction(c.name, tangent->tau);
     if (!tangent->along.allFinite() || !(tangent->along.norm() > 0))
       throw InputError("'" + c.name + "': the parametric direction has length 0");
-    placed.foot_point =
-        foot_point(c.name, tangent->at, ModelProjector(*def.layout, surface.dofs()), size);
+    put(tangent->at, nullptr);
   } else {
     const auto& along = std::get<Constraint::LineNormal>(c.kind);
     def.layout->model_line(along.line);

@@ -513,9 +513,12 @@ void SessionData::restore_converged() {
 }
 
 // Computes the matrix again if a cancelled solve has left it to other values than those of the
-// shape.
+// shape, or if the undo history has dropped it.
 void SessionData::require_matrix() {
-  if (system().matrix_values.empty()) engine.prepare_matrix(system(), now.shape_values);
+  if (system().matrix_values.empty())
+    engine.prepare_matrix(system(), now.shape_values);
+  else if (!system().statics || !system().coupling)
+    engine.prepare_matrix(system(), std::vector<double>(system().matrix_values));
 }
 
 // Load stepping from the last converged values to `goal`. Steps are halved if the solve does not

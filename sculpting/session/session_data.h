@@ -2,7 +2,6 @@
 // Implementation of a sculpting session: its state, history and operations.
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,25 +12,10 @@
 #include "batten/sculpting/session/operation.h"
 #include "batten/sculpting/session/session_engine.h"
 #include "batten/sculpting/session/session_results.h"
+#include "batten/sculpting/session/undo_history.h"
 
 namespace batten {
 namespace detail {
-
-// Everything that undo restores.
-struct SessionState {
-  std::shared_ptr<SessionSystem> system;
-  Parameters parameters;
-  ShapeState shape;
-  bool in_motion = false;
-  Motion motion;
-  std::vector<double> shape_values;  // parameter values for which the shape was computed
-  // The last converged solve.
-  Points converged_x;
-  std::shared_ptr<const RestConfiguration> converged_rest;
-  std::vector<double> converged_values;
-  std::vector<char> fresh;  // parameters that have not acted on the shape yet: their converged
-                            // value is 0
-};
 
 inline constexpr const char* kAxes[] = {".x", ".y", ".z"};
 inline constexpr size_t kRecordPage = 4096;  // operations per page of a record
@@ -71,7 +55,7 @@ struct SessionSnapshot {
 struct SessionData {
   SessionOptions options;
   detail::SessionState now;
-  std::deque<detail::SessionState> undo_stack, redo_stack;
+  detail::UndoHistory history;
   bool coalesces = false;  // the current set() or step() belongs to the last history step
   bool recording = false;
   std::vector<Operation> record;
@@ -94,10 +78,7 @@ struct SessionData {
   // -- history ------------------------------------------------------------------------------------
   detail::SessionState snapshot() const;
   void push_history(detail::SessionState before);
-  size_t bytes() const;
   void restore_state(detail::SessionState state);
-  bool move_in_history(std::deque<detail::SessionState>& from,
-                       std::deque<detail::SessionState>& to);
   void record_operation(const Operation& op);
   // Records an operation and calls run(). A cancelled operation changes nothing, so that it is
   // removed from the record.

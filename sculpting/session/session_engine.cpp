@@ -152,6 +152,19 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
     system.point_cloud_reduced = system.reduction->D().transpose() * system.point_cloud_load;
 }
 
+// Stiffness of the surface alone, without point clouds and joins.
+SparseMatrix SessionEngine::elastic_stiffness(const SessionSystem& system,
+                                              const std::vector<double>& values) {
+  const SurfaceAssembler& assembler = system.parts->assembler;
+  const auto all = materials(system, values);
+  SparseMatrix K = assembler.pattern();
+  if (all.size() == 1)
+    assembler.stiffness(all[0], K);
+  else
+    assembler.stiffness(all, K);
+  return K;
+}
+
 // Stiffness that connects regions along embedded lines, for these values.
 SparseMatrix SessionEngine::join_stiffness(const SessionSystem& system,
                                            const std::vector<double>& values) {
@@ -174,13 +187,9 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
                                    std::shared_ptr<const RestConfiguration> rest) {
   system.rest = std::move(rest);
   anchored_ = false;
-  if (system.statics && !system.matrix_values.empty() && system.point_cloud_load.rows() == 0) {
-    const SparseMatrix joins = join_stiffness(system, system.matrix_values);
-    if (joins.nonZeros() > 0)
-      set_rest_load(system, system.statics->matrix() - joins);
-    else
-      set_rest_load(system, system.statics->matrix());
-  } else
+  if (system.statics && !system.matrix_values.empty() && system.point_cloud_load.rows() == 0)
+    set_rest_load(system, elastic_stiffness(system, system.matrix_values));
+  else
     invalidate_matrix(system);
 }
 
@@ -214,13 +223,7 @@ class MatrixLoads {
 // Assembles and factors the matrix for these values.
 void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>& values) {
   MatrixLoads loads(system);
-  const MeshData& parts = *system.parts;
-  const auto all = materials(system, values);
-  SparseMatrix K = parts.assembler.pattern();
-  if (all.size() == 1)
-    parts.assembler.stiffness(all[0], K);
-  else
-    parts.assembler.stiffness(all, K);
+  SparseMatrix K = elastic_stiffness(system, values);
   set_rest_load(system, K);
   if (const SparseMatrix joins = join_stiffness(system, values); joins.nonZeros() > 0) K += joins;
   throw_if_cancelled();
@@ -234,8 +237,8 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
     system.statics =
         system.statics
             ? std::make_shared<ReusableFactorization>(*system.statics, std::move(K))
-            : std::make_shared<ReusableFactorization>(system.reduction, std::move(K),
-                                                      parts.vertices, system.def.factor_reuse);
+            : std::make_shared<ReusableFactorization>(
+                  system.reduction, std::move(K), system.parts->vertices, system.def.factor_reuse);
   loads.replace();
   system.matrix_values = values;
   system.coupling.reset();  // computed with the previous factor
@@ -343,7 +346,7 @@ void SessionEngine::auxiliary_rhs(const SessionSystem& system, const std::vector
   }
   if (system.coupling->redundant().empty()) return;
   const auto [missed, row] = system.coupling->contradiction(g_);
-  if (missed > kRhsConflictTolerance * system.layout().size()) throw_conflict(system, values, row);
+  if (missed > kRoundingTolerance * system.layout().size()) throw_conflict(system, values, row);
 }
 
 ConstraintSet SessionEngine::all_rows(const SessionSystem& system,
@@ -378,7 +381,15 @@ void SessionEngine::throw_conflict(const SessionSystem& system, const std::vecto
   // conflict.
   const ConstraintSet all = all_rows(system, values);
   const AuxiliaryConstraints& auxiliary = *system.auxiliary;
-  const AffineReduction check(all, AffineReduction::RhsMode::Given, kRedundantTolerance);
+  std::vector<ConflictError::Conflict> conflicts;
+  try {
+    AffineReduction(all, AffineReduction::RhsMode::Given, kRedundantTolerance);
+  } catch (const ConflictError& e) {
+    for (const auto& conflict : e.conflicts())
+      if (conflict.amount > kRoundingTolerance * system.layout().size())
+        conflicts.push_back(conflict);
+  }
+  if (!conflicts.empty()) throw ConflictError(std::move(conflicts));
   throw ConflictError({{{auxiliary.name_of(row), "the adjacent curves or constraints"},
                         system.coupling->contradiction(g_).first}});
 }

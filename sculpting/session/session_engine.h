@@ -19,9 +19,6 @@ struct ShapeState {
 // A hard constraint is redundant if the lines and the other constraints leave less of it than this
 // fraction of its size. Only a heavily oscillating surface could satisfy the rest independently.
 inline constexpr double kRedundantTolerance = 1e-5;
-// Right-hand sides of redundant constraints must agree with the others within this fraction of the
-// size.
-inline constexpr double kRhsConflictTolerance = 5e-11;
 
 /// Solves, time steps and measurements on one system.
 class SessionEngine {
@@ -94,6 +91,8 @@ class SessionEngine {
  private:
   void make_matrix(SessionSystem& system, const std::vector<double>& values);
   void add_point_clouds(SessionSystem& system, const std::vector<double>& values, SparseMatrix& K);
+  static SparseMatrix elastic_stiffness(const SessionSystem& system,
+                                        const std::vector<double>& values);
   static SparseMatrix join_stiffness(const SessionSystem& system,
                                      const std::vector<double>& values);
   static void set_rest_load(SessionSystem& system, const SparseMatrix& K);

@@ -48,9 +48,21 @@ Location MeshData::at(const ModelPoint& point) const {
   return where;
 }
 
-size_t MeshData::bytes() const { return static_cast<size_t>(mesh->triangle_count()) * 1400; }
+size_t MeshData::bytes() const {
+  constexpr size_t of_triangle = 1000, of_pressure = 1500;  // measured
+  return static_cast<size_t>(mesh->triangle_count()) *
+             (of_triangle + (pressure_ ? of_pressure : 0)) +
+         12 * static_cast<size_t>(mass_.nonZeros());
+}
 
 namespace {
+
+// Point clouds are part of the matrix.
+bool has_point_clouds(const SessionDefinition& def) {
+  return std::any_of(def.loads.begin(), def.loads.end(), [](const auto& l) {
+    return std::holds_alternative<Load::PointCloudSprings>(l->load.kind);
+  });
+}
 
 bool nonlinear(const Load::AttractorSprings& springs) {
   return std::holds_alternative<Load::AttractorSprings::Curve>(springs.target) ||
@@ -143,18 +155,33 @@ void assign_roles(SessionSystem& system, const Parameters& parameters) {
     if (source.kind == AuxiliaryConstraints::Source::Goal) give(source.parameter, kGoal);
 }
 
-// Assembles loads, stiffness fields and offsets, or reuses those of the older system.
+// What was made of the same item in another system, or null.
+template <class Items, class Made>
+typename Made::value_type reused(const Items& mine, const Items& theirs, const Made& made, size_t i,
+                                 bool fits) {
+  if (fits)
+    for (size_t j = 0; j < theirs.size(); ++j)
+      if (theirs[j] == mine[i]) return made[j];
+  return nullptr;
+}
+
+// Computes the right-hand sides of offsets, or reuses those of the older system.
+void build_offsets(SessionSystem& system, const SessionSystem* older, bool same_lines) {
+  const auto& moves = system.def.moves;
+  for (size_t i = 0; i < moves.size(); ++i) {
+    auto known =
+        older ? reused(moves, older->def.moves, older->offset_rhs, i, same_lines) : nullptr;
+    system.offset_rhs.push_back(known ? known
+                                      : std::make_shared<const MatX>(line_curve_rhs(
+                                            system, moves[i]->move.line, moves[i]->displacement)));
+  }
+}
+
+// Assembles loads and stiffness fields, or reuses those of the older system.
 void build_loads(SessionSystem& system, const SessionSystem* older, bool same_mesh,
                  bool same_lines) {
   const SessionDefinition& d = system.def;
   const bool same_reduction = older && system.reduction == older->reduction;
-  const auto reused = [&](const auto& mine, const auto& theirs, const auto& made, size_t i,
-                          bool fits) -> std::decay_t<decltype(made[0])> {
-    if (fits)
-      for (size_t j = 0; j < theirs.size(); ++j)
-        if (theirs[j] == mine[i]) return made[j];
-    return nullptr;
-  };
   // A line load depends on its line's curve.
   const auto keeps = [&](const AttachedLoad& load) {
     return same_reduction && (same_lines || !std::holds_alternative<Load::Line>(load.load.kind));
@@ -173,25 +200,15 @@ void build_loads(SessionSystem& system, const SessionSystem* older, bool same_me
         known ? known
               : std::make_shared<const AssembledStiffnessField>(assembled(*d.weights[i], system)));
   }
-  for (size_t i = 0; i < d.moves.size(); ++i) {
-    auto known =
-        older ? reused(d.moves, older->def.moves, older->offset_rhs, i, same_lines) : nullptr;
-    system.offset_rhs.push_back(
-        known ? known
-              : std::make_shared<const MatX>(
-                    line_curve_rhs(system, d.moves[i]->move.line, d.moves[i]->displacement)));
-  }
 }
 
 // Keeps the values of the matrix if everything that it is made from is unchanged.
 void keep_matrix_values(SessionSystem& system, const SessionSystem& older,
                         const Parameters& parameters) {
   const SessionDefinition& d = system.def;
-  const bool same_matrix = older.def.weights == d.weights && older.point_cloud_load.rows() == 0 &&
-                           std::none_of(d.loads.begin(), d.loads.end(), [](const auto& l) {
-                             return std::holds_alternative<Load::PointCloudSprings>(l->load.kind);
-                           });
-  if (!same_matrix || older.matrix_values.empty()) return;
+  if (older.matrix_values.empty() || older.def.weights != d.weights ||
+      has_point_clouds(older.def) || has_point_clouds(d))
+    return;
   // Values are matched by name, because parameter indices may have changed.
   system.matrix_values.assign(static_cast<size_t>(parameters.count()), 0);
   const auto take = [&](int mine, int theirs) {
@@ -241,6 +258,7 @@ std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& pa
   build_line_constraints(*system, older, same_mesh, same_lines);
   find_parameters(*system, parameters);
   build_loads(*system, older, same_mesh, same_lines);
+  build_offsets(*system, older, same_lines);
   system->auxiliary = std::make_shared<const AuxiliaryConstraints>(
       build_auxiliary_constraints(*system, parameters));
   assign_roles(*system, parameters);
@@ -251,35 +269,170 @@ std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& pa
   return system;
 }
 
-size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen) {
+std::shared_ptr<SessionSystem> without_factors(const SessionSystem& system) {
+  auto copy = std::make_shared<SessionSystem>(system);
+  copy->statics.reset();
+  copy->dynamics.reset();
+  copy->coupling.reset();
+  copy->dynamics_coupling.reset();
+  copy->coupled_rows.reset();
+  copy->dynamics_constraints.reset();
+  return copy;
+}
+
+std::shared_ptr<SessionSystem> without_recomputable(const SessionSystem& system) {
+  auto copy = without_factors(system);
+  copy->parts.reset();
+  copy->line_rows.reset();
+  copy->reduction.reset();
+  copy->base_rhs.resize(0, 3);
+  copy->offset_rhs.clear();
+  copy->auxiliary.reset();
+  copy->point_cloud_load.resize(0, 3);
+  copy->point_cloud_reduced.resize(0, 3);
+  copy->rest_load.resize(0, 3);
+  copy->rest_reduced.resize(0, 3);
+  return copy;
+}
+
+namespace {
+
+// Whether the matrices and the loads that belong to them are equal, on the same reduction.
+bool same_matrix(const SessionSystem& a, const SessionSystem& b) {
+  if (a.matrix_values.empty() || b.matrix_values.empty() || a.def.weights != b.def.weights ||
+      a.rest != b.rest || has_point_clouds(a.def) || has_point_clouds(b.def))
+    return false;
+  const auto same = [&](int p, int q) { return a.matrix_values[p] == b.matrix_values[q]; };
+  bool all = true;
+  for (size_t k = 0; k < 3; ++k)
+    all = all && same(a.alpha[k], b.alpha[k]) && same(a.beta[k], b.beta[k]);
+  for (size_t w = 0; w < a.weight_parameter.size(); ++w)
+    all = all && same(a.weight_parameter[w], b.weight_parameter[w]);
+  return all;
+}
+
+}  // namespace
+
+std::shared_ptr<SessionSystem> completed(const SessionSystem& incomplete,
+                                         const Parameters& parameters, const SessionSystem& other) {
+  auto system = std::make_shared<SessionSystem>(incomplete);
+  const ModelLayout& layout = system->layout();
+  const bool same_mesh = other.layout().mesh() == layout.mesh();
+  const bool same_lines = same_mesh && other.def.layout == system->def.layout;
+  system->parts = same_mesh ? other.parts : std::make_shared<const MeshData>(layout);
+  build_line_constraints(*system, &other, same_mesh, same_lines);
+  build_offsets(*system, &other, same_lines);
+  system->auxiliary = std::make_shared<const AuxiliaryConstraints>(
+      build_auxiliary_constraints(*system, parameters));
+  if (system->reduction == other.reduction && other.statics && same_matrix(*system, other)) {
+    system->statics = other.statics;
+    system->coupling = other.coupling;
+    system->coupled_rows = other.coupled_rows;
+    system->rest_load = other.rest_load;
+    system->rest_reduced = other.rest_reduced;
+  }
+  return system;
+}
+
+namespace {
+
+size_t bytes_of(const SparseMatrix& matrix) {
+  return 12 * static_cast<size_t>(matrix.nonZeros()) + 4 * static_cast<size_t>(matrix.cols());
+}
+
+size_t bytes_of(const ConstraintSet& set) {
   size_t sum = 0;
-  const auto once = [&](const void* what, size_t bytes) {
-    if (what && seen.insert(what).second) sum += bytes;
+  for (const auto& row : set.constraints())
+    sum += sizeof(row) + sizeof(row.entries[0]) * row.entries.capacity();
+  for (const auto& row : set.coupled_constraints())
+    sum += sizeof(row) + sizeof(row.entries[0]) * row.entries.capacity();
+  return sum;
+}
+
+template <class Matrix>
+size_t bytes_of(const Eigen::DenseBase<Matrix>& matrix) {
+  return sizeof(double) * static_cast<size_t>(matrix.size());
+}
+
+size_t bytes_of_mesh(const ParametricMesh& mesh) {
+  constexpr size_t of_triangle = 100;  // measured
+  return of_triangle * static_cast<size_t>(mesh.triangle_count());
+}
+
+size_t bytes_of(const RegionLayout& region) {
+  size_t sum = sizeof(region);
+  if (region.trim()) sum += 60 * static_cast<size_t>(region.mesh()->triangle_count());
+  for (const EdgeAlignedLine& line : region.edge_aligned())
+    sum += sizeof(line) + 16 * line.vertices.size() + 2 * bytes_of(line.fitted.dofs());
+  for (const EmbeddedLine& line : region.embedded())
+    sum += sizeof(line) + 8 * line.points.size() + 2 * bytes_of(line.fitted.dofs()) +
+           2 * bytes_of(line.pcurve.dofs());
+  return sum;
+}
+
+}  // namespace
+
+void visit_shared_parts(const SessionSystem& system,
+                        const std::function<void(const void*, size_t)>& visit) {
+  const auto part = [&](const auto& pointer, const auto& bytes) {
+    if (pointer) visit(pointer.get(), bytes(*pointer));
   };
-  const auto n = static_cast<size_t>(system.dofs());
-  once(system.parts.get(), system.parts->bytes());
-  once(system.reduction.get(),
-       12 * static_cast<size_t>(system.reduction->D().nonZeros() +
-                                system.reduction->rhs_to_particular().nonZeros()));
+  const auto points = [](const Points& p) { return bytes_of(p); };
+  const auto items = [&](const auto& list) {
+    for (const auto& item : list) {
+      part(item, [](const auto& i) { return sizeof(i) + 200; });
+      part(item->on, points);
+    }
+  };
+  items(system.def.loads);
+  items(system.def.weights);
+  items(system.def.constraints);
+  for (const auto& move : system.def.moves)
+    part(move,
+         [](const AttachedOffset& m) { return sizeof(m) + 2 * bytes_of(m.displacement.dofs()); });
+  part(system.def.layout, [](const ModelLayout& layout) {
+    return sizeof(layout) + 500 * layout.lines().size() + bytes_of(layout.domain_scale());
+  });
+  part(system.layout().mesh(), bytes_of_mesh);
+  for (int r = 0; r < system.layout().region_count(); ++r) {
+    part(system.layout().region(r).mesh(), bytes_of_mesh);
+    visit(&system.layout().region(r), bytes_of(system.layout().region(r)));
+  }
+  part(system.parts, [](const MeshData& mesh) { return mesh.bytes(); });
+  part(system.line_rows, [](const ConstraintSet& set) { return bytes_of(set); });
+  part(system.reduction, [](const AffineReduction& reduction) {
+    return 2 * (bytes_of(reduction.D()) + bytes_of(reduction.rhs_to_particular()));
+  });
   for (const auto& load : system.loads)
-    once(load.get(), 8 * static_cast<size_t>(load->F.size() + load->reduced.size()) +
-                         8 * static_cast<size_t>(load->weights.size()));
-  for (const auto& w : system.weights)
-    once(w.get(), 8 * static_cast<size_t>(w->weights.size()) + 16 * w->directions.size());
-  for (const auto& m : system.offset_rhs) once(m.get(), 8 * static_cast<size_t>(m->size()));
-  once(system.auxiliary.get(), 16 * static_cast<size_t>(system.auxiliary->A.nonZeros()));
-  for (const auto& placed : system.def.loads) once(placed->on.get(), 24 * n);
-  for (const auto& placed : system.def.weights) once(placed->on.get(), 24 * n);
-  for (const auto& placed : system.def.constraints) once(placed->on.get(), 24 * n);
-  for (const auto* made : {system.statics.get(), system.dynamics.get()})
-    if (made) once(made, made->bytes());
-  for (const auto* coupling : {system.coupling.get(), system.dynamics_coupling.get()})
-    if (coupling) once(coupling, coupling->bytes());
-  if (system.rest)
-    once(system.rest.get(),
-         8 * static_cast<size_t>(system.rest->dofs.size() + system.rest->first.size()));
-  return sum + 8 * static_cast<size_t>(system.base_rhs.size() + system.point_cloud_load.size() +
-                                       system.rest_load.size());
+    part(load, [](const AssembledLoad& l) {
+      return bytes_of(l.F) + bytes_of(l.reduced) + bytes_of(l.weights);
+    });
+  for (const auto& field : system.weights)
+    part(field, [](const AssembledStiffnessField& w) {
+      return bytes_of(w.weights) + sizeof(Vec2) * w.directions.size();
+    });
+  for (const auto& rhs : system.offset_rhs) part(rhs, [](const MatX& m) { return bytes_of(m); });
+  part(system.auxiliary,
+       [](const AuxiliaryConstraints& a) { return bytes_of(a.A) + 100 * a.rows.size(); });
+  for (const auto* factor : {&system.statics, &system.dynamics})
+    part(*factor, [](const ReusableFactorization& f) { return f.bytes(); });
+  for (const auto* coupling : {&system.coupling, &system.dynamics_coupling})
+    part(*coupling, [](const SchurComplementConstraints& c) { return c.bytes(); });
+  part(system.rest, [](const RestConfiguration& rest) {
+    return bytes_of(rest.dofs) + bytes_of(rest.first) + bytes_of(rest.rows);
+  });
+}
+
+size_t own_bytes(const SessionSystem& system) {
+  const SessionDefinition& def = system.def;
+  size_t sum = sizeof(SessionSystem) + bytes_of(system.base_rhs) + bytes_of(system.rest_load) +
+               bytes_of(system.rest_reduced) + bytes_of(system.point_cloud_load) +
+               bytes_of(system.point_cloud_reduced);
+  const size_t items =
+      def.loads.size() + def.weights.size() + def.constraints.size() + def.moves.size();
+  sum += 100 * items + sizeof(double) * (system.matrix_values.size() + system.roles.size());
+  for (const auto& cloud : system.scan_foot_points) sum += (sizeof(ModelPoint) + 1) * cloud.size();
+  return sum;
 }
 
 namespace {

@@ -3,8 +3,8 @@
 // matrices made from them. Everything is shared and, apart from working storage, immutable.
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +20,10 @@
 #include "batten/skinning/model/model_layout.h"
 
 namespace batten::detail {
+
+// Fraction of the size up to which a goal may differ from what the other constraints prescribe:
+// rounding of coordinates in single precision, or with six digits.
+inline constexpr double kRoundingTolerance = 1e-6;
 
 /// Data that depends on the mesh only.
 struct MeshData {
@@ -161,7 +165,7 @@ struct RestConfiguration {
 /// A definition and everything assembled from it on its mesh.
 struct SessionSystem {
   SessionDefinition def;
-  std::shared_ptr<const MeshData> parts;
+  std::shared_ptr<const MeshData> parts;  ///< null: without_recomputable()
   // Constraints of lines.
   std::shared_ptr<const ConstraintSet> line_rows;  ///< coordinates are relative to `origin`
   std::shared_ptr<const AffineReduction> reduction;
@@ -213,8 +217,23 @@ MatX line_curve_rhs(const SessionSystem& system, const std::string& name,
 std::shared_ptr<SessionSystem> build(SessionDefinition def, const Parameters& parameters,
                                      const SessionSystem* older);
 
-/// Memory in bytes of all parts of a system that are not in `seen`; adds them to `seen`.
-size_t bytes_of(const SessionSystem& system, std::set<const void*>& seen);
+// Memory of a system, and states of the undo history that are completed when they are needed.
+
+/// A copy of a system that shares only immutable parts with it, and has no factors.
+std::shared_ptr<SessionSystem> without_factors(const SessionSystem& system);
+/// A copy of a system without all that completed() computes again: `parts` is null.
+std::shared_ptr<SessionSystem> without_recomputable(const SessionSystem& system);
+/// Completes a copy of without_recomputable(), to the same bits, except the factors:
+/// SessionEngine::prepare_matrix() computes them. What is the same in `other` is shared with it.
+/// Cost: nothing that depends on the mesh if `other` has the same layout.
+std::shared_ptr<SessionSystem> completed(const SessionSystem& incomplete,
+                                         const Parameters& parameters, const SessionSystem& other);
+
+/// Calls visit(address, bytes) for the parts that systems share, also for repeated ones.
+void visit_shared_parts(const SessionSystem& system,
+                        const std::function<void(const void*, size_t)>& visit);
+/// Memory in bytes of a system without the parts that it shares.
+size_t own_bytes(const SessionSystem& system);
 
 }  // namespace batten::detail
 
