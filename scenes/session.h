@@ -71,6 +71,10 @@ class Session {
   SolveReport solve(const Progress& progress = {});
   /// Undoes an edit, all set() since the last solve(), or all time steps since the last edit. Returns
   /// false if there is none.
+  ///
+  /// The history begins with the model that the session was created from, and keeps the last 1,000
+  /// steps within 512 MiB (SessionOptions::history_bytes). Undo and redo give the same bits. A state
+  /// whose factorization is no longer stored is factored again at the next solve.
   bool undo();
   bool redo();
 
@@ -102,6 +106,10 @@ class Session {
   void add_force(const std::string& name, const Vec3& at, const Vec3& direction,
                  const ParameterRange& range = {});
   /// Constrains a point of the surface to a position; its parameters are NAME.x, NAME.y, NAME.z.
+  ///
+  /// On a curve, a position within 1e-6 of the model's size holds the point where the curve has it;
+  /// others throw ConflictError. A point that would be moved by more than a tenth of its distance
+  /// from a curve within 1e-3 of the size counts as a point on the curve.
   void add_point_constraint(const std::string& name, const Vec3& at, const Vec3& target);
   /// Constrains the surface normal at a point to a direction.
   void add_normal_constraint(const std::string& name, const Vec3& at, const Vec3& normal);

@@ -106,6 +106,7 @@ void EditedShape::apply_values(const Scene& scene) {
     if (session_->parameters().value(p.name) != p.value) session_->set(p.name, p.value);
   }
   solve_report_ = session_->solve_to_equilibrium();
+  session_->clear_history();  // a document restores texts
 }
 
 std::shared_ptr<const DocumentModel> EditedShape::model_for(const Scene& scene,
@@ -192,6 +193,7 @@ void EditedShape::solve_to_equilibrium() {
     session_->set_time(0);
   }
   solve_report_ = session_->solve_to_equilibrium();
+  session_->clear_history();
 }
 
 void EditedShape::step(double dt) {

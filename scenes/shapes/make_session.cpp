@@ -200,6 +200,7 @@ class SessionBuilder {
     for (const auto& [name, value] : moves_) session_.set(name, value);
     for (const ScalarParameter& p : scene_.named_values())
       if (!p.rule_terms.empty()) session_.set_rule(p.name, p.rule_terms, p.offset);
+    session_.clear_history();
     return std::move(session_);
   }
   SessionReference start() && { return {std::move(unloaded_), std::move(constrained_)}; }

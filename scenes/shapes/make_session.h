@@ -17,7 +17,8 @@ struct SessionReference {
 };
 
 /// Creates a session with all loads, constraints, weights and moves of the scene, and all
-/// parameters at the scene's values. Call solve_to_equilibrium() or start_motion() next.
+/// parameters at the scene's values. Its undo history begins here. Call solve_to_equilibrium() or
+/// start_motion() next.
 ///
 /// The unloaded surface is the shape of the lines alone. Constraints, tangent planes that lines
 /// preserve, and the normals that moves follow are located at its nearest points, independently of

@@ -102,7 +102,10 @@ class SculptingSession {
   ///
   /// Throws InputError for a name that is already used, for points farther from the surface than
   /// half of the model size, and for numbers out of range. Throws ConflictError if the new
-  /// constraint contradicts others.
+  /// constraint contradicts others by more than 1e-6 of the model size; a smaller difference is
+  /// rounding, and the constraint then follows the others. A point within 1e-6 of the size of a curve
+  /// is on the curve, and so is a point within 1e-3 that its goal would move by more than a tenth of
+  /// its distance from the curve.
   void add(Operation::Item thing, std::vector<ScalarParameter> parameters = {});
   /// Replaces the constraint of the same name by one with another point, goal or direction. The
   /// type of the constraint must stay the same.
@@ -159,7 +162,7 @@ class SculptingSession {
   /// or edit together are one step (a drag of one or several sliders), and so are all consecutive
   /// time steps of a motion.
   ///
-  /// The history goes back to the constructor or clear_history(), through at least 1,000 steps within
+  /// The history goes back to the constructor or clear_history(), through at most 1,000 steps within
   /// the memory SessionOptions::history_bytes. Costs a copy of the dofs. Matrices and factors that
   /// the history has dropped to save memory are computed again, to the same bits: those of the mesh
   /// at once, the factor at the next solve.
