@@ -7,7 +7,6 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -65,8 +64,8 @@ class Pool {
   void start_threads(int count) {
     try {
       while (isize(threads_) < count) threads_.emplace_back([this] { serve(); });
-    } catch (const std::system_error&) {
-      // The system provides no more threads: continue with those that exist.
+    } catch (const std::exception&) {
+      // The system provides no more threads or memory: continue with those that exist.
     }
   }
 

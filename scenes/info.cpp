@@ -29,6 +29,7 @@
 #include "batten/io/scene/deform_scene.h"
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/scene.h"
+#include "batten/io/scene/scene_text.h"
 #include "batten/io/scene/sequence_scene.h"
 #include "batten/mesh/element_quality.h"
 #include "batten/mesh/features/feature_detection.h"
@@ -112,9 +113,10 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
   std::string text = std::to_string(lines.size()) + (lines.size() == 1 ? " curve" : " curves") +
                      ", lengths in " + unit + "\n";
   size_t width = 0;
-  for (const auto& line : lines) width = std::max(width, line.name.size());
+  for (const auto& line : lines) width = std::max(width, printable(line.name).size());
   for (const auto& line : lines) {
-    text += "  " + line.name + std::string(width - line.name.size() + 2, ' ');
+    const std::string name = printable(line.name);
+    text += "  " + name + std::string(width - name.size() + 2, ' ');
     if (!has_length(line, corner_angle)) {
       text += "zero length  at " + format_point(line.points.front()) + "\n";
       continue;
@@ -127,7 +129,7 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
     } catch (const InputError& e) {
       // Strokes may have repeated points, which fairing accepts.
       curve = curve_from_hermite(interpolating_spline(line.name, line.points));
-      remark = "  not usable for surfaces: " + std::string(e.what());
+      remark = "  not usable for surfaces: " + printable(e.what());
     }
     text += "length " + format_number(ArcLength(curve).total()) + "  from " +
             format_point(curve->evaluate(curve->start())) + " to " +
@@ -167,7 +169,7 @@ void draw_lines(const std::filesystem::path& picture, const std::vector<SourceLi
 std::string parameters_text(const std::vector<Parameter>& parameters) {
   std::string text = "parameters (--set name=value)\n";
   for (const Parameter& p : parameters) {
-    text += "  " + p.name + " = " + format_number(p.value);
+    text += "  " + printable(p.name) + " = " + format_number(p.value);
     if (std::isfinite(p.min) || std::isfinite(p.max))
       text += "  (" + (std::isfinite(p.min) ? "from " + format_number(p.min) : std::string("any")) +
               (std::isfinite(p.max) ? " to " + format_number(p.max) : " up") + ")";
@@ -191,28 +193,28 @@ std::string network_text(const Scene& scene) {
                      (network.nodes().size() == 1 ? " node" : " nodes") + " (gap tolerance " +
                      format_number(network.tolerance()) + " " + scene.unit + ")\n";
   for (const NetworkEdge& edge : network.edges())
-    text += "  " + edge.name + "  length " + format_number(edge.length) + "  from " +
+    text += "  " + printable(edge.name) + "  length " + format_number(edge.length) + "  from " +
             place(edge, 0) + " to " + place(edge, 1) + "\n";
   for (const NetworkDiagnostic& diagnostic : network.diagnostics())
-    text += std::string(diagnostic.repaired ? "  repaired: " : "  not joined: ") + diagnostic.text +
-            "\n";
+    text += std::string(diagnostic.repaired ? "  repaired: " : "  not joined: ") +
+            printable(diagnostic.text) + "\n";
   const FoundRegions found = require_regions(network, options);
   text +=
       std::to_string(found.regions.size()) + (found.regions.size() == 1 ? " face\n" : " faces\n");
   for (const NetworkRegion& region : found.regions) {
-    text += "  " + region.name + (region.annulus ? "  annulus  " : "  ");
+    text += "  " + printable(region.name) + (region.annulus ? "  annulus  " : "  ");
     for (size_t l = 0; l < region.loops.size(); ++l) {
       text += l ? ", [" : "[";
       for (size_t i = 0; i < region.loops[l].size(); ++i)
-        text += (i ? ", " : "") + network.edges()[region.loops[l][i].edge].name;
+        text += (i ? ", " : "") + printable(network.edges()[region.loops[l][i].edge].name);
       text += "]";
     }
     for (size_t i = 0; i < region.inner.size(); ++i)
-      text += (i ? ", " : "  inner ") + network.edges()[region.inner[i]].name;
+      text += (i ? ", " : "  inner ") + printable(network.edges()[region.inner[i]].name);
     text += "\n";
   }
   for (const AmbiguousRegion& ambiguous : found.ambiguous_regions)
-    text += "  ambiguous: " + ambiguous.text + "\n";
+    text += "  ambiguous: " + printable(ambiguous.text) + "\n";
   return text;
 }
 
@@ -225,12 +227,12 @@ std::string loads_text(const Scene& scene) {
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {
-    return "effects of the parameters: unknown, because " + std::string(e.what()) + "\n";
+    return "effects of the parameters: unknown, because " + printable(e.what()) + "\n";
   }
 }
 
 std::string scene_text(const Scene& scene) {
-  return "scene '" + scene.name + "', unit " + scene.unit + "\n" +
+  return "scene '" + printable(scene.name) + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
                     scene.skin.options.corner_angle) +
          (specifies_single_region(scene) ? "" : network_text(scene)) +
@@ -238,13 +240,13 @@ std::string scene_text(const Scene& scene) {
 }
 
 std::string fairing_text(const FairScene& scene) {
-  return "fair scene '" + scene.name + "', unit " + scene.unit + "\n" +
+  return "fair scene '" + printable(scene.name) + "', unit " + scene.unit + "\n" +
          lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit, kCorner) +
          parameters_text(scene.parameters());
 }
 
 std::string edits_text(const DeformScene& scene) {
-  return "deform scene '" + scene.name + "', unit " + scene.unit + "\n" +
+  return "deform scene '" + printable(scene.name) + "', unit " + scene.unit + "\n" +
          mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
@@ -304,14 +306,13 @@ namespace {
 
 // Formats loops as in [[face]]: [["a", "b"], ["c"]].
 std::string format_loops(const CurveNetwork& network, const std::vector<EdgeLoop>& loops) {
-  std::string text = "[";
-  for (size_t l = 0; l < loops.size(); ++l) {
-    text += l ? ", [" : "[";
-    for (size_t i = 0; i < loops[l].size(); ++i)
-      text += (i ? ", \"" : "\"") + network.edges()[loops[l][i].edge].name + "\"";
-    text += "]";
+  std::vector<std::string> lists;
+  for (const EdgeLoop& loop : loops) {
+    std::vector<std::string> names;
+    for (const auto& part : loop) names.push_back(network.edges()[part.edge].name);
+    lists.push_back(SceneText::toml_string_list(names));
   }
-  return text + "]";
+  return SceneText::list(lists);
 }
 
 // The TOML that creates these surfaces; if `with` is empty, the TOML that suppresses the chosen
@@ -419,8 +420,8 @@ std::string describe_box(const Box3& box) {
 std::string sets_text(const std::string& what, const std::vector<MeshFile::Set>& sets) {
   std::string text;
   for (const auto& s : sets)
-    text += "  " + what + " '" + s.name + "'" + (s.title.empty() ? "" : " (" + s.title + ")") +
-            ": " +
+    text += "  " + what + " '" + printable(s.name) + "'" +
+            (s.title.empty() ? "" : " (" + printable(s.title) + ")") + ": " +
             (s.faces.empty() ? std::to_string(s.nodes.size()) + " nodes"
                              : std::to_string(s.faces.size()) + " faces") +
             "\n";
@@ -477,7 +478,8 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
     for (const int p : parts) where += " " + std::to_string(p + 1);
     text += "  " + where + ":";
     for (const auto& [name, n] : elements)
-      text += (name == elements.begin()->first ? " " : ", ") + std::to_string(n) + " " + name;
+      text += (name == elements.begin()->first ? " " : ", ") + std::to_string(n) + " " +
+              printable(name);
     text += "\n";
   }
   return text;
@@ -501,18 +503,18 @@ std::string mesh_info(const std::filesystem::path& path, const std::string& unit
                      std::to_string(shells.face_count()) + " faces in " +
                      std::to_string(d.components) + (d.components == 1 ? " part" : " parts") +
                      ", lengths in " + unit + "\n";
-  for (const auto& w : file.warnings()) text += "  " + w + "\n";
+  for (const auto& w : file.warnings()) text += "  " + printable(w) + "\n";
   text += sets_text("set", file.sets()) + sets_text("property", file.properties());
   const auto name = [&](int v) { return std::to_string(file.node_label(v)); };
   const PreparedMesh prepared = [&] {
     try {
       return prepare(shells, name);
     } catch (const InputError& e) {
-      throw InputError(path.string() + ": " + e.what() + "\n" + text);
+      throw InputError(path.string() + ": " + e.what() + "\n  " + text);
     }
   }();
   const TriangleMesh& mesh = prepared.mesh;
-  for (const auto& note : prepared.notes) text += "  " + note + "\n";
+  for (const auto& note : prepared.notes) text += "  " + printable(note) + "\n";
   text += "  " + describe_box(mesh.box()) + "\n" + parts_text(file, mesh);
   const QualitySummary q = summarize(shells, shells.points);
   text += "  worst aspect " + format_number(q.aspect.worst) + ", warpage " +
@@ -563,12 +565,12 @@ std::string sequence_info(const SequenceSource& source, const std::string& unit)
 }
 
 std::string sequence_info(const SequenceScene& scene) {
-  std::string text = "sequence scene '" + scene.name + "', unit " + scene.unit + "\n" +
+  std::string text = "sequence scene '" + printable(scene.name) + "', unit " + scene.unit + "\n" +
                      sequence_info(scene.source, scene.unit);
   const auto list = [&](const std::string& what, const auto& things) {
     if (things.empty()) return;
     text += what + ":";
-    for (size_t i = 0; i < things.size(); ++i) text += (i ? ", " : " ") + things[i].name;
+    for (size_t i = 0; i < things.size(); ++i) text += (i ? ", " : " ") + printable(things[i].name);
     text += "\n";
   };
   list("handles", scene.handles);
@@ -590,8 +592,8 @@ std::string describe_closedness(const CadContents& c) {
 std::string product_row(const CadProduct& product) {
   std::string text(2 + 2 * static_cast<size_t>(product.level), ' ');
   text += product.assembly ? "assembly" : "part";
-  text += product.name.empty() ? " without a name" : " '" + product.name + "'";
-  if (!product.instance_name.empty()) text += " as '" + product.instance_name + "'";
+  text += product.name.empty() ? " without a name" : " '" + printable(product.name) + "'";
+  if (!product.instance_name.empty()) text += " as '" + printable(product.instance_name) + "'";
   if (!product.assembly) {
     if (product.solids) text += ", " + format_count(product.solids, "solid");
     if (product.faces || !product.curves) text += ", " + format_count(product.faces, "face");
@@ -617,7 +619,7 @@ std::string describe_use(const CadAttribute& use) {
 std::string uses_text(const std::string& what, const std::vector<CadAttribute>& uses) {
   std::string text;
   for (size_t i = 0; i < std::min(uses.size(), kMaxListed); ++i)
-    text += "  " + what + " '" + uses[i].name + "': " + describe_use(uses[i]) + "\n";
+    text += "  " + what + " '" + printable(uses[i].name) + "': " + describe_use(uses[i]) + "\n";
   if (uses.size() > kMaxListed)
     text += "  and " + std::to_string(uses.size() - kMaxListed) + " more\n";
   return text;
@@ -627,7 +629,7 @@ std::string uses_text(const std::string& what, const std::vector<CadAttribute>& 
 /// twenty of each. Lengths are in the file's unit.
 std::string contents_text(const CadContents& c) {
   std::string text = contents_line(c) + "\n";
-  for (const std::string& note : c.notes) text += "  " + note + "\n";
+  for (const std::string& note : c.notes) text += "  " + printable(note) + "\n";
   const std::string unit = format_unit(c.unit_in_metres);
   text += "  size " + format_number(c.size) + " " + unit;
   if (c.faces) text += ", area " + format_number(c.area) + " " + unit + "²";

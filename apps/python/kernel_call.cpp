@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "batten/io/files/text.h"
+
 namespace batten::python {
 
 KernelCall::KernelCall(py::object progress) : callback_(std::move(progress)) {
@@ -16,7 +18,7 @@ KernelCall::KernelCall(py::object progress) : callback_(std::move(progress)) {
     const py::gil_scoped_acquire lock;
     if (python_error_) throw CancelledError();
     try {
-      callback_(py::str(stage.data(), stage.size()), fraction);
+      callback_(py::str(printable(stage)), fraction);
     } catch (const py::error_already_set&) {
       store_python_error();
       throw CancelledError();

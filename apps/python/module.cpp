@@ -9,6 +9,7 @@
 #include "batten/core/parallel.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/scenes/runs/plugins.h"
 
 namespace batten::python {
@@ -38,7 +39,7 @@ void set_python_log(const py::object& function) {
   LogFunction forward = [shared](LogLevel level, std::string_view message) {
     const py::gil_scoped_acquire gil;
     try {
-      (*shared)(static_cast<int>(level), py::str(message.data(), message.size()));
+      (*shared)(static_cast<int>(level), py::str(printable(message)));
     } catch (py::error_already_set& error) {
       error.discard_as_unraisable("batten.set_log");
     }
@@ -111,6 +112,10 @@ PyObject* new_error(py::module_& module, const char* name, const char* words,
   return type;
 }
 
+std::string text_of(const Error& error) {
+  return printable(error.what(), LineFeeds::KeepBeforeIndent);
+}
+
 void raise_conflict(const ConflictError& error) {
   py::list conflicts;
   for (const ConflictError::Conflict& one : error.conflicts()) {
@@ -119,7 +124,7 @@ void raise_conflict(const ConflictError& error) {
     conflicts.append(py::make_tuple(names, one.amount));
   }
   const py::object raised =
-      py::reinterpret_borrow<py::object>(error_types.conflict)(py::str(error.what()));
+      py::reinterpret_borrow<py::object>(error_types.conflict)(py::str(text_of(error)));
   raised.attr("conflicts") = conflicts;
   PyErr_SetObject(error_types.conflict, raised.ptr());
 }
@@ -130,17 +135,17 @@ void translate(std::exception_ptr thrown) {
   } catch (const ConflictError& error) {
     raise_conflict(error);
   } catch (const MeshError& error) {
-    PyErr_SetString(error_types.mesh, error.what());
+    PyErr_SetString(error_types.mesh, text_of(error).c_str());
   } catch (const FileError& error) {
-    PyErr_SetString(error_types.file, error.what());
+    PyErr_SetString(error_types.file, text_of(error).c_str());
   } catch (const InputError& error) {
-    PyErr_SetString(error_types.input, error.what());
+    PyErr_SetString(error_types.input, text_of(error).c_str());
   } catch (const NoSolutionError& error) {
-    PyErr_SetString(error_types.no_solution, error.what());
+    PyErr_SetString(error_types.no_solution, text_of(error).c_str());
   } catch (const CancelledError& error) {
-    PyErr_SetString(error_types.cancelled, error.what());
+    PyErr_SetString(error_types.cancelled, text_of(error).c_str());
   } catch (const Error& error) {
-    PyErr_SetString(error_types.error, error.what());
+    PyErr_SetString(error_types.error, text_of(error).c_str());
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "batten/core/errors.h"
@@ -43,27 +44,78 @@ std::string single_row(std::string text) {
   return text;
 }
 
+namespace {
+
+/// A code point, and the number of its bytes; no bytes: the text is not valid UTF-8 there.
+struct Decoded {
+  char32_t point = 0;
+  size_t bytes = 0;
+};
+
+Decoded decoded(std::string_view text, size_t at) {
+  const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
+  const auto first = byte(at);
+  if (first < 0x80) return {first, 1};
+  const size_t more = first < 0xC2 ? 0 : first < 0xE0 ? 1 : first < 0xF0 ? 2 : first < 0xF5 ? 3 : 0;
+  char32_t point = first & (0x3Fu >> more);
+  bool valid = more > 0 && at + more < text.size();
+  for (size_t k = at + 1; valid && k <= at + more; ++k) {
+    valid = (byte(k) & 0xC0) == 0x80;
+    point = point << 6 | (byte(k) & 0x3Fu);
+  }
+  // Sequences that are too long, surrogates, and numbers beyond Unicode are not valid either.
+  constexpr std::array<char32_t, 4> least = {0, 0x80, 0x800, 0x10000};
+  valid = valid && point >= least[more] && point < 0x110000 && (point & ~0x7FFu) != 0xD800;
+  return valid ? Decoded{point, more + 1} : Decoded{};
+}
+
+/// True for characters that control a terminal or the order and the lines of a text.
+bool is_control(char32_t point) {
+  return point < 0x20 || (point >= 0x7F && point < 0xA0) || point == 0x61C ||
+         (point >= 0x200E && point <= 0x200F) || (point >= 0x2028 && point <= 0x202E) ||
+         (point >= 0x2066 && point <= 0x2069);
+}
+
+std::string escape(char32_t point) {
+  if (point == '\n') return "\\n";
+  if (point == '\t') return "\\t";
+  if (point == '\r') return "\\r";
+  std::array<char, 8> digits;
+  std::snprintf(digits.data(), digits.size(), point < 0x80 ? "\\x%02X" : "\\u%04X",
+                static_cast<unsigned>(point));
+  return digits.data();
+}
+
+}  // namespace
+
+std::string printable(std::string_view text, LineFeeds line_feeds) {
+  std::string shown;
+  for (size_t i = 0; i < text.size();) {
+    const Decoded next = decoded(text, i);
+    const bool kept =
+        next.point == '\n' &&
+        (line_feeds == LineFeeds::Keep ||
+         (line_feeds == LineFeeds::KeepBeforeIndent && text.substr(i + 1).starts_with("  ")));
+    if (next.bytes == 0) {
+      std::array<char, 8> digits;
+      std::snprintf(digits.data(), digits.size(), "\\x%02X", static_cast<unsigned char>(text[i]));
+      shown += digits.data();
+    } else if (is_control(next.point) && !kept) {
+      shown += escape(next.point);
+    } else {
+      shown += text.substr(i, next.bytes);
+    }
+    i += std::max<size_t>(next.bytes, 1);
+  }
+  return shown;
+}
+
 std::u32string code_points(std::string_view text) {
   std::u32string points;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
-    const auto first = byte(i);
-    const size_t more = first < 0xC2   ? 0
-                        : first < 0xE0 ? 1
-                        : first < 0xF0 ? 2
-                        : first < 0xF5 ? 3
-                                       : 0;
-    char32_t point = more > 0 ? first & (0x3Fu >> more) : first;
-    bool valid = i + more < text.size();
-    for (size_t k = i + 1; valid && k <= i + more; ++k) {
-      valid = (byte(k) & 0xC0) == 0x80;
-      point = point << 6 | (byte(k) & 0x3Fu);
-    }
-    // Sequences that are too long, surrogates, and numbers beyond Unicode are not valid either.
-    constexpr std::array<char32_t, 4> least = {0, 0x80, 0x800, 0x10000};
-    valid = valid && point >= least[more] && point < 0x110000 && (point & ~0x7FFu) != 0xD800;
-    points.push_back(valid ? point : first);
-    if (valid) i += more;
+  for (size_t i = 0; i < text.size();) {
+    const Decoded next = decoded(text, i);
+    points.push_back(next.bytes > 0 ? next.point : static_cast<unsigned char>(text[i]));
+    i += std::max<size_t>(next.bytes, 1);
   }
   return points;
 }

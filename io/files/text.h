@@ -36,6 +36,20 @@ std::u32string code_points(std::string_view text);
 /// Encodes code points as UTF-8. utf8(code_points(text)) makes any text valid UTF-8.
 std::string utf8(std::u32string_view points);
 
+// Text for terminals.
+
+/// What printable() does with line feeds.
+enum class LineFeeds {
+  Escape,            ///< for names, and texts of one row
+  KeepBeforeIndent,  ///< for messages: only before lines that begin with two blanks
+  Keep               ///< for texts of several rows, whose names are printable already
+};
+/// The text without characters that control a terminal, so that names from files can neither move
+/// the cursor nor look like lines of the program: control characters, also those of the order of
+/// characters (Unicode's U+202E and its kin), become escapes such as \n, \x1B or \u009B, and bytes
+/// that are not valid UTF-8 become \xE9.
+std::string printable(std::string_view text, LineFeeds line_feeds = LineFeeds::Escape);
+
 // Units of length, as named in scenes and on the command line.
 
 /// The names of the supported length units: mm, cm, m, in, ft.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/io/vtk/vtk_files.h"
 
+#include <SMP/Common/vtkSMPToolsAPI.h>  // vtkSMPTools.h of VTK 9.1 is not valid C++20
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDoubleArray.h>
-#include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -216,11 +216,12 @@ class LineIndex {
 
 }  // namespace
 
+void use_vtk_on_calling_thread() {
+  vtk::detail::smp::vtkSMPToolsAPI::GetInstance().SetBackend("Sequential");
+}
+
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& path) {
-  AtomicFile file(path);
-  const VtkMessageCapture messages;
   writer.SetInputDataObject(data);
-  writer.SetFileName(file.temporary().c_str());
   writer.SetDataModeToAppended();
   if (vtkPolyData::SafeDownCast(data)) {
     writer.SetCompressorTypeToLZ4();  // takes a third of zlib's time, for files a fifth larger
@@ -228,10 +229,15 @@ void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const fs::path& pa
     writer.SetCompressorTypeToZLib();  // other programs that read VTU support it
     writer.SetCompressionLevel(1);
   }
-  if (!writer.Write() || !messages.first_error().empty())
-    throw FileError(path.string() + ": cannot write this file: " +
-                    vtkErrorCode::GetStringFromErrorCode(writer.GetErrorCode()));
-  file.commit();
+  writer.WriteToOutputStringOn();  // VTK does not pass on why it cannot write to a file
+  {
+    const VtkMessageCapture messages;
+    if (!writer.Write() || !messages.first_error().empty())
+      throw InputError(
+          path.string() + ": VTK cannot write this file: " +
+          (messages.first_error().empty() ? "it gives no reason" : messages.first_error()));
+  }
+  write_file_atomically(path, [&](std::ostream& out) { out << writer.GetOutputString(); });
 }
 
 std::vector<VtkLine> vtk_lines(const CurveNetwork& network, const SurfaceModel& model) {

@@ -99,6 +99,10 @@ class vtkXMLWriter;
 
 namespace batten {
 
+/// Makes the filters of VTK use only the thread that calls them, for the whole process. They fail
+/// if the system does not provide their threads, and in a forked process wait for them.
+void use_vtk_on_calling_thread();
+
 /// Writes a VTK data object to a file with the given writer, atomically, as XML with compressed,
 /// appended binary data. Throws InputError if the file cannot be written.
 void write_vtk_xml(vtkXMLWriter& writer, vtkDataObject* data, const std::filesystem::path& path);

@@ -34,8 +34,13 @@ fs::path find_plugin(const std::string& name) {
 void* load_plugin(const fs::path& file, const char* function, bool global) {
   void* library = dlopen(file.c_str(), global ? RTLD_NOW | RTLD_GLOBAL : RTLD_LAZY | RTLD_LOCAL);
   void* entry = library ? dlsym(library, function) : nullptr;
-  if (!entry) throw InputError(file.string() + ": cannot load this plugin: " + dlerror());
-  return entry;
+  if (entry) return entry;
+  const std::string reason = dlerror();
+  for (const char* shortage :
+       {"failed to map segment", "cannot map zero-fill", "annot allocate memory"})
+    if (reason.find(shortage) != reason.npos)
+      throw NoSolutionError(file.string() + ": not enough memory to load this plugin: " + reason);
+  throw InputError(file.string() + ": cannot load this plugin: " + reason);
 }
 
 std::unique_ptr<MpiProcesses> connect_mpi_processes() {

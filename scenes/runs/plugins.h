@@ -20,7 +20,8 @@ std::filesystem::path find_plugin(const std::string& name);
 void add_plugin_folder(const std::filesystem::path& folder);
 
 /// Loads a plugin and finds its entry function. `global`: true makes its symbols visible to
-/// libraries loaded later. Throws InputError with the dynamic linker's message.
+/// libraries loaded later. Throws InputError with the dynamic linker's message, and NoSolutionError
+/// if the memory does not suffice.
 void* load_plugin(const std::filesystem::path& file, const char* function, bool global = false);
 
 /// The MPI processes of this run, connected by the PETSc plugin; null if there is only one process.

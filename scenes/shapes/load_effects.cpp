@@ -7,6 +7,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/io/files/text.h"
 #include "batten/scenes/shapes/make_session.h"
 
 namespace batten {
@@ -155,11 +156,12 @@ std::string effects_text(const std::vector<LoadEffect>& effects, const std::stri
   std::string text = effects.empty() ? "" : "effects of small changes\n";
   for (const LoadEffect& effect : effects) {
     const double size = effect.displacement * effect.visible / kVisible;
-    text += "  " + effect.parameter + ": ";
+    text += "  " + printable(effect.parameter) + ": ";
     text += effect.displacement > 0
                 ? "1 displaces the surface by up to " + estimate(effect.displacement) + " " + unit +
-                      ", at " + approximate_point(effect.at, size) + " on face '" + effect.face +
-                      "'; " + estimate(effect.visible) + " displaces it by about 1 % of its size"
+                      ", at " + approximate_point(effect.at, size) + " on face '" +
+                      printable(effect.face) + "'; " + estimate(effect.visible) +
+                      " displaces it by about 1 % of its size"
                 : "does not displace the surface";
     text += "\n";
   }
