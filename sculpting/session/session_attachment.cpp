@@ -178,24 +178,25 @@ AttachedConstraint attach(const Constraint& c, const SessionDefinition& def,
   AttachedConstraint placed{c, {}, nullptr};
   // Beside a curve, the surface could reach a goal only by a steep slope.
   constexpr double steep = 0.1, beside = 1e-3;  // slope; fraction of the size
-  const auto put = [&](const Vec3& at, const Vec3* goal) {
-    const double size = def.layout->size();
+  const auto put = [&](const Vec3& at, Vec3* goal) {
+    const double size = def.layout->size(), rounding = kRoundingTolerance * size;
     const ModelProjector projector(*def.layout, surface.dofs());
-    placed.foot_point = foot_point(c.name, at, projector, size);
+    ModelPoint& foot = placed.foot_point;
+    foot = foot_point(c.name, at, projector, size);
     if (def.fix_corners_only) return;
-    double moved = 0;
-    if (goal) {
-      const int region = placed.foot_point.region;
-      const TriangleLocator locator(*def.layout->region(region).mesh());
-      const Location where = locator.locate(placed.foot_point.uv);
-      moved = (projector.surface(region).position(where) - *goal).norm();
-    }
-    const double rounding = kRoundingTolerance * size;
+    const auto position = [&] {
+      const TriangleLocator locator(*def.layout->region(foot.region).mesh());
+      return projector.surface(foot.region).position(locator.locate(foot.uv));
+    };
+    const double moved = goal ? (position() - *goal).norm() : 0;
     const double reach = std::max(rounding, std::min(moved / steep, beside * size));
-    const ModelLine* line = snap_to_curve(placed.foot_point, reach, *def.layout);
+    const ModelLine* line = snap_to_curve(foot, reach, *def.layout);
     if (line && moved > rounding) throw ConflictError({{{line->name, c.name}, moved}});
+    ModelPoint near = foot;
+    if (goal && moved <= rounding && snap_to_curve(near, beside * size, *def.layout))
+      *goal = position();
   };
-  if (const auto* point = std::get_if<Constraint::Point>(&c.kind)) {
+  if (auto* point = std::get_if<Constraint::Point>(&placed.constraint.kind)) {
     require_finite(c.name, point->goal.allFinite());
     put(point->at, &point->goal);
   } else if (const auto* normal = std::get_if<Constraint::Normal>(&c.kind)) {

@@ -121,11 +121,12 @@ void SessionData::add(const Constraint& constraint,
                       const std::vector<ScalarParameter>& parameters) {
   require_free_name(constraint.name);
   SessionDefinition def = system().def;
-  def.constraints.push_back(std::make_shared<const detail::AttachedConstraint>(
-      detail::attach(constraint, def, surface())));
+  const auto placed = std::make_shared<const detail::AttachedConstraint>(
+      detail::attach(constraint, def, surface()));
+  def.constraints.push_back(placed);
   std::vector<std::string> wanted;
   std::vector<double> start;
-  if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
+  if (const auto* point = std::get_if<Constraint::Point>(&placed->constraint.kind))
     for (int c = 0; c < 3; ++c) {
       wanted.push_back(constraint.name + detail::kAxes[c]);
       start.push_back(point->goal[c]);
@@ -166,7 +167,7 @@ void SessionData::change(const Constraint& constraint) {
                      "' cannot change its type: remove it and add a new one");
   placed = std::make_shared<const detail::AttachedConstraint>(
       detail::attach(constraint, def, surface()));
-  if (const auto* point = std::get_if<Constraint::Point>(&constraint.kind))
+  if (const auto* point = std::get_if<Constraint::Point>(&placed->constraint.kind))
     for (int c = 0; c < 3; ++c)
       now.parameters.set(constraint.name + detail::kAxes[c], point->goal[c]);
   rebuild(std::move(def));

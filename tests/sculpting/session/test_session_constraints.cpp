@@ -328,3 +328,100 @@ TEST_CASE("an inner curve is added and removed", "[sculpting][session]") {
   session.remove("swage");
   CHECK(session.residual() < 1e-10);
 }
+
+namespace {
+
+// Largest distance between the shapes of a session, at the centres of triangles inside the trim.
+double moved(const SculptingSession& session, const Points& before) {
+  const ModelLayout& layout = session.layout();
+  const Surface now = shape_of(session),
+                then(layout.mesh(), layout.element(), before, layout.trim());
+  double largest = 0;
+  for (int t = 0; t < layout.mesh()->triangle_count(); ++t) {
+    const Location where{t, Vec3::Constant(1.0 / 3)};
+    if (now.trim() && now.trim()->area_fraction(t) < 0.5) continue;
+    largest = std::max(largest, (now.position(where) - then.position(where)).norm());
+  }
+  return largest;
+}
+
+// Display points: inside of faces, on their curves and at corners, in single precision.
+std::vector<Vec3> display_points(SculptingSession& session) {
+  std::vector<Vec3> points;
+  const Frame& frame = session.frame();
+  for (size_t i = 0; i + 2 < frame.points.size(); i += 3)
+    points.emplace_back(frame.points[i], frame.points[i + 1], frame.points[i + 2]);
+  return points;
+}
+
+// Boundaries of element edges and embedded ones, inner curves of both kinds, periodic domains.
+std::vector<ModelLayout> layouts_with_curves() {
+  return {patch_layout(0.4), disc_layout(0.4), tube_layout(0.6), door_layout(400)};
+}
+
+}  // namespace
+
+TEST_CASE("points of the display hold the surface where it is, also on curves and at corners",
+          "[sculpting][session]") {
+  for (const ModelLayout& layout : layouts_with_curves()) {
+    SculptingSession session(layout, {});
+    session.add(Load{"p", Load::Pressure{}}, {slider("p", 1)});
+    session.solve_to_equilibrium();
+    const Points before = session.dofs();
+    const std::vector<Vec3> points = display_points(session);
+    for (size_t i = 0; i < points.size(); i += 3) {
+      INFO(layout.lines().front().name << ", point " << i);
+      session.add(pin("hold", points[i], points[i]));
+      CHECK(session.residual() < 1e-10);
+      CHECK(moved(session, before) < 2e-7 * layout.size());
+      REQUIRE(session.undo());
+    }
+  }
+}
+
+TEST_CASE("a goal beside a curve is rounding below 1e-6 of the size, and a conflict above it",
+          "[sculpting][session]") {
+  Random random(4);
+  for (const ModelLayout& layout : layouts_with_curves()) {
+    SculptingSession session(layout, {});
+    const Points before = session.dofs();
+    const std::vector<Vec3> points = display_points(session);
+    for (double d = 1e-12; d < 2e-3; d *= 10) {
+      int conflicts = 0;
+      for (size_t i = 0; i < points.size(); i += 5) {
+        const Vec3 goal =
+            points[i] + d * layout.size() * Vec3(random(), random(), random()).normalized();
+        try {
+          session.add(pin("hold", goal, goal));
+          CHECK(session.residual() < 1e-10);
+          // No slope is steep: the surface moves by not much more than the point.
+          CHECK(moved(session, before) < (2e-7 + 10 * d) * layout.size());
+          REQUIRE(session.undo());
+        } catch (const ConflictError& e) {
+          ++conflicts;
+          CHECK(e.conflicts().front().amount > 1e-6 * layout.size());
+          CHECK(e.conflicts().front().amount < (2e-7 + 1.1 * d) * layout.size());
+        }
+      }
+      INFO(layout.lines().front().name << ", " << d);
+      if (d < 5e-7) CHECK(conflicts == 0);
+      if (d > 5e-6) CHECK(conflicts > 0);
+    }
+  }
+}
+
+TEST_CASE("a point can be held twice, and a normal where curves fix it", "[sculpting][session]") {
+  SculptingSession session(patch_layout(0.3), {});
+  const Points before = session.dofs();
+  const std::vector<Vec3> points = display_points(session);
+  const Frame frame = session.frame();
+  for (size_t i = 0; i < points.size(); i += 7) {
+    const Vec3 normal(frame.normals[3 * i], frame.normals[3 * i + 1], frame.normals[3 * i + 2]);
+    session.add(pin("one", points[i], points[i]));
+    session.add(pin("two", points[i] + Vec3(1e-7, -1e-7, 0), points[i]));
+    session.add(Constraint{"normal", Constraint::Normal{points[i], normal}});
+    CHECK(session.residual() < 1e-10);
+    CHECK(moved(session, before) < 1e-6 * session.layout().size());
+    for (int n = 0; n < 3; ++n) REQUIRE(session.undo());
+  }
+}
