@@ -301,13 +301,21 @@ void Document::save(const std::filesystem::path& to) {
   const std::filesystem::path& file = to.empty() ? file_ : to;
   if (file.empty())
     throw InputError("found no file name for a scene that was never saved, expected save FILE");
-  SceneText text = text_;
-  if (!file_.empty() && folder_of(file) != folder_of(file_))
-    text = with_moved_paths(std::move(text), folder_of(file_), folder_of(file));
-  if (file_.empty()) text = relative_to_folder(std::move(text), folder_of(file));
+  const auto moved = [&](SceneText text) {
+    if (file_.empty()) return relative_to_folder(std::move(text), folder_of(file));
+    if (folder_of(file) == folder_of(file_)) return text;
+    return with_moved_paths(std::move(text), folder_of(file_), folder_of(file));
+  };
+  SceneText text = moved(text_);
+  // Undo and redo restore texts of the same folder.
+  std::vector<std::string> undo = undo_, redo = redo_;
+  for (auto* texts : {&undo, &redo})
+    for (std::string& one : *texts) one = moved(SceneText(one, file_)).text();
   write_file_atomically(file, [&](std::ostream& out) { out << text.text(); });
   file_ = file;
   text_ = std::move(text);
+  undo_ = std::move(undo);
+  redo_ = std::move(redo);
   saved_ = text_.text();
   content_->update_text(text_, file_);
 }
