@@ -98,6 +98,31 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[apps][do
   CHECK_FALSE(document.can_redo());
 }
 
+TEST_CASE("undo and redo after saving in another folder: paths lead to the same files",
+          "[apps][documents]") {
+  const CliCase folder("document_undo_folder");
+  folder.file("rim.csv", "0 0 0\n100 0 0\n100 80 0\n0 80 0\n0 0 0\n");
+  Document document = opened(folder,
+                             "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\n"
+                             "[mesh]\nedge_length = 40\n");
+  document.apply({.kind = CommandKind::Undo});  // stops at the opened scene
+  CHECK_FALSE(document.can_undo());
+  REQUIRE(document.session());
+  document.apply(add("load", "{ name = \"push\", type = \"pressure\", value = 1 }"));
+  document.apply(
+      {.kind = CommandKind::Set, .table = {"mesh", ""}, .key = "edge_length", .text = "30"});
+  document.apply({.kind = CommandKind::Undo});
+  document.apply({.kind = CommandKind::Save, .file = folder / "other/saved.toml"});
+  for (const CommandKind kind : {CommandKind::Undo, CommandKind::Redo, CommandKind::Redo}) {
+    document.apply({.kind = kind});
+    document.apply({.kind = CommandKind::Save, .file = folder / "other/again.toml"});
+    Document again;
+    again.apply({.kind = CommandKind::Open, .file = folder / "other/again.toml"});
+    REQUIRE(again.session());
+    CHECK(apart(document.session()->dofs(), again.session()->dofs()) < 1e-9);
+  }
+}
+
 TEST_CASE("a command that is refused leaves text and shape as they were", "[apps][documents]") {
   const CliCase folder("document_refused");
   Document document = opened(folder, kInflatedPanel);
