@@ -58,6 +58,47 @@ class Sessions(PropertyTests):
         self.same_bits(session.points, after)
         self.assertEqual(session["swell"], 20)
 
+    def test_undo_stops_at_the_model(self):
+        session = batten.Session(example("05-door", "scene.toml"))
+        names, parameters, dofs = session.names, session.parameters, session.dofs
+        self.assertIn("swell", names)
+        self.assertFalse(session.undo())
+        self.assertFalse(session.redo())
+        for i in range(210):
+            session["swell"] = 6 + 0.1 * (i + 1)
+            session.solve()
+        end = session.dofs
+        for _ in range(210):
+            self.assertTrue(session.undo())
+        self.assertFalse(session.undo())
+        self.assertEqual((session.names, session.parameters), (names, parameters))
+        self.same_bits(session.dofs, dofs)
+        while session.redo():
+            pass
+        self.same_bits(session.dofs, end)
+        # A session of its model begins there.
+        again = batten.Session(session.model())
+        self.assertFalse(again.undo())
+        self.same_bits(again.dofs, end)
+
+    def test_points_of_a_session_can_be_held(self):
+        for model in (batten.skin(saddle()), batten.load(example("09-mouse", "scene.toml"))):
+            session = batten.Session(model)
+            before = session.points.astype(float)
+            low, high = model.bounds
+            size = np.linalg.norm(np.subtract(high, low))
+            for i in range(0, len(before), len(before) // 60):
+                for point in (before[i], session.points[i], np.round(before[i], 6)):
+                    session.add_point_constraint("pin", at=point)
+                    self.assertLess(session.residual, 1e-10)
+                    self.assertLess(np.abs(session.points - before).max(), 1e-5 * size)
+                    self.assertTrue(session.undo())
+        session, corner = session_of(), np.array(saddle()["front"][0], float)
+        session.add_point_constraint("pin", at=corner + 5e-7)
+        with self.assertRaises(batten.ConflictError) as raised:
+            session.add_point_constraint("off", at=corner, target=corner + [0, 0, 1e-4])
+        self.assertAlmostEqual(raised.exception.conflicts[0][1], 1e-4, 6)
+
     def test_parameters_are_a_mapping(self):
         session = session_of()
         self.assertIn("swell", session)
