@@ -373,31 +373,38 @@ void GltfDocument::read_sparse(const Json& sparse, long type, bool normalized, M
 }
 
 long GltfDocument::element_count(long number) const {
-  return integer(item("accessors", number), "count", "accessor " + std::to_string(number));
+  const std::string what = "accessor " + std::to_string(number);
+  const Json& accessor = item("accessors", number);
+  const long count = integer(accessor, "count", what),
+             type = integer(accessor, "componentType", what);
+  const int from = index(accessor, "bufferView"),
+            components = components_of(text(accessor, "type", ""));
+  if (size_of_type(type) == 0)
+    fail("found the componentType " + std::to_string(type) + " in " + what +
+         ", expected 5120 to 5126");
+  if (count < 0) fail("found a negative count in " + what);
+  // Checked before memory is allocated for data that the file does not have.
+  const size_t room =
+      from < 0 ? (kMostZeros + buffer_bytes_) * size_of_type(type) : view(from).size;
+  if (components > 0 &&
+      static_cast<size_t>(count) > room / (size_of_type(type) * static_cast<size_t>(components)))
+    fail(what + " has " + std::to_string(count) + " elements, more than there is room for in " +
+         (from < 0 ? "any scene" : "the " + std::to_string(room) + " bytes of its buffer view"));
+  return count;
 }
 
 MatX GltfDocument::accessor(long number, int components) const {
   const std::string what = "accessor " + std::to_string(number);
   const Json& accessor = item("accessors", number);
-  const long count = integer(accessor, "count", what),
-             type = integer(accessor, "componentType", what),
-             offset = integer(accessor, "byteOffset", 0L);
   const std::string shape = text(accessor, "type", "");
   if (components_of(shape) != components)
     fail("found " + quoted_excerpt(shape) + " elements in " + what + ", expected " +
          std::to_string(components) + " numbers in each");
-  if (size_of_type(type) == 0)
-    fail("found the componentType " + std::to_string(type) + " in " + what +
-         ", expected 5120 to 5126");
-  if (count < 0 || offset < 0) fail("found a negative count or offset in " + what);
+  const long count = element_count(number), type = integer(accessor, "componentType", what),
+             offset = integer(accessor, "byteOffset", 0L);
+  if (offset < 0) fail("found a negative offset in " + what);
   const bool normalized = accessor.contains("normalized") && accessor["normalized"] == true;
   const int from = index(accessor, "bufferView");
-  // Checked before memory is allocated for data that the file does not have.
-  const size_t room =
-      from < 0 ? (kMostZeros + buffer_bytes_) * size_of_type(type) : view(from).size;
-  if (static_cast<size_t>(count) > room / (size_of_type(type) * static_cast<size_t>(components)))
-    fail(what + " has " + std::to_string(count) + " elements, more than there is room for in " +
-         (from < 0 ? "any scene" : "the " + std::to_string(room) + " bytes of its buffer view"));
   MatX values = MatX::Zero(count, components);
   if (from >= 0)
     read_elements(view(from), static_cast<size_t>(offset), type, normalized, values, what);

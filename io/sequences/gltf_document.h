@@ -46,7 +46,7 @@ class GltfDocument {
   /// The elements of an accessor, one per row; normalized integers are converted to fractions.
   /// `components`: expected number of components per element.
   MatX accessor(long index, int components) const;
-  /// Number of elements that an accessor states, before accessor() compares it with its data.
+  /// Number of elements of an accessor. Throws InputError if its data have no room for them.
   long element_count(long index) const;
   /// Size of all buffers. A file that several buffers name counts once.
   size_t buffer_bytes() const { return buffer_bytes_; }

@@ -46,7 +46,7 @@ class GltfSurface {
   };
   void add(int node);
   void add_primitive(const GltfDocument::Json& primitive, Part part, const std::string& what);
-  void count_elements(const GltfDocument::Json& primitive, const std::string& what);
+  void count_elements(int mesh);
   void read_joints(const GltfDocument::Json& attributes, Part& part, const std::string& what) const;
   std::vector<std::array<int, 3>> triangles_of(const GltfDocument::Json& primitive, int vertices,
                                                const std::string& what) const;
@@ -58,7 +58,7 @@ class GltfSurface {
   std::vector<Skin> skins_;
   std::vector<std::array<int, 3>> triangles_;
   int vertex_count_ = 0;
-  double elements_ = 0;  // of the accessors that were read, again for each use
+  double elements_ = 0;  // of the accessors, again for each use
 };
 
 namespace {
@@ -92,7 +92,10 @@ Points points_of(const GltfDocument& document, long accessor, Eigen::Index count
 GltfSurface::GltfSurface(const GltfDocument& document, const GltfNodes& nodes)
     : document_(document), nodes_(nodes) {
   skins_.resize(static_cast<size_t>(document.count("skins")));
-  for (const int node : nodes.shown(document))
+  const std::vector<int> shown = nodes.shown(document);
+  for (const int node : shown)
+    if (nodes.nodes[node].mesh >= 0) count_elements(nodes.nodes[node].mesh);
+  for (const int node : shown)
     if (nodes.nodes[node].mesh >= 0) add(node);
   if (triangles_.empty()) document.fail("found no triangles in the scene, expected at least one");
 }
@@ -140,7 +143,6 @@ void GltfSurface::add_primitive(const GltfJson& primitive, Part part, const std:
   if (mode < kTriangles || mode > kFan) return;  // points and lines
   const GltfJson& attributes = member(primitive, "attributes");
   const long position = document_.index(attributes, "POSITION");
-  count_elements(primitive, what);
   const GltfJson& extensions = member(primitive, "extensions");
   for (const auto& [name, data] : extensions.items())
     if (name == "KHR_draco_mesh_compression" &&
@@ -167,21 +169,31 @@ void GltfSurface::add_primitive(const GltfJson& primitive, Part part, const std:
 }
 
 /// Limits what many uses of the same data add up to.
-void GltfSurface::count_elements(const GltfJson& primitive, const std::string& what) {
+void GltfSurface::count_elements(int mesh) {
   constexpr double most_repeated = 1 << 22;
   const auto count = [&](const GltfJson& object, const std::string& key) {
     if (const long accessor = document_.index(object, key.c_str()); accessor >= 0)
       elements_ += static_cast<double>(document_.element_count(accessor));
   };
-  for (const auto& [name, data] : member(primitive, "attributes").items())
-    if (name == "POSITION" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
-      count(member(primitive, "attributes"), name);
-  count(primitive, "indices");
-  if (primitive.contains("targets"))
-    for (const GltfJson& target : primitive["targets"]) count(target, "POSITION");
+  static const GltfJson none = GltfJson::array();
+  const auto list = [](const GltfJson& object, const char* key) -> const GltfJson& {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_array() ? *found : none;
+  };
+  for (const GltfJson& primitive : list(document_.item("meshes", mesh), "primitives")) {
+    if (!primitive.is_object()) continue;  // reported when it is read
+    elements_ += 1 + static_cast<double>(list(primitive, "targets").size());
+    const GltfJson& attributes = member(primitive, "attributes");
+    for (const auto& [name, data] : attributes.items())
+      if (name == "POSITION" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_"))
+        count(attributes, name);
+    count(primitive, "indices");
+    for (const GltfJson& target : list(primitive, "targets"))
+      if (target.is_object()) count(target, "POSITION");
+  }
   if (elements_ > most_repeated + static_cast<double>(document_.buffer_bytes()))
-    document_.fail("found " + format_number(elements_) + " vertices and indices up to " + what +
-                   ", counted for each node that uses them, expected " +
+    document_.fail("found " + format_number(elements_) + " vertices and indices up to mesh " +
+                   std::to_string(mesh) + ", counted for each node that uses them, expected " +
                    format_number(most_repeated) + " at most, or one per byte of the buffers");
 }
 
