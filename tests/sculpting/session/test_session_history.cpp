@@ -274,8 +274,7 @@ std::vector<std::pair<std::string, Edit>> kinds_of_edits(const Stage& stage) {
   const auto edit_rib = [=](S& s, int i) {
     const HermiteCurve old = s.layout().line("rib");
     Points dofs = old.dofs();
-    dofs.row(old.mesh().slope_out(0)) +=
-        1e-4 * (i + 1) * stage.size * stage.up.transpose();
+    dofs.row(old.mesh().slope_out(0)) += 1e-4 * (i + 1) * stage.size * stage.up.transpose();
     s.set_line("rib", HermiteCurve(old.mesh(), dofs));
   };
   const auto refine = [=](S& s, int i) {
@@ -374,7 +373,14 @@ TEST_CASE("solves after an undo do not depend on what the history has dropped",
   }
   CHECK(full.undo());
   CHECK(full.undo());
-  CHECK(light.undo() == false);
+  CHECK_FALSE(light.undo());
+  // A load beyond its limit gives back the last equilibrium, also the one of a restored state.
+  const Points equilibrium = light.dofs();
+  slide("push", 0, 1)(light, 0);
+  REQUIRE(light.undo());
+  light.set("swell", 1e9);
+  CHECK_THROWS_AS(light.solve_to_equilibrium(), NoSolutionError);
+  CHECK(same_bits(light.dofs(), equilibrium));
 }
 
 TEST_CASE("the history begins where it was cleared, and a limit of 0 keeps none",
