@@ -37,16 +37,21 @@ double kilobytes(const char* file, const std::string& field) {
 
 void set_memory_limit(double bytes) { memory_limit = bytes; }
 
+double available_addresses() {
+#if defined(__unix__)
+  rlimit addresses{};
+  if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
+    return static_cast<double>(addresses.rlim_cur) - kilobytes("/proc/self/status", "VmSize:");
+#endif
+  return kUnlimited;
+}
+
 double available_memory() {
 #if defined(__unix__)
   const double limit = memory_limit;
   double available = kilobytes("/proc/meminfo", "MemAvailable:");
   if (limit > 0) available = limit - kilobytes("/proc/self/status", "VmRSS:");
-  rlimit addresses{};
-  if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
-    available = std::min(available, static_cast<double>(addresses.rlim_cur) -
-                                        kilobytes("/proc/self/status", "VmSize:"));
-  return available;
+  return std::min(available, available_addresses());
 #else
   return memory_limit > 0 ? static_cast<double>(memory_limit) : kUnlimited;
 #endif

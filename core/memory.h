@@ -18,6 +18,10 @@ void set_memory_limit(double bytes);
 /// available memory.
 double available_memory();
 
+/// Address space in bytes that this process may still use, for libraries that reserve much more than
+/// they use. Infinity without a limit (RLIMIT_AS, `ulimit -v`).
+double available_addresses();
+
 /// Throws MemoryError "WHAT needs 14 GB of memory, but only 6 GB are available" if `bytes` exceeds
 /// available_memory().
 void require_memory(double bytes, const std::string& what);

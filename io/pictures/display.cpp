@@ -17,14 +17,18 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <future>
 #include <random>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
+#include "batten/core/parallel.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -142,7 +146,7 @@ pid_t start_server(const std::string& program, const ServerFiles& files) {
   if (pipe2(ends, O_CLOEXEC) != 0) return -1;
   const Descriptor from(ends[0]);
   const pid_t parent = getpid();
-  std::thread([program, files, parent, to = ends[1]] {
+  const auto serve = [program, files, parent, to = ends[1]] {
     const pid_t child = fork();
     if (child == 0) become_server(program.c_str(), files, parent);
     const bool told = write(to, &child, sizeof child) == sizeof child;
@@ -150,7 +154,13 @@ pid_t start_server(const std::string& program, const ServerFiles& files) {
     if (told && child > 0)
       while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
       }
-  }).detach();
+  };
+  try {
+    std::thread(serve).detach();
+  } catch (const std::system_error&) {  // the system provides no more threads
+    close(ends[1]);
+    return -1;
+  }
   pid_t child = -1;
   while (read(from, &child, sizeof child) < 0 && errno == EINTR) {
   }
@@ -258,7 +268,42 @@ void* connect_to_given(std::string& reason) {
   return nullptr;
 }
 
+// Mesa crashes or waits without end if it gets less.
+constexpr double kAddressesToDraw = 9e8;  // bytes; 8e8 suffice with two cores
+constexpr double kAddressesPerCore = 1e7;
+constexpr int kThreadsToDraw = 8;  // with the server and its helpers; and one per core
+
+bool can_start_threads(int count) {
+  std::promise<void> end;
+  const std::shared_future<void> ended = end.get_future();
+  std::vector<std::thread> threads;
+  bool started = true;
+  try {
+    for (int i = 0; i < count; ++i) threads.emplace_back([ended] { ended.wait(); });
+  } catch (const std::system_error&) {
+    started = false;
+  }
+  end.set_value();
+  for (std::thread& thread : threads) thread.join();
+  return started;
+}
+
+/// Throws InputError unless the limits of the system permit to draw.
+void require_resources() {
+  const int cores = std::min(core_count(), 32);
+  const double expected = kAddressesToDraw + cores * kAddressesPerCore,
+               found = std::max(available_addresses(), 0.0);
+  if (found < expected)
+    throw InputError("no display: to draw, " + format_bytes(expected) +
+                     " of address space are needed, but only " + format_bytes(found) +
+                     " are available (ulimit -v)");
+  if (!can_start_threads(cores + kThreadsToDraw))
+    throw InputError("no display: to draw, " + std::to_string(cores + kThreadsToDraw) +
+                     " threads are needed, but the system does not provide them (ulimit -u)");
+}
+
 void* connect_to_any() {
+  require_resources();
   std::string reason;
   if (void* display = connect_to_given(reason)) return display;
   std::error_code none;
