@@ -85,7 +85,9 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
     writer->SetCompressorTypeToNone();
     writer->SetHeaderTypeToUInt64();
     writer->Write();
-    return writer->GetOutputString();
+    std::string text = writer->GetOutputString();
+    if (text.empty()) throw std::bad_alloc();  // the only reason, which VTK does not report
+    return text;
   });
   return read_from<Reader>(path, &bytes);
 }
