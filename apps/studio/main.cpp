@@ -15,7 +15,11 @@
 #include "batten/apps/studio/view/strings.h"
 #include "batten/apps/studio/window/main_window.h"
 #include "batten/core/errors.h"
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/display.h"
+
+/// Replaces a function of OpenBLAS, as in apps/cli/main.cpp: no threads.
+extern "C" __attribute__((visibility("default"))) int openblas_num_threads_env() { return 1; }
 
 namespace {
 
@@ -68,7 +72,8 @@ int main(int argc, char** argv) {
   try {
     batten::require_visible_display();
   } catch (const batten::Error& e) {
-    std::cerr << "batten-studio: " << e.what() << "\n";
+    std::cerr << "batten-studio: "
+              << batten::printable(e.what(), batten::LineFeeds::KeepBeforeIndent) << "\n";
     return 1;
   }
   QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());

@@ -158,6 +158,13 @@ class Exchange(PropertyTests):
         with self.assertRaisesRegex(batten.InputError, "side: found 'topp'.*did you mean 'top'"):
             stress.von_mises(side="topp")
 
+    def test_messages_contain_no_control_characters(self):
+        with self.assertRaisesRegex(batten.InputError, r"x\\x1B\[31m\\n\\xFFy\.toml: found no such file"):
+            batten.load("x\x1b[31m\n\udcffy.toml")
+        model = two_faces()
+        with self.assertRaisesRegex(batten.InputError, r"push\\x1B\\nforged"):
+            batten.Session(model)["push\x1b\nforged"] = 1
+
     def test_pyvista_wraps_the_vtk_object(self):
         # Debian 12 has no PyVista: a mock that stores its argument replaces it.
         self.needs("vtkmodules.vtkCommonDataModel")

@@ -504,3 +504,23 @@ print(*lengths, file=open("lengths", "w"))
   CHECK(lengths.size() >= 8);
   CHECK(whole == Approx(expected).epsilon(1e-6));
 }
+
+TEST_CASE("printable text keeps letters and escapes what controls a terminal", "[io][names]") {
+  const std::string letters = "aé日\U0001F600 \\ 'x'";
+  CHECK(printable(letters) == letters);
+  CHECK(printable("a\x1B[31m\tb\r\n\x7F") == R"(a\x1B[31m\tb\r\n\x7F)");
+  CHECK(printable(std::string_view("\0", 1)) == R"(\x00)");
+  CHECK(printable("\u009B\u202E\u2028\u2066") == R"(\u009B\u202E\u2028\u2066)");
+  // Not UTF-8: a single byte, a truncated and a redundant sequence, a surrogate.
+  CHECK(printable("\xE9t\xE9") == R"(\xE9t\xE9)");
+  CHECK(printable("\xE6\x97") == R"(\xE6\x97)");
+  CHECK(printable("\xC0\x8A") == R"(\xC0\x8A)");
+  CHECK(printable("\xED\xA0\x80") == R"(\xED\xA0\x80)");
+}
+
+TEST_CASE("messages keep line feeds before indented lines only", "[io][names]") {
+  const std::string text = "a:\n  b\nc\n d\n";
+  CHECK(printable(text, LineFeeds::KeepBeforeIndent) == "a:\n  b\\nc\\n d\\n");
+  CHECK(printable(text, LineFeeds::Keep) == text);
+  CHECK(printable(text) == R"(a:\n  b\nc\n d\n)");
+}
