@@ -181,7 +181,7 @@ class SceneLines {
     constexpr double prepared = 0.5;
     NetworkOptions options;
     options.corner_angle = scene_.skin.options.corner_angle;
-    return CurveNetwork(result_.lines, options, progress_).joined_fraction() < prepared;
+    return joined_fraction(result_.lines, options) < prepared;
   }
 
   // The lines given by points, and their indices.

@@ -389,6 +389,13 @@ CurveNetwork::CurveNetwork(const std::vector<CharacterLine>& lines, const Networ
   progress.update("network", 1);
 }
 
+double joined_fraction(const std::vector<CharacterLine>& lines, const NetworkOptions& options) {
+  require_options(options);
+  const SampledCurves sampled_curves = make_sampled_curves(lines, options.corner_angle);
+  return find_join_tolerance(sampled_curves.sampled_curves, options, sampled_curves.size)
+      .joined_fraction;
+}
+
 std::vector<int> CurveNetwork::edges_of(const std::string& name) const {
   for (size_t k = 0; k < lines_.size(); ++k)
     if (lines_[k].name == name) return edges_of_line_[k];

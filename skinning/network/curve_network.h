@@ -97,4 +97,8 @@ class CurveNetwork {
   double size_ = 1, tolerance_ = 0, joined_fraction_ = 1;
 };
 
+/// CurveNetwork::joined_fraction() of curves, without their network. Throws InputError for invalid
+/// curves and options. Cost: about O(n log n) for n curves of bounded length.
+double joined_fraction(const std::vector<CharacterLine>& lines, const NetworkOptions& options = {});
+
 }  // namespace batten

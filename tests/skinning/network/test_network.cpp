@@ -694,6 +694,7 @@ TEST_CASE("curves whose ends stop short of each other get the tolerance that joi
     }
     const CurveNetwork network(lines);
     CAPTURE(gap);
+    CHECK(joined_fraction(lines) == network.joined_fraction());
     const double size = network.size();
     if (gap < 1e-3) {
       CHECK(network.joined_fraction() == 1);
@@ -780,6 +781,7 @@ TEST_CASE("curves that cross far more often than they end are not taken as hand-
     }
   const CurveNetwork network(lines);
   CHECK(network.joined_fraction() > 0.5);
+  CHECK(joined_fraction(lines) == network.joined_fraction());
   CHECK(network.tolerance() == Approx(1e-3 * network.size()));
 }
 
