@@ -40,15 +40,15 @@ struct Drawing {
 ///          with _1, _2, … if several curves have the same name. Names that are not valid as names
 ///          of layers are read from the extended data that write_dxf() adds, unless the curve was
 ///          moved to another layer. The unit is $INSUNITS. Only text files are supported.
-///   .svg   path, line, polyline, polygon, rect, circle and ellipse elements, with all transforms,
-///          in the plane z = 0 with y upwards. A curve is named after its Inkscape label, else its
+///   .svg   path, line, polyline, polygon, rect, circle and ellipse elements that are displayed and
+///          visible (also by style sheets), with all transforms, nested drawings (svg with viewBox
+///          and preserveAspectRatio), clones (use) and symbols, in the plane z = 0 with y upwards. A curve is named after its Inkscape label, else its
 ///          id, else the file. The unit follows from width and viewBox; the default is pixels of
 ///          1/96 inch. The origin is the lower left corner of the page, or the point in the
 ///          attribute `data-batten-origin` of the root element, which write_svg() sets.
 ///
 /// Polylines without arcs are returned as points, in which corners are detected as in point tables.
-/// Curved entities are converted exactly. Text, hatches, dimensions, images and clones are skipped
-/// and listed in `notes`, as are all other entities that are not curves. Throws InputError if the file cannot be read, is damaged or truncated, or
+/// Curved entities are converted exactly. Text, hatches, dimensions and images are skipped and listed in `notes`, as are all other entities that are not curves. Throws InputError if the file cannot be read, is damaged or truncated, or
 /// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);
 
@@ -98,6 +98,9 @@ std::vector<std::string> write_svg(const std::filesystem::path& path,
 /// consecutive pieces have a gap of more than 1e-6 of the size of the sketch; or there is no
 /// stroke.
 std::vector<CharacterLine> read_sketch_graph(const std::filesystem::path& path);
+
+/// Attribute of the root element of an SVG file with the origin of the curves, in user coordinates.
+inline constexpr const char* kSvgOrigin = "data-batten-origin";
 
 // Functions shared by the readers and writers of DXF and SVG files.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// Reads and writes SVG files.
+// Reads SVG files.
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkNew.h>
@@ -7,23 +7,23 @@
 #include <vtkXMLDataParser.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
-#include <ostream>
-#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
-#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/drawing.h"
 #include "batten/io/lines/named_lines.h"
 #include "batten/io/lines/svg_path.h"
+#include "batten/io/lines/svg_style.h"
 #include "batten/io/lines/text_rows.h"
 
 namespace batten {
@@ -31,8 +31,6 @@ namespace {
 
 constexpr double kPixel = 0.0254 / 96;  // CSS pixel in metres
 constexpr double kTwoPi = 2 * std::numbers::pi;
-// Attribute of the root element with the origin of the curves, in user coordinates.
-constexpr const char* kOrigin = "data-batten-origin";
 
 Vec3 in_plane(const Vec2& p) { return {p.x(), p.y(), 0}; }
 
@@ -93,12 +91,58 @@ double rounded_unit(double metres) {
   return metres;
 }
 
-double coordinate(const Element& element, const char* key, double fallback = 0) {
+// The region to which percentages refer, in user units.
+struct Viewport {
+  double width = 0, height = 0;
+
+  // The reference length for an attribute such as "x", "height" or "r".
+  double reference(std::string_view key) const {
+    if (key == "r") return std::hypot(width, height) / std::numbers::sqrt2;
+    return key.find('y') != key.npos || key == "height" ? height : width;
+  }
+};
+
+// A length in user units: "12", "3mm", or "50%" of the viewport.
+double coordinate(const Element& element, const char* key, const Viewport& viewport,
+                  double fallback = 0) {
   const std::string text = attribute(element, key);
-  if (text.empty()) return fallback;
+  if (text.empty() || text == "auto") return fallback;
+  if (text.back() == '%')
+    if (const std::vector<double> percent = numbers_of(text); percent.size() == 1)
+      return percent[0] / 100 * viewport.reference(key);
   const std::optional<double> metres = length_of(text);
   if (!metres) fail(element, key, "a length");
   return *metres / kPixel;
+}
+
+// The scale factors and the shift by which a viewBox is fitted into a region (preserveAspectRatio).
+struct Fitting {
+  double sx = 1, sy = 1, dx = 0, dy = 0;
+
+  Fitting(const Element& element, const std::array<double, 4>& box, double width, double height)
+      : sx(width / box[2]), sy(height / box[3]) {
+    const std::string rule = attribute(element, "preserveAspectRatio");
+    const auto has = [&](const char* word) { return rule.find(word) != std::string::npos; };
+    if (!has("none") && std::abs(sx - sy) > 1e-12 * sx)
+      sx = sy = has("slice") ? std::max(sx, sy) : std::min(sx, sy);
+    const double x = has("xMin")   ? 0
+                     : has("xMax") ? 1
+                                   : 0.5,
+                 y = has("YMin")   ? 0
+                     : has("YMax") ? 1
+                                   : 0.5;
+    if (std::abs(width - sx * box[2]) > 1e-12 * width) dx = x * (width - sx * box[2]);
+    if (std::abs(height - sy * box[3]) > 1e-12 * height) dy = y * (height - sy * box[3]);
+    dx -= sx * box[0];
+    dy -= sy * box[1];
+  }
+};
+
+// The viewBox of an element; empty if it has none.
+std::optional<std::array<double, 4>> view_box(const Element& element) {
+  const std::vector<double> n = numbers_of(attribute(element, "viewBox"));
+  if (n.size() != 4) return {};
+  return std::array{n[0], n[1], n[2], n[3]};
 }
 
 // One transform function with its arguments.
@@ -165,57 +209,208 @@ std::shared_ptr<const InputCurve> piece_of(const SvgSegment& segment) {
   return bezier_curve(p(0), p(1), p(2), p(3));
 }
 
+SvgElementKey key_of(const Element& element) {
+  SvgElementKey key{kind_of(element), attribute(element, "id"), {}};
+  const std::string classes = attribute(element, "class");
+  for (size_t at = 0; (at = classes.find_first_not_of(" \t\r\n", at)) != classes.npos;) {
+    const size_t end = std::min(classes.find_first_of(" \t\r\n", at), classes.size());
+    key.classes.push_back(classes.substr(at, end - at));
+    at = end;
+  }
+  return key;
+}
+
+bool is_container(const std::string& kind) {
+  return kind == "g" || kind == "a" || kind == "svg" || kind == "symbol" || kind == "switch";
+}
+
+// Walks through the elements as they are drawn: `use` elements are replaced by their targets, and
+// elements that are not displayed or not visible are left out.
 class SvgReader {
  public:
   Drawing read(const Element& root) {
     if (kind_of(root) != "svg") throw InputError("found no <svg>, expected an SVG drawing");
-    go_into(root, page_of(root), "");
+    collect(root);
+    const State page = page_of(root);
+    path_.push_back(key_of(root));
+    if (property(root, "display") != "none") children(root, page);
     drawing_.unit_in_metres = unit_;
     passed_over_.report_to(drawing_);
     return std::move(drawing_);
   }
 
  private:
+  // What elements inherit.
+  struct State {
+    AffineTransform transform;  // from user coordinates to those of the drawing
+    Viewport viewport;
+    std::string layer;
+    std::string clone;  // name of the `use` element whose target this is
+    bool visible = true;
+  };
+
+  // Collects style sheets and the targets of `use` elements.
+  void collect(const Element& element) {
+    if (kind_of(element) == "style") styles_.add(attribute(element, "#text"));
+    if (const std::string id = attribute(element, "id"); !id.empty())
+      targets_.emplace(id, &element);
+    for (const Element& inner : element[2]) collect(inner);
+  }
+
+  // The value of a property of the last element of `path_`: its style attribute, the style sheets,
+  // and the attribute of this name, in this order.
+  std::string property(const Element& element, const std::string& name) const {
+    std::string value = css_declaration(attribute(element, "style"), name);
+    if (value.empty() && !styles_.empty()) value = styles_.value(path_, name);
+    return value.empty() ? attribute(element, name.c_str()) : value;
+  }
+
   // Sets the unit, and maps the page to coordinates with y upwards from its lower edge, or from the
   // origin that the writer states.
-  AffineTransform page_of(const Element& root) {
-    std::vector<double> box = numbers_of(attribute(root, "viewBox"));
-    const auto width = length_of(attribute(root, "width"));
-    const auto height = length_of(attribute(root, "height"));
+  State page_of(const Element& root) {
+    auto width = length_of(attribute(root, "width")), height = length_of(attribute(root, "height"));
+    const auto box = view_box(root);
+    State page;
+    AffineTransform& to_page = page.transform;
+    to_page.A(1, 1) = -1;
     unit_ = kPixel;
-    if (box.size() == 4 && box[2] > 0 && width && *width > 0) unit_ = rounded_unit(*width / box[2]);
-    if (box.size() != 4) box = {0, 0, 0, height ? *height / kPixel : 0};
-    AffineTransform page;
-    page.A(1, 1) = -1;
-    page.b = Vec3(-box[0], box[1] + box[3], 0);
-    const std::vector<double> origin = numbers_of(attribute(root, kOrigin));
-    if (origin.size() == 2) page.b = Vec3(-origin[0], origin[1], 0);
+    if (box && (*box)[2] > 0 && (*box)[3] > 0) {
+      // A missing length follows from the other one.
+      if (!(width && *width > 0) && height) width = *height * (*box)[2] / (*box)[3];
+      if (!(width && *width > 0)) width = (*box)[2] * kPixel;
+      if (!(height && *height > 0)) height = *width * (*box)[3] / (*box)[2];
+      const Fitting fit(root, *box, *width, *height);
+      unit_ = rounded_unit(fit.sx);
+      to_page.A(1, 1) = -fit.sy / fit.sx;
+      to_page.b = Vec3(fit.dx / fit.sx, (*height - fit.dy) / fit.sx, 0);
+      page.viewport = {(*box)[2], (*box)[3]};
+    } else {
+      page.viewport = {width.value_or(0) / kPixel, height.value_or(0) / kPixel};
+      to_page.b = Vec3(0, page.viewport.height, 0);
+    }
+    const std::vector<double> origin = numbers_of(attribute(root, kSvgOrigin));
+    if (origin.size() == 2) to_page.b = Vec3(-origin[0], origin[1], 0);
     return page;
   }
 
-  void go_into(const Element& parent, const AffineTransform& outer, const std::string& layer) {
-    for (const Element& element : parent[2]) {
-      const std::string kind = kind_of(element);
-      if (attribute(element, "display") == "none" ||
-          attribute(element, "style").find("display:none") != std::string::npos)
-        continue;
-      const AffineTransform here = transform_of(element).then(outer);
-      const std::string label = attribute(element, "inkscape:label");
-      const std::string name = label.empty() ? attribute(element, "id") : label;
-      if (kind == "g" || kind == "a" || kind == "svg")
-        go_into(element, here, label.empty() ? layer : label);
-      else
-        shape(element, kind, here, name.empty() ? layer : name);
+  void children(const Element& parent, const State& state) {
+    for (const Element& element : parent[2]) visit(element, state);
+  }
+
+  void visit(const Element& element, const State& outer) {
+    constexpr long kMost = 250000;
+    if (!expanding_.empty() && ++clones_ > kMost)
+      throw InputError("found more than " + std::to_string(kMost) +
+                       " elements in clones (use), expected fewer");
+    path_.push_back(key_of(element));
+    if (property(element, "display") != "none") displayed(element, outer);
+    path_.pop_back();
+  }
+
+  void displayed(const Element& element, const State& outer) {
+    const std::string kind = kind_of(element), label = attribute(element, "inkscape:label");
+    State here = outer;
+    here.transform = transform_of(element).then(outer.transform);
+    here.clone.clear();
+    if (const std::string visibility = property(element, "visibility"); !visibility.empty())
+      here.visible = visibility == "visible";
+    std::string name = !outer.clone.empty() ? outer.clone
+                       : label.empty()      ? attribute(element, "id")
+                                            : label;
+    if (is_container(kind)) {
+      if (!label.empty() || !outer.clone.empty()) here.layer = outer.clone.empty() ? label : name;
+      if (kind == "svg")
+        region(element, here, coordinate(element, "width", outer.viewport, outer.viewport.width),
+               coordinate(element, "height", outer.viewport, outer.viewport.height));
+      else if (kind == "switch")
+        alternative(element, here);
+      else if (kind != "symbol")  // drawn only by `use` elements
+        children(element, here);
+    } else if (kind == "use") {
+      here.clone = name;
+      use(element, here);
+    } else if (here.visible) {
+      shape(element, kind, here, name.empty() ? outer.layer : name);
     }
   }
 
-  void shape(const Element& e, const std::string& kind, const AffineTransform& here,
+  // The contents of a nested `svg` or of a `symbol`, with its own coordinates.
+  void region(const Element& element, State here, double width, double height) {
+    AffineTransform inner;
+    inner.b =
+        Vec3(coordinate(element, "x", here.viewport), coordinate(element, "y", here.viewport), 0);
+    if (const auto box = view_box(element)) {
+      if (!((*box)[2] > 0 && (*box)[3] > 0 && width > 0 && height > 0)) return;
+      const Fitting fit(element, *box, width, height);
+      inner.A(0, 0) = fit.sx;
+      inner.A(1, 1) = fit.sy;
+      inner.b += Vec3(fit.dx, fit.dy, 0);
+      here.viewport = {(*box)[2], (*box)[3]};
+    } else {
+      here.viewport = {width, height};
+    }
+    here.transform = inner.then(here.transform);
+    children(element, here);
+  }
+
+  // Of a `switch`, the first element without conditions is drawn.
+  void alternative(const Element& element, const State& here) {
+    for (const Element& inner : element[2]) {
+      const std::string language = attribute(inner, "systemLanguage");
+      if (!attribute(inner, "requiredExtensions").empty() ||
+          (!language.empty() && language.find("en") == std::string::npos))
+        continue;
+      return visit(inner, here);
+    }
+  }
+
+  void use(const Element& element, State here) {
+    std::string href = attribute(element, "href");
+    if (href.empty()) href = attribute(element, "xlink:href");
+    if (href.empty()) return;
+    const auto target = href[0] == '#' ? targets_.find(href.substr(1)) : targets_.end();
+    if (target == targets_.end())
+      return passed_over_.add(href[0] == '#' ? "use without its element" : "use of another file");
+    const Element& drawn = *target->second;
+    if (std::find(expanding_.begin(), expanding_.end(), &drawn) != expanding_.end())
+      return passed_over_.add("use that contains itself");
+    AffineTransform shift;
+    shift.b =
+        Vec3(coordinate(element, "x", here.viewport), coordinate(element, "y", here.viewport), 0);
+    here.transform = shift.then(here.transform);
+    expanding_.push_back(&drawn);
+    const std::string kind = kind_of(drawn);
+    if (kind == "symbol" || kind == "svg")
+      instance(element, drawn, here);
+    else
+      visit(drawn, here);
+    expanding_.pop_back();
+  }
+
+  // A `symbol` or `svg` drawn by a `use` element, whose width and height replace its own.
+  void instance(const Element& use, const Element& drawn, State here) {
+    path_.push_back(key_of(drawn));
+    const auto extent = [&](const char* key, double whole) {
+      return coordinate(use, key, here.viewport, coordinate(drawn, key, here.viewport, whole));
+    };
+    if (property(drawn, "display") != "none") {
+      here.transform = transform_of(drawn).then(here.transform);
+      here.layer = here.clone;
+      here.clone.clear();
+      region(drawn, here, extent("width", here.viewport.width),
+             extent("height", here.viewport.height));
+    }
+    path_.pop_back();
+  }
+
+  void shape(const Element& e, const std::string& kind, const State& state,
              const std::string& name) {
+    const AffineTransform& here = state.transform;
+    const Viewport& view = state.viewport;
     if (kind == "path") return path(e, here, name);
-    if (kind == "text" || kind == "image" || kind == "use" || kind == "foreignObject")
-      return passed_over_.add(kind);
+    if (kind == "text" || kind == "image" || kind == "foreignObject") return passed_over_.add(kind);
     const auto at = [&](const char* x, const char* y) {
-      return Vec3(coordinate(e, x), coordinate(e, y), 0);
+      return Vec3(coordinate(e, x, view), coordinate(e, y, view), 0);
     };
     if (kind == "line") {
       add({name, {at("x1", "y1"), at("x2", "y2")}}, here);
@@ -229,21 +424,24 @@ class SvgReader {
       add(line, here);
     } else if (kind == "circle" || kind == "ellipse") {
       const bool circle = kind == "circle";
-      const double a = coordinate(e, circle ? "r" : "rx"), b = coordinate(e, circle ? "r" : "ry");
+      const double a = coordinate(e, circle ? "r" : "rx", view),
+                   b = coordinate(e, circle ? "r" : "ry", view);
       if (!(a > 0 && b > 0)) return passed_over_.add(kind + " of zero size");
       const CurvePlane plane{at("cx", "cy"), Vec3::UnitX(), Vec3::UnitY()};
       add({name, {}, ellipse_arc(plane, a, b, 0, kTwoPi)}, here);
     } else if (kind == "rect") {
-      rect(e, here, name);
+      rect(e, state, name);
     }
   }
 
-  void rect(const Element& e, const AffineTransform& here, const std::string& name) {
-    const double w = coordinate(e, "width"), h = coordinate(e, "height");
+  void rect(const Element& e, const State& state, const std::string& name) {
+    const AffineTransform& here = state.transform;
+    const Viewport& view = state.viewport;
+    const double w = coordinate(e, "width", view), h = coordinate(e, "height", view);
     if (!(w > 0 && h > 0)) return passed_over_.add("rect without size");
-    const double rx = coordinate(e, "rx", coordinate(e, "ry"));
-    const double ry = coordinate(e, "ry", rx);
-    const Vec3 centre(coordinate(e, "x") + w / 2, coordinate(e, "y") + h / 2, 0);
+    const double rx = coordinate(e, "rx", view, coordinate(e, "ry", view));
+    const double ry = coordinate(e, "ry", view, rx);
+    const Vec3 centre(coordinate(e, "x", view) + w / 2, coordinate(e, "y", view) + h / 2, 0);
     if (!(rx > 0 && ry > 0)) {
       const CurvePlane plane{centre, Vec3::UnitX(), Vec3::UnitY()};
       return add({name, {}, rectangle(plane, w, h, 0)}, here);
@@ -294,6 +492,11 @@ class SvgReader {
   Drawing drawing_;
   SkippedEntities passed_over_;
   double unit_ = kPixel;
+  SvgStyleSheet styles_;
+  std::map<std::string, const Element*> targets_;  // by id
+  std::vector<SvgElementKey> path_;                // from the root to the current element
+  std::vector<const Element*> expanding_;          // targets of `use` elements, outermost first
+  long clones_ = 0;
 };
 
 }  // namespace
@@ -321,6 +524,8 @@ Element element_of(vtkXMLDataElement* element) {
   Element attributes = Element::object(), nested = Element::array();
   for (int i = 0; i < element->GetNumberOfAttributes(); ++i)
     attributes[element->GetAttributeName(i)] = element->GetAttributeValue(i);
+  if (element->GetName() && kind_of({element->GetName()}) == "style" && element->GetCharacterData())
+    attributes["#text"] = element->GetCharacterData();
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
     nested.push_back(element_of(element->GetNestedElement(i)));
   return Element::array(
@@ -354,149 +559,6 @@ Drawing read_svg(const std::filesystem::path& path) {
   } catch (const std::exception& e) {
     throw InputError(path.string() + ": " + e.what());
   }
-}
-
-// Writes SVG files.
-
-namespace {
-
-// The plane of a drawing: coordinate `normal` is `level`. `right`, `up`: the coordinates that are
-// drawn to the right and upwards.
-struct DrawingPlane {
-  int normal, right, up;
-  double level = 0;
-};
-
-constexpr const char* kAxes = "xyz";
-
-DrawingPlane plane_of(const std::filesystem::path& path, const Box3& box) {
-  const double flat = 1e-9 * box.diagonal().norm();
-  for (const DrawingPlane& plane :
-       {DrawingPlane{2, 0, 1}, DrawingPlane{1, 0, 2}, DrawingPlane{0, 1, 2}})
-    if (box.sizes()[plane.normal] <= flat)
-      return {plane.normal, plane.right, plane.up, box.center()[plane.normal]};
-  throw InputError(path.string() + ": found curves with z from " + format_number(box.min().z()) +
-                   " to " + format_number(box.max().z()) +
-                   ", expected curves in a plane z = const (or x = const, or y = const), because "
-                   "SVG files contain plane drawings; write a .dxf file to keep curves in space");
-}
-
-// What the file does not contain about the plane of the curves; empty for z = 0.
-std::vector<std::string> plane_notes(const std::filesystem::path& path, const DrawingPlane& plane,
-                                     double size) {
-  if (plane.normal == 2 && std::abs(plane.level) <= 1e-9 * size) return {};
-  const auto axis = [](int i) { return std::string(1, kAxes[i]); };
-  return {path.filename().string() + ": the curves lie in the plane " + axis(plane.normal) + " = " +
-          format_number(plane.level) + ", which SVG files do not contain: in the file, " +
-          axis(plane.right) + " points to the right and " + axis(plane.up) +
-          " upwards, and the curves are read back in the plane z = 0"};
-}
-
-std::string xml_escaped(const std::string& text) {
-  static const std::map<char, std::string> escapes = {
-      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&apos;"}};
-  std::string escaped;
-  for (const char c : text) {
-    const auto at = escapes.find(c);
-    escaped += at == escapes.end() ? std::string(1, c) : at->second;
-  }
-  return escaped;
-}
-
-// An XML name similar to the name of a curve, different from all in `taken`.
-std::string xml_id(const std::string& name, std::set<std::string>& taken) {
-  std::string id;
-  for (const char c : name) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    const bool valid = letter || (c >= '0' && c <= '9') || c == '-' || c == '.';
-    if (id.empty() && !letter) id = "_";
-    if (valid || !id.ends_with('_')) id += valid ? c : '_';
-  }
-  std::string unique = id;
-  for (int k = 2; !taken.insert(unique).second; ++k) unique = id + "_" + std::to_string(k);
-  return unique;
-}
-
-class SvgWriter {
- public:
-  SvgWriter(std::ostream& out, const DrawingPlane& plane) : out_(out), plane_(plane) {}
-
-  void write(const std::vector<NamedCurve>& curves, const Box3& box, double unit_in_metres) {
-    head(box, unit_in_metres);
-    for (const NamedCurve& curve : curves) {
-      out_ << "    <path";
-      if (!curve.name.empty())
-        out_ << " id=\"" << xml_id(curve.name, ids_) << "\" inkscape:label=\""
-             << xml_escaped(curve.name) << "\"";
-      out_ << " d=\"" << path_of(curve) << "\"/>\n";
-    }
-    out_ << "  </g>\n</svg>\n";
-  }
-
- private:
-  // The page is the bounding box with a margin, rounded to a decimal number.
-  void head(const Box3& box, double unit_in_metres) {
-    const double size = box.diagonal().norm();
-    const double steps = std::pow(10, 2 - std::floor(std::log10(size)));  // per length unit
-    const auto low = [&](int axis) { return std::floor((box.min()[axis] - 0.05 * size) * steps); };
-    const auto high = [&](int axis) { return std::ceil((box.max()[axis] + 0.05 * size) * steps); };
-    const double width = (high(plane_.right) - low(plane_.right)) / steps;
-    const double height = (high(plane_.up) - low(plane_.up)) / steps;
-    static constexpr std::pair<const char*, double> units[] = {
-        {"cm", 0.01}, {"in", 0.0254}, {"mm", 0.001}};
-    const auto* unit = units;
-    while (unit->second != unit_in_metres && unit->second != 0.001) ++unit;
-    const double scale = unit_in_metres == unit->second ? 1 : unit_in_metres / unit->second;
-    out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-         << "<svg xmlns=\"http://www.w3.org/2000/svg\" "
-         << "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\""
-         << exact_number(width * scale) << unit->first << "\" height=\""
-         << exact_number(height * scale) << unit->first << "\" viewBox=\""
-         << exact_number(low(plane_.right) / steps) << " "
-         << exact_number(0 - high(plane_.up) / steps) << " " << exact_number(width) << " "
-         << exact_number(height) << "\" " << kOrigin << "=\"0 0\">\n"
-         << "  <g fill=\"none\" stroke=\"black\" stroke-width=\"" << format_number(0.002 * size)
-         << "\">\n";
-  }
-
-  std::string at(const Vec3& p) const {
-    return exact_number(p[plane_.right]) + "," + exact_number(0 - p[plane_.up]);
-  }
-
-  std::string path_of(const NamedCurve& curve) const {
-    std::vector<Vec3> vertices = polyline_vertices(curve);
-    std::string path;
-    if (!vertices.empty()) {
-      const bool closed = vertices.size() > 2 && vertices.front() == vertices.back();
-      if (closed) vertices.pop_back();
-      for (const Vec3& p : vertices) path += (path.empty() ? "M " : " L ") + at(p);
-      return path + (closed ? " Z" : "");
-    }
-    path = "M " + at(curve.curve.bezier(0).b[0]);
-    for (int s = 0; s < curve.curve.segment_count(); ++s) {
-      const BezierCubic<Vec3> cubic = curve.curve.bezier(s);
-      if (is_straight(cubic))
-        path += " L " + at(cubic.b[3]);
-      else
-        path += " C " + at(cubic.b[1]) + " " + at(cubic.b[2]) + " " + at(cubic.b[3]);
-    }
-    return path + (curve.curve.closed() ? " Z" : "");
-  }
-
-  std::ostream& out_;
-  DrawingPlane plane_;
-  std::set<std::string> ids_;
-};
-
-}  // namespace
-
-std::vector<std::string> write_svg(const std::filesystem::path& path,
-                                   const std::vector<NamedCurve>& curves, double unit_in_metres) {
-  const Box3 box = drawing_box(curves);
-  const DrawingPlane plane = plane_of(path, box);
-  write_file_atomically(
-      path, [&](std::ostream& out) { SvgWriter(out, plane).write(curves, box, unit_in_metres); });
-  return plane_notes(path, plane, box.diagonal().norm());
 }
 
 }  // namespace batten
