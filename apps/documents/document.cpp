@@ -11,6 +11,7 @@
 #include "batten/apps/documents/edited_shape.h"
 #include "batten/apps/documents/line_edits.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/io/scene/scene_paths.h"
@@ -311,7 +312,15 @@ void Document::save(const std::filesystem::path& to) {
   std::vector<std::string> undo = undo_, redo = redo_;
   for (auto* texts : {&undo, &redo})
     for (std::string& one : *texts) one = moved(SceneText(one, file_)).text();
-  write_file_atomically(file, [&](std::ostream& out) { out << text.text(); });
+  {
+    std::optional<ReplaceableInput> own;
+    std::error_code none;
+    if (std::filesystem::equivalent(file, file_, none))
+      own.emplace(file);
+    else
+      require_inputs_preserved(file);
+    write_file_atomically(file, [&](std::ostream& out) { out << text.text(); });
+  }
   file_ = file;
   text_ = std::move(text);
   undo_ = std::move(undo);

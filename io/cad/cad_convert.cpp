@@ -113,7 +113,7 @@ CadConversion to_cad(const fs::path& from, const fs::path& to, const CadConvertO
   result.before = take_contents(bytes);
   result.unit_in_metres = unit_of(options, to, result.before.unit_in_metres);
   AtomicFile file(to);
-  write_file_atomically(file.temporary(), [&](std::ostream& out) { out << bytes; });
+  file.write([&](std::ostream& out) { out << bytes; });
   result.after = read_cad_contents(file.temporary());
   file.commit();
   if (how.format == CadFormat::Iges) add_iges_notes(result);

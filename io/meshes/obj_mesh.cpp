@@ -439,10 +439,9 @@ std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output) {
     std::string name = path.stem().string() + ".mtl";
     std::replace(name.begin(), name.end(), ' ', '_');
     beside.emplace(path.parent_path() / name);
-    write_file_atomically(beside->temporary(),
-                          [&](std::ostream& out) { write_materials(out, materials); });
+    beside->write([&](std::ostream& out) { write_materials(out, materials); });
   }
-  write_file_atomically(file.temporary(), [&](std::ostream& out) {
+  file.write([&](std::ostream& out) {
     if (beside) out << "mtllib " << beside->path().filename().string() << '\n';
     for (int i = 0; i < mesh.node_count(); ++i) {
       out << 'v';
@@ -465,8 +464,7 @@ std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output) {
   });
   if (!beside) return file.commit(), std::vector<std::filesystem::path>{};
   const std::filesystem::path written = beside->path();
-  beside->commit();
-  file.commit();
+  commit_together({&*beside, &file});
   return {written};
 }
 

@@ -245,16 +245,20 @@ std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const 
   return targets;
 }
 
-void write_files(const std::map<fs::path, const Output*>& targets) {
+void write_files(const std::map<fs::path, const Output*>& targets, const fs::path& main) {
   std::vector<std::unique_ptr<AtomicFile>> files;
   for (const auto& [target, output] : targets) {
     if (targets.size() > 1 && target.has_parent_path()) make_output_folder(target.parent_path());
     files.push_back(std::make_unique<AtomicFile>(target));
-    write_file_atomically(files.back()->temporary(), [&](std::ostream& stream) {
+    files.back()->write([&](std::ostream& stream) {
       stream.write(output->text.data(), static_cast<std::streamsize>(output->text.size()));
     });
   }
-  for (const auto& file : files) file->commit();
+  // The main file is moved last.
+  std::vector<const AtomicFile*> all;
+  for (const auto& file : files)
+    all.insert(file->path() == main ? all.end() : all.begin(), file.get());
+  commit_together(all);
 }
 
 }  // namespace
@@ -263,7 +267,7 @@ MeshRounding TextMeshContent::write(const fs::path& path, const Points& points,
                                     const MeshWriteOptions& options) const {
   Rewriting rewriting(*this, points, options.large_field_nodes);
   for (int i = 0; i < isize(fields); ++i) rewriting.rewrite(i);
-  write_files(targets_of(*this, path, options.destination_folder, rewriting.finish()));
+  write_files(targets_of(*this, path, options.destination_folder, rewriting.finish()), path);
   return rewriting.rounding();
 }
 

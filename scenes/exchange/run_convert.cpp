@@ -7,6 +7,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_fit.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
@@ -314,10 +315,9 @@ void convert_cad_file(const ConvertTask& task, ConvertReport& report, const Prog
 }  // namespace
 
 ConvertReport run_convert(const ConvertTask& task, const Progress& progress) {
+  const CommandFiles files;
   require_input_file(task.from, "a CAD file, a mesh or a curve file");
-  if (fs::exists(task.to) && fs::equivalent(task.from, task.to))
-    throw InputError(task.to.string() +
-                     ": found the input file as output file, expected another file");
+  replaceable_file(task.to);
   ConvertReport report;
   report.name = name_of(task.from);
   report.files = {task.to.string()};

@@ -8,6 +8,7 @@
 
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/text.h"
 #include "batten/io/pictures/comb_pictures.h"
 #include "batten/scenes/lines/scene_lines.h"
@@ -36,7 +37,7 @@ size_t width_of(const std::string& text) {
 using Row = std::vector<std::string>;
 
 Row row_of(const FairedLine& c) {
-  Row row = {c.name, std::to_string(c.points)};
+  Row row = {printable(c.name), std::to_string(c.points)};
   if (!c.before || !c.after) {
     row.insert(row.end(), {"-", "-", "-", "-", "-", "-", "-"});
     return row;
@@ -198,7 +199,7 @@ std::string summary(const FairReport& report) {
   std::vector<size_t> widths(rows.front().size(), 0);
   for (const Row& row : rows)
     for (size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], width_of(row[k]));
-  std::string text = report.name + ", lengths in " + report.unit + "\n";
+  std::string text = printable(report.name) + ", lengths in " + report.unit + "\n";
   for (const Row& row : rows) {
     if (&row == &rows.back() && shown < report.curves.size())
       text += "  ... " + std::to_string(report.curves.size() - shown) + " more\n";
@@ -220,6 +221,8 @@ std::string summary(const FairReport& report, const std::filesystem::path& folde
 FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
                     const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   OutputFolder out(folder);
   FairReport report;
   Stopwatch watch(report.timings);
@@ -238,26 +241,33 @@ FairReport run_fair(const FairScene& scene, const std::filesystem::path& folder,
 
 FairReport run_fair(const FairScene& scene, const FairFiles& files, const Progress& progress) {
   const ProgressScope scope(progress);
-  // Detects missing or read-only folders before the computation.
-  for (const auto& path : {files.out, files.picture, files.report})
-    if (!path.empty()) AtomicFile probe(path);
+  const CommandFiles protected_inputs;
+  for (const SceneLine& line : scene.lines) record_input(line.file);
+  // Created before the computation, which then does not run in vain for a read-only folder.
+  std::optional<AtomicFile> out, picture, report_file;
+  std::vector<const AtomicFile*> all;
+  for (const auto& [path, file] : {std::pair(&files.out, &out), std::pair(&files.picture, &picture),
+                                   std::pair(&files.report, &report_file)})
+    if (!path->empty()) all.push_back(&file->emplace(*path));
+  require_distinct(all);
   FairReport report;
   Stopwatch watch(report.timings);
   const auto results = fair(scene, report, watch, progress);
   progress.update("files", 0);
-  write(files.out, results, scene, report, files.out.string());
+  write(out->temporary(), results, scene, report, files.out.string());
   watch.lap("files");
-  if (!files.picture.empty()) {
-    draw(files.picture, results, scene, {}, report, files.picture.string());
+  if (picture) {
+    draw(picture->temporary(), results, scene, {}, report, files.picture.string());
     watch.lap("pictures");
   }
   watch.total();
   const auto broken = failed_checks(report);
   report.failed_checks.insert(report.failed_checks.end(), broken.begin(), broken.end());
-  if (!files.report.empty()) {
+  if (report_file) {
     report.files.push_back(files.report.string());
-    write_file_atomically(files.report, [&](std::ostream& text) { text << to_json(report); });
+    report_file->write([&](std::ostream& text) { text << to_json(report); });
   }
+  commit_together(all);
   return report;
 }
 

@@ -14,6 +14,8 @@
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/io/decks/calculix_decks.h"
+#include "batten/io/files/command_files.h"
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/io/report/deform_report.h"
 #include "batten/io/vtk/vtk_files.h"
@@ -159,6 +161,14 @@ class DeformRun {
         attached_(file_.other_elements(), original(), scene.following),
         shared_(gather_constraints()) {}
 
+  /// Checks the names of the output files, see OutputFolder::require_replaceable().
+  void require_replaceable() const {
+    std::vector<std::string> names{scene_.mesh_out, scene_.vtp, "report.json"};
+    if (scene_.modes) names.insert(names.end(), {scene_.modes->before, scene_.modes->after});
+    for (const MeshPictureSpec& rule : scene_.pictures) names.push_back(rule.file);
+    out_.require_replaceable(names);
+  }
+
   /// Performs the edits in order.
   void edit() {
     states_.push_back(original().points());
@@ -284,7 +294,10 @@ class DeformRun {
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
                         const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   DeformRun run(scene, folder, progress);
+  run.require_replaceable();
   run.edit();
   run.measure();
   run.write();
@@ -359,7 +372,7 @@ void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFil
 
 std::string summary(const DeformReport& report, const std::filesystem::path& folder) {
   const std::string unit = " " + report.unit;
-  std::string text = report.name + "\n";
+  std::string text = printable(report.name) + "\n";
   text += summary_line("mesh", std::to_string(report.nodes) + " nodes, " +
                                    std::to_string(report.faces) + " faces, " + report.format);
   for (const auto& [name, e] : report.edits)

@@ -1,106 +1,116 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/scenes/runs/run_support.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
+#include <set>
+#include <system_error>
 
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/display.h"
 
 namespace batten {
 namespace fs = std::filesystem;
-
-namespace {
-
-const std::string kHidden = ".batten-";
-
-// Opens a folder and locks it. Returns -1 if another process holds the lock and `waits` is false,
-// or if the file system does not support locks.
-int locked_folder(const fs::path& folder, bool waits) {
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return -1;
-  while (::flock(file, LOCK_EX | (waits ? 0 : LOCK_NB)) != 0) {
-    if (errno == EINTR) continue;
-    ::close(file);
-    return -1;
-  }
-  return file;
-}
-
-// Removes hidden folders of killed runs: nobody holds their locks.
-void remove_orphans(const fs::path& folder) {
-  std::error_code error, ignored;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (!entry->path().filename().string().starts_with(kHidden)) continue;
-    if (const int lock = locked_folder(entry->path(), false); lock >= 0) {
-      fs::remove_all(entry->path(), ignored);
-      ::close(lock);
-    }
-  }
-}
-
-}  // namespace
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
   for (fs::path p = fs::absolute(folder_); !p.empty() && !fs::exists(p, error) && !error;
        p = p.parent_path())
     if (p.has_filename()) made_.insert(made_.begin(), p);
-  hidden_ = folder_ / (kHidden + std::to_string(getpid()));
   for (const fs::path& p : made_) unfinished_.emplace_back(p, TemporaryFileGuard::Content::Keep);
-  unfinished_.emplace_back(hidden_);
   make_output_folder(folder_);
-  {
-    // Serialised, so that no run mistakes a folder that is not locked yet for an orphan.
-    const int turn = locked_folder(folder_, true);
-    remove_orphans(folder_);
-    fs::create_directory(hidden_, error);
-    if (!error) lock_ = locked_folder(hidden_, false);
-    if (turn >= 0) ::close(turn);
+  try {
+    hidden_.emplace(folder_, kRunStem);
+  } catch (const std::system_error& e) {
+    throw FileError(folder_.string() + ": cannot use this output folder: " + e.code().message());
   }
-  if (error) throw InputError(hidden_.string() + ": cannot create this folder: " + error.message());
 }
 
 OutputFolder::~OutputFolder() {
+  hidden_.reset();
   std::error_code ignored;
-  fs::remove_all(hidden_, ignored);
-  if (lock_ >= 0) ::close(lock_);
   if (!committed_)
     // removes empty folders only
     for (auto p = made_.rbegin(); p != made_.rend(); ++p) fs::remove(*p, ignored);
 }
 
-void OutputFolder::commit() {
-  // Files in subfolders are moved one by one, because a subfolder may exist from an earlier run.
+void OutputFolder::require_replaceable(const std::vector<std::string>& names) const {
+  std::set<std::string> found;
+  for (const std::string& name : names) {
+    if (name.empty()) continue;
+    if (!found.insert(fs::path(name).lexically_normal().string()).second)
+      throw InputError((folder_ / name).string() +
+                       ": found two output files of this name, expected different names");
+    if (fs::exists((folder_ / name).parent_path())) replaceable_file(folder_ / name);
+  }
+}
+
+namespace {
+
+// The names of the files in a temporary folder, relative to it, in alphabetical order, and `last`
+// at the end.
+std::vector<fs::path> files_in(const TemporaryFolder& hidden, const std::string& last) {
   std::vector<fs::path> names;
-  std::error_code unread;
-  for (fs::recursive_directory_iterator entry(hidden_, unread), end; !unread && entry != end;
-       entry.increment(unread))
-    if (!entry->is_directory(unread)) names.push_back(entry->path().lexically_relative(hidden_));
-  if (unread) throw InputError(hidden_.string() + ": cannot read this folder: " + unread.message());
-  for (const auto& name : names)
-    if (fs::is_directory(folder_ / name, unread))
-      throw FileError((folder_ / name).string() +
-                      ": cannot write this file: found a folder of this name");
-  commit_files([&] {
-    const int turn = locked_folder(folder_, true);
-    std::string failure;
-    for (const auto& name : names) {
-      std::error_code error;
-      if (name.has_parent_path()) fs::create_directories((folder_ / name).parent_path(), error);
-      fs::rename(hidden_ / name, folder_ / name, error);
-      if (error && failure.empty())
-        failure = (folder_ / name).string() + ": cannot write this file: " + error.message();
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(hidden.path(), error), end; !error && entry != end;
+       entry.increment(error))
+    if (!entry->is_directory(error) && entry->path() != hidden.lock_file())
+      names.push_back(entry->path().lexically_relative(hidden.path()));
+  if (error)
+    throw FileError(hidden.path().string() + ": cannot read this folder: " + error.message());
+  std::sort(names.begin(), names.end());
+  const auto found = std::find(names.begin(), names.end(), last);
+  if (found != names.end()) std::rotate(found, found + 1, names.end());
+  return names;
+}
+
+// Copies a file to the file system of its destination, where it can be renamed.
+std::unique_ptr<AtomicFile> copy_beside(const fs::path& from, const fs::path& to) {
+  auto copy = std::make_unique<AtomicFile>(to);
+  std::error_code error;
+  fs::copy_file(from, copy->temporary(), fs::copy_options::overwrite_existing, error);
+  if (error) throw FileError(to.string() + ": cannot write this file: " + error.message());
+  return copy;
+}
+
+dev_t device_of(const fs::path& path) {
+  struct stat found {};
+  return ::stat(path.c_str(), &found) == 0 ? found.st_dev : 0;
+}
+
+}  // namespace
+
+void OutputFolder::commit(const std::string& last, AtomicFile* beside) {
+  const std::vector<fs::path> names = files_in(*hidden_, last);
+  std::optional<FolderLock> turn;
+  try {
+    turn.emplace(folder_);
+  } catch (const std::system_error& e) {
+    throw FileError(
+        folder_.string() +
+        ": cannot lock this folder, so that files of two runs could mix: " + e.code().message());
+  }
+  std::vector<FileMove> moves;
+  std::vector<std::unique_ptr<AtomicFile>> copies;
+  if (beside) moves.push_back({beside->temporary(), replaceable_file(beside->path())});
+  for (const fs::path& name : names) {
+    std::error_code error;
+    if (name.has_parent_path()) fs::create_directories((folder_ / name).parent_path(), error);
+    FileMove move{hidden_->path() / name, replaceable_file(folder_ / name)};
+    if (device_of(move.to.parent_path()) != device_of(move.from.parent_path())) {
+      copies.push_back(copy_beside(move.from, move.to));
+      move.from = copies.back()->temporary();
     }
-    if (turn >= 0) ::close(turn);
-    if (!failure.empty()) throw FileError(failure);
-  });
+    moves.push_back(std::move(move));
+  }
+  std::vector<fs::path> removed = hidden_->remains();
+  removed.push_back(turn->file());
+  move_together(moves, removed);
   committed_ = true;
 }
 
@@ -167,15 +177,15 @@ std::string safe_file_name(const std::string& text) {
 }
 
 std::string summary_line(const std::string& label, const std::string& text) {
-  return "  " + label + std::string(12 - label.size(), ' ') + text + "\n";
+  return "  " + label + std::string(12 - label.size(), ' ') + printable(text) + "\n";
 }
 
 std::string summary_footer(const RunReport& report, const std::filesystem::path& folder) {
   std::string text;
   for (const auto& [stage, seconds] : report.timings)
     if (stage == "total") text += summary_line("time", format_number(seconds) + " s");
-  text += "files in " + folder.string() + ":\n";
-  for (const auto& file : report.files) text += "  " + file + "\n";
+  text += "files in " + printable(folder.string()) + ":\n";
+  for (const auto& file : report.files) text += "  " + printable(file) + "\n";
   return text;
 }
 

@@ -23,11 +23,11 @@ namespace batten {
 ///
 /// Without a commit, the destructor (or remove_temporary_files()) removes them, and the folders
 /// that the constructor created; files of earlier runs are unchanged. Runs into the same folder may
-/// overlap: each moves its files in one step, and the last one wins. Leftovers of a killed run are
-/// removed by the next run.
+/// overlap, also on machines that share it: each moves its files while it holds a lock, and the last
+/// one wins. Leftovers of a killed run are removed by the next run (TemporaryFolder).
 class OutputFolder {
  public:
-  /// Creates the folder and its parents. Throws InputError if it is not writable.
+  /// Creates the folder and its parents. Throws FileError if it is not writable.
   explicit OutputFolder(std::filesystem::path folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -35,18 +35,22 @@ class OutputFolder {
 
   /// Path at which to write a file before commit(). Subfolders may be created beside it; their
   /// contents are moved to subfolders of the same names.
-  std::filesystem::path file(const std::string& name) const { return hidden_ / name; }
+  std::filesystem::path file(const std::string& name) const { return hidden_->path() / name; }
   /// The output folder.
   const std::filesystem::path& folder() const { return folder_; }
-  /// Moves all files to their final names. Call it once. Throws InputError, before anything is
-  /// moved, if a folder has the name of a file.
-  void commit();
+  /// Checks before a long computation that files of these names may be replaced. Empty names are
+  /// ignored. Throws InputError if two names are equal, and the exceptions of replaceable_file().
+  void require_replaceable(const std::vector<std::string>& names) const;
+  /// Moves all files to their final names, all or none, and the file `last` at the end
+  /// (move_together()). Call it once. `beside`: a file in another folder that belongs to the
+  /// results; null: none. Throws FileError, also if the folder cannot be locked.
+  void commit(const std::string& last = "report.json", AtomicFile* beside = nullptr);
 
  private:
-  std::filesystem::path folder_, hidden_;
-  int lock_ = -1;                             // lock of the hidden folder while it is in use
+  std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;   // created folders, outermost first
   std::list<TemporaryFileGuard> unfinished_;  // guards for all of these
+  std::optional<TemporaryFolder> hidden_;
   bool committed_ = false;
 };
 

@@ -12,6 +12,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -54,7 +55,7 @@ class SequenceRun {
     read();
     edits_->find_parts();
     watch_.lap("parts");
-    require_input_preserved();
+    require_replaceable();
     edits_->apply([&](const SequenceSource& source) { return read_source_frames(source); },
                   progress_);
     watch_.lap("operations");
@@ -96,19 +97,10 @@ class SequenceRun {
     }
   }
 
-  /// Checks that a single output file does not overwrite the input.
-  void require_input_preserved() const {
-    std::filesystem::path out = out_.folder() / scene_.frames_out;
-    const auto& source = scene_.source;
-    std::error_code ignored;
-    for (const auto& file : {out, std::filesystem::path(out).replace_extension(".obj")})
-      for (const auto& input : {source.path, source.options.mesh,
-                                std::filesystem::path(source.path).replace_extension(".obj")})
-        if (std::filesystem::is_regular_file(file, ignored) &&
-            std::filesystem::equivalent(file, input, ignored))
-          throw InputError(
-              file.string() +
-              ": the frames would overwrite the input, expected another folder or name");
+  void require_replaceable() const {
+    std::vector<std::string> names{task_.name_of("report.json"), scene_.frames_out};
+    for (const auto& rule : scene_.pictures) names.push_back(task_.name_of(rule.file));
+    out_.require_replaceable(names);
   }
 
   void write_frames() {
@@ -129,6 +121,13 @@ class SequenceRun {
       edits_->measure(k, p);
       if (std::binary_search(shown_.after.begin(), shown_.after.end(), k)) kept_.push_back(p);
     };
+    // An old report does not belong to new frames.
+    std::error_code none;
+    for (int k = first - 1; k < last; ++k)
+      if (!store.has(k)) {
+        std::filesystem::remove(out_.folder() / task_.name_of("report.json"), none);
+        break;
+      }
     for (int k = first - 1; k < last;) {
       if (store.has(k)) {
         look(k, store.read(k));
@@ -159,7 +158,7 @@ class SequenceRun {
   void finish() {
     watch_.total();
     write_report(report_, edits_->failed_checks(), out_, progress_, task_.name_of("report.json"));
-    out_.commit();
+    out_.commit(task_.name_of("report.json"));
   }
 
   const SequenceScene& scene_;
@@ -179,6 +178,8 @@ class SequenceRun {
 SequenceReport run_sequence(const SequenceScene& scene, const std::filesystem::path& folder,
                             const SequenceTask& task, const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   return SequenceRun(scene, folder, task, progress)();
 }
 
@@ -444,7 +445,7 @@ std::vector<std::string> in_short(const std::vector<std::string>& files) {
 }  // namespace
 
 std::string summary(const SequenceReport& report, const std::filesystem::path& folder) {
-  std::string text = report.name + "\n";
+  std::string text = printable(report.name) + "\n";
   text += summary_line("sequence", std::to_string(report.frames_before) + " frames, " +
                                        std::to_string(report.nodes) + " nodes, " +
                                        std::to_string(report.faces) + " faces");

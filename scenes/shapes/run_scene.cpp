@@ -12,6 +12,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
@@ -283,7 +284,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   const NetworkReport& n = *report.network;
   const auto& s = report.surface;
   const std::string unit = " " + report.unit;
-  std::string text = report.name + "\n";
+  std::string text = printable(report.name) + "\n";
   text += listed_lines("read", report.reading_notes);
   text += line_summary(n, unit);
   text += region_summary(n, s);
@@ -378,12 +379,16 @@ Report run_all(const Scene& scene, const std::filesystem::path& folder, const St
 Report run_scene(const Scene& scene, const std::filesystem::path& folder,
                  const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   return run_all(scene, folder, nullptr, progress);
 }
 
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   if (!scene.stress)
     throw InputError(scene.at({}) +
                      "found no [stress], expected one with thickness, material and supports");
@@ -392,6 +397,8 @@ Report run_stress(const Scene& scene, const std::filesystem::path& folder, const
 
 void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
                 const Progress& progress) {
+  const CommandFiles files;
+  record_input(scene.file);
   require_display();
   BuiltModel made = build_model(scene, faired_lines(scene, progress).lines, progress);
   const SolvedShape shape = solve_refined_shape(made, scene, progress);
@@ -422,7 +429,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
   for (const auto& line : report.lines)
     if (line.constrains_surface) deviation = std::max(deviation, line.deviation);
 
-  std::string text = report.name + "\n" + listed_lines("read", report.reading_notes);
+  std::string text = printable(report.name) + "\n" + listed_lines("read", report.reading_notes);
   text += summary_line("curves", std::to_string(report.lines.size()) + ", fitted within " +
                                      format_number(deviation) + unit);
   text += summary_line("surface", std::to_string(s.triangles) + " triangles, " +

@@ -12,6 +12,8 @@
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/command_files.h"
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/report/report.h"
 #include "batten/io/sessions/session_log.h"
@@ -156,6 +158,7 @@ class SculptRun {
                        "found no [stress], expected one with thickness, material and supports");
     for (const std::string& text : task_.sweeps) sweeps_.push_back(parse_sweep(text));
     const int rounds = parse_rounds(task_.refinement), steps = parse_steps(task_);
+    if (!task_.record.empty()) record_.emplace(task_.record);
     Stopwatch& watch = run_.watch;
     report_.sculpting = Report::Sculpting{};
     std::vector<Setting> settings;
@@ -344,8 +347,9 @@ class SculptRun {
     if (!scene_.pictures.empty()) run_.watch.lap("pictures");
     write_step_file(run_, scene_, model_.made, progress_);
     run_.finish(progress_);
-    if (!task_.record.empty()) write_session_log(task_.record, session_->recorded());
-    run_.out.commit();
+    if (record_)
+      record_->write([&](std::ostream& out) { out << session_log_text(session_->recorded()); });
+    run_.out.commit("report.json", record_ ? &*record_ : nullptr);
   }
 
   Scene scene_;
@@ -355,6 +359,7 @@ class SculptRun {
   Report& report_ = run_.report;
   SculptModel model_;
   std::vector<SweepTask> sweeps_;
+  std::optional<AtomicFile> record_;
   std::optional<SculptingSession> session_;
   ShellEvaluator stress_{shell_problem(scene_)};
   SessionReference start_;
@@ -403,6 +408,8 @@ std::vector<std::string> few(const std::vector<std::string>& files) {
 Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
                   const Progress& progress) {
   const ProgressScope scope(progress);
+  const CommandFiles files;
+  record_input(scene.file);
   return SculptRun(scene, task, folder, progress).done();
 }
 
@@ -410,7 +417,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
   const auto& s = report.surface;
   const auto& sculpting = *report.sculpting;
   const auto energy = [](const Report::Shape& shape) { return shape.stretching + shape.bending; };
-  std::string text = report.name + "\n";
+  std::string text = printable(report.name) + "\n";
   text +=
       summary_line("surface", std::to_string(s.triangles) + " triangles, " +
                                   std::to_string(s.dofs) + " unknowns per coordinate, area " +
@@ -427,8 +434,8 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
                                         " of the size, energy " + format_number(r.energy_before) +
                                         " -> " + format_number(r.energy_at_equilibrium));
   for (const auto& sweep : sculpting.sweeps) {
-    std::vector<std::string> head = {sweep.parameter, "energy",     "area",
-                                     "volume",        "iterations", "residual"};
+    std::vector<std::string> head = {
+        printable(sweep.parameter), "energy", "area", "volume", "iterations", "residual"};
     if (!sweep.rows.empty() && sweep.rows[0].stress)
       head.insert(head.end(), {"displacement", "von Mises"});
     text += row_text(head);
@@ -442,7 +449,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
                                    format_number(row.stress->von_mises)});
       text += row_text(words);
     }
-    if (!sweep.stopped.empty()) text += "    stopped " + sweep.stopped + "\n";
+    if (!sweep.stopped.empty()) text += "    stopped " + printable(sweep.stopped) + "\n";
   }
   if (sculpting.motion) {
     const auto& m = *sculpting.motion;

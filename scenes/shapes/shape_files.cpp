@@ -33,6 +33,12 @@ RunContext::RunContext(const Scene& scene, const std::filesystem::path& folder)
   report.surface.fair = scene.skin.fair_name();
 }
 
+void RunContext::require_replaceable(const Scene& scene) const {
+  std::vector<std::string> names{scene.step, scene.vtu, scene.vtp, scene.calculix, "report.json"};
+  for (const ScenePicture& picture : scene.pictures) names.push_back(picture.file);
+  out.require_replaceable(names);
+}
+
 void RunContext::finish(const Progress& progress) {
   watch.total();
   write_report(report, failed_checks(report, tolerance), out, progress);
@@ -45,6 +51,7 @@ BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progres
   run.report.reading_notes = lines.reading_notes;
   run.watch.lap("curves");
   BuiltModel made = build_model(scene, lines.lines, progress);
+  run.require_replaceable(scene);
   run.tolerance = made.fit_tolerance;
   run.watch.lap("model");
   return made;
@@ -406,24 +413,6 @@ void draw_pictures(RunContext& run, const Scene& scene, const BuiltModel& made,
 
 namespace {
 
-/// A temporary folder, removed on destruction.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "batten_export_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw FileError(name + ": cannot create this folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to) {
   AtomicFile file(to);
   std::filesystem::copy_file(from, file.temporary(),
@@ -448,7 +437,7 @@ std::string require_single_output(Scene& scene, const std::string& ending) {
 
 Report export_shape(const Scene& of, const BuiltModel& made_before, const SolvedShape& shape,
                     const std::filesystem::path& file, const Progress& progress) {
-  const TemporaryFolder folder;
+  const TemporaryFolder folder(std::filesystem::temp_directory_path(), "batten-export");
   const std::string ending = lower_extension(file);
   Scene scene = of;
   const std::string output = require_single_output(scene, ending);

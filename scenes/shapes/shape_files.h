@@ -14,6 +14,8 @@ namespace batten {
 /// State of one run of a command: output folder, report and timer.
 struct RunContext {
   explicit RunContext(const Scene& scene, const std::filesystem::path& folder);
+  /// Checks the names of the output files, see OutputFolder::require_replaceable().
+  void require_replaceable(const Scene& scene) const;
   /// Adds the failed checks to the report and writes report.json. Call out.commit() afterwards.
   void finish(const Progress& progress);
 

@@ -462,6 +462,24 @@ TEST_CASE("a failed check is a failure, with name and amount", "[apps][cli]") {
   CHECK(fs::exists(c / "out/report.json"));
 }
 
+namespace {
+
+// Waits until a process that runs has created its temporary folder, which is not `known`.
+fs::path wait_for_folder(const fs::path& out, pid_t child, const fs::path& known) {
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    std::error_code error;
+    for (fs::directory_iterator entry(out, error), end; !error && entry != end;
+         entry.increment(error))
+      if (entry->path().filename().string().starts_with(".batten.") && entry->path() != known)
+        return entry->path();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return {};
+}
+
+}  // namespace
+
 TEST_CASE("an interrupted run leaves nothing", "[apps][cli]") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const CliCase c("interrupt");
@@ -469,10 +487,7 @@ TEST_CASE("an interrupted run leaves nothing", "[apps][cli]") {
     c.file("s.toml", kUnit + square() + "[mesh]\nedge_length = 0.3\n" + kPressure +
                          "[output]\nstep = \"s.step\"\n");
     const pid_t child = c.start({"run", "s.toml", "--out", "out"});
-    const fs::path hidden = c / ("out/.batten-" + std::to_string(child));
-    int status = 0;
-    while (!fs::exists(hidden) && waitpid(child, &status, WNOHANG) == 0)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    wait_for_folder(c / "out", child, {});
     kill(child, signal);
     const CliResult r = c.wait(child);
     INFO(r.err);
@@ -487,20 +502,17 @@ TEST_CASE("files of a killed run are removed by the next, those of a running one
   const CliCase c("killed");
   c.file("s.toml", kUnit + square() + "[mesh]\nedge_length = 0.3\n" + kPressure);
   c.file("small.toml", kUnit + square());
-  const auto begun = [&] {
+  const auto begun = [&](const fs::path& known) {
     const pid_t child = c.start({"run", "s.toml", "--out", "out"});
-    const fs::path hidden = c / ("out/.batten-" + std::to_string(child));
-    int status = 0;
-    while (!fs::exists(hidden) && waitpid(child, &status, WNOHANG) == 0)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const fs::path hidden = wait_for_folder(c / "out", child, known);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));  // it locks the folder
     return std::pair(child, hidden);
   };
-  const auto [killed, orphan] = begun();
+  const auto [killed, orphan] = begun({});
   kill(killed, SIGKILL);
   c.wait(killed);
   REQUIRE(fs::exists(orphan));
-  const auto [living, hidden] = begun();
+  const auto [living, hidden] = begun(orphan);
   CHECK_FALSE(fs::exists(orphan));
   CHECK(c.run({"run", "small.toml", "--out", "out"}).code == 0);
   CHECK(fs::exists(hidden));
@@ -510,13 +522,16 @@ TEST_CASE("files of a killed run are removed by the next, those of a running one
   CHECK_FALSE(fs::exists(hidden));
   CHECK(fs::exists(c / "out/report.json"));
 
-  // A single file: the number of a process that cannot exist.
-  c.file(".faired.4194305-1.csv", "half");
-  c.file(".faired.4194305-x.csv", "somebody's own");
+  // A single file: a folder of the same operating system that no process has locked.
+  const std::string orphan_mark = orphan.extension().string(),
+                    half = ".faired.csv" + orphan_mark + "/faired.csv";
+  c.file(half, "half");
+  c.file(".faired.csv.mine/faired.csv", "somebody's own");
+  fs::copy_file(c / half, (c / half).parent_path() / ".lock");
   c.file("wave.csv", "x,y,z\n0,0,0\n1,1,0\n2,0,0\n3,1,0\n");
   CHECK(c.run({"fair", "wave.csv", "--out", "faired.csv"}).code == 0);
-  CHECK_FALSE(fs::exists(c / ".faired.4194305-1.csv"));
-  CHECK(fs::exists(c / ".faired.4194305-x.csv"));
+  CHECK_FALSE(fs::exists(c / half));
+  CHECK(fs::exists(c / ".faired.csv.mine/faired.csv"));
 }
 
 TEST_CASE("work that does not respond to cancellation is ended all the same", "[apps][cli]") {

@@ -236,7 +236,7 @@ TEST_CASE("conversions that are not supported are refused with the reason", "[ap
   };
   refused({"t.obj", "old.step"}, "use `batten fit`");
   CHECK(contents(c / "old.step") == "old");
-  refused({"t.obj", "t.obj"}, "found the input file as output file");
+  refused({"t.obj", "t.obj"}, "found an input file of this command as output file");
   refused({"t.obj", "t.inp"}, "expected one of: .3mf, .glb, .obj");
   refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of the coordinates");
   refused({"t.obj", "t.3mf", "--from-unit", "in", "--unit", "in"}, ".3mf is in mm");

@@ -275,7 +275,7 @@ TEST_CASE("the input is not overwritten", "[apps][sequences]") {
   const std::string cache = contents(c / "out/f.pc2");
   r = edit(c, "unit = \"m\"\n[sequence]\nfile = \"out/f.pc2\"\n[output]\nframes = \"f.pc2\"\n");
   CHECK(r.code == 1);
-  CHECK_THAT(r.err, Contains("would overwrite the input"));
+  CHECK_THAT(r.err, Contains("input file of this command"));
   CHECK(contents(c / "out/f.pc2") == cache);
   // Frames with two base names in one folder are recognised.
   REQUIRE(edit(c, scene("", "", "f_*.obj")).code == 0);
