@@ -3,7 +3,7 @@
 """Runs the batten program on damaged files and reports unexpected results.
 
 fuzz.py SERVER TARGET SECONDS [--runs N] [--first K] [--keep FOLDER] [--jobs N]
-        [--slow SECONDS] [--seeds FOLDER …]
+        [--slow SECONDS] [--seeds FOLDER …] [--faults]
 
 SERVER is the executable of server.cpp. TARGET is one of the folders in seeds/, or "all" (SECONDS are
 then per target); the FOLDERs contain additional seeds. Run K of a target always produces the same
@@ -11,14 +11,19 @@ file: a damaged seed or, sometimes, a damaged file to which it refers.
 
 Findings are: termination by a signal, an exit code outside the list in docs/conventions.md, an
 unexpected error, more than 2 GB, a report that is not valid JSON or contains numbers that are not
-finite, output files after a rejection, and remaining hidden files. "sketches" have errors of hand
+finite, output files after a rejection, remaining hidden files, and a changed input file. "sketches" have errors of hand
 drawings: strokes are removed, moved, duplicated, split and jittered; inverted faces that are not
 reported, and a missing model, are findings there. A run of more than 10 s is asked to stop. It is a
 finding unless it stops within 2 s, with exit code 130 and no remaining files; otherwise it is
 counted and listed as long, since the input may require much work. Files of findings and of long
 runs are kept. The exit code is 1 after findings. Needs Python 3 only.
+
+--faults: half of the runs have a fault of the system (server.cpp): closed or full output, limits of
+memory, open files, file size, stack and threads, a full disk. Then exit code 0 is a finding if the
+text could not be written. The counts of exit codes for each kind of fault are printed at the end.
 """
 import argparse
+import collections
 import json
 import math
 import os
@@ -39,19 +44,26 @@ EXIT_CODES = {0, 1, 2, 3, 4, 130}
 
 # The command for a file of each target; "@" is the file, "OUT" a folder that does not exist yet.
 COMMANDS = {
-    "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"]],
+    "lines": [["info", "@"], ["fair", "@", "--out", "OUT.csv"], ["skin", "@", "--out", "OUT"],
+              ["fair", "@", "--out", "@"], ["convert", "@", "OUT.dxf"], ["convert", "@", "@"]],
     "cad": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
             ["skin", "@", "--out", "OUT"], ["convert", "@", "OUT.iges"],
             ["convert", "@", "OUT.step"], ["convert", "@", "OUT.obj"], ["fit", "@", "--out", "OUT"]],
     "drawings": [["info", "@"], ["fair", "@", "--out", "OUT.csv"],
                  ["skin", "@", "--out", "OUT"]],
-    "meshes": [["info", "@"], ["convert", "@", "OUT.vtp"], ["fit", "@", "--out", "OUT"]],
+    "meshes": [["info", "@"], ["convert", "@", "OUT.vtp"], ["fit", "@", "--out", "OUT"],
+               ["convert", "@", "OUT.glb", "--from-unit", "mm"],
+               ["convert", "@", "OUT.3mf", "--from-unit", "mm"], ["convert", "@", "@"]],
     "networks": [["skin", "@", "--unit", "m", "--out", "OUT"]],
     "sketches": [["skin", "@", "--unit", "m", "--out", "OUT"]],
     "scenes": [["run", "@", "--out", "OUT"], ["info", "@"]],
     "edits": [["deform", "@", "--out", "OUT"], ["info", "@"]],
     "sculpting": [["sculpt", "@", "--out", "OUT"]],
-    "logs": [["sculpt", "scene.toml", "--replay", "@", "--out", "OUT"]],
+    "logs": [["sculpt", "scene.toml", "--replay", "@", "--out", "OUT"],
+             ["sculpt", "scene.toml", "--replay", "@", "--out", "OUT", "--record", "@"]],
+    "stress": [["stress", "@", "--out", "OUT"]],
+    "sequences": [["sequence", "@", "--out", "OUT"], ["info", "@"]],
+    "scripts": [["run-script", "@"]],
 }
 # Extensions of further seeds.
 ENDINGS = {
@@ -65,6 +77,20 @@ ENDINGS = {
     "edits": {".toml"},
     "sculpting": {".toml"},
     "logs": set(),
+    "stress": {".toml"},
+    "sequences": {".toml"},
+    "scripts": set(),
+}
+# Faults of the system, see server.cpp. The probability of each value is the same.
+FAULTS = {
+    "closed": ["0", "1", "2", "01", "12", "012"],
+    "full": ["1", "2"],
+    "memory": ["5", "20", "50", "100", "200", "400", "800"],
+    "files": ["3", "4", "5", "6", "8", "12", "20"],
+    "size": ["0", "100", "1000", "4096", "20000"],
+    "stack": ["64", "128", "256", "512", "1024"],
+    "threads": ["1", "2", "3", "5"],
+    "disk": ["0", "4", "8", "16", "40"],
 }
 MOST_BYTES = 1 << 20  # of a further seed including the files beside it
 NUMBERS = [b"0", b"-1", b"1", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"-inf", b"1e9",
@@ -239,9 +265,9 @@ class Server:
         self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         text=True)
 
-    def run(self, command, folder):
+    def run(self, command, folder, fault="-"):
         """Exit code (negative: a signal), output, seconds, megabytes."""
-        print("\t".join([str(folder), *command]), file=self.process.stdin, flush=True)
+        print("\t".join([str(folder), fault, *command]), file=self.process.stdin, flush=True)
         code, seconds, megabytes = self.process.stdout.readline().split()
         text = (folder / "printed").read_bytes()[:100000].decode("utf-8", "replace")
         return int(code), text, float(seconds), float(megabytes)
@@ -255,7 +281,17 @@ def not_finite(out):
     return ""
 
 
-def wrong(code, text, seconds, megabytes, folder, names):
+def possible_faults(server):
+    """The names of the faults that this user can make."""
+    names = []
+    for name, values in FAULTS.items():
+        with tempfile.TemporaryDirectory(prefix="batten_fuzz_") as folder:
+            if server.run(["--version"], Path(folder), f"{name}={values[-1]}")[0] != 99:
+                names.append(name)
+    return names
+
+
+def wrong(code, text, seconds, megabytes, folder, names, fault, command):
     """The finding of a run, or an empty text."""
     if seconds > float(os.environ["BATTEN_FUZZ_SECONDS"]) and code == -9:
         return f"no answer to SIGTERM after {seconds:.1f} s"
@@ -265,14 +301,16 @@ def wrong(code, text, seconds, megabytes, folder, names):
         return "sanitizer"
     if code not in EXIT_CODES:
         return f"exit code {code}"
-    if "batten: unexpected" in text:
+    if "batten: unexpected" in text or "terminate called" in text:
         return "an error that nobody expected"
+    if code == 0 and command[0] == "info" and fault in ("full=1", "closed=1", "closed=01"):
+        return "the text was not written"
     if megabytes > MOST_MEGABYTES and "Sanitizer" not in os.environ.get("BATTEN_FUZZ_BUILD", ""):
         return f"memory: {megabytes:.0f} MB"
     out = folder / "OUT"
     results = [p for p in folder.iterdir() if p.name.startswith("OUT.")]
     left = [p.name for p in folder.iterdir()
-            if p.name not in names | {"OUT", "printed"} and p not in results]
+            if p.name not in names | {"OUT", "printed", "disk"} and p not in results]
     if left or (out.is_dir() and any(p.name.startswith(".") for p in out.iterdir())):
         return f"left behind: {left}"
     if code in (0, 4):
@@ -288,8 +326,8 @@ def wrong(code, text, seconds, megabytes, folder, names):
         for result in (out, *results):
             if name := not_finite(result):
                 return f"{name}: numbers that are not finite"
-    elif out.exists() or results:
-        return "files beside a refusal"
+    elif (out.exists() or results) and command[0] not in ("run-script", "sequence"):
+        return "files beside a refusal"  # sequences keep finished frames, scripts finished commands
     return LONG if code == 130 else ""
 
 
@@ -325,8 +363,8 @@ class Target:
             data = rng.choice(kinds)(data or b"x", rng, alike or [data or b"x"])
         return data
 
-    def once(self, k, server):
-        """Run k: its finding, or an empty text."""
+    def once(self, k, server, faults):
+        """Run k: its finding, or an empty text, the kind of its fault and its exit code."""
         rng = random.Random(f"{self.name} {k}")
         seed = rng.choice(self.seeds)
         main = "input" + seed.path.suffix
@@ -334,24 +372,36 @@ class Target:
         damaged = rng.choice(list(files)) if rng.randrange(3) == 0 else Path(main)
         files[damaged] = self.damage(damaged, files[damaged], rng)
         command = rng.choice(COMMANDS[self.name])
+        fault = "-"
+        if faults and rng.randrange(2):
+            kind = rng.choice(faults)
+            fault = f"{kind}={rng.choice(FAULTS[kind])}"
         with tempfile.TemporaryDirectory(prefix="batten_fuzz_") as name:
             folder = Path(name)
             for path, data in files.items():
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
                 (folder / path).write_bytes(data)
-            words = [main if w == "@" else w for w in command] + ["--memory", MEMORY]
-            code, text, seconds, megabytes = server.run(words, folder)
+            words = [main if w == "@" else w for w in command]
+            if fault.startswith("disk"):
+                words = ["disk/" + w if w.startswith("OUT") else w for w in words]
+            if command[0] not in ("info", "run-script"):
+                words += ["--memory", MEMORY]
+            code, text, seconds, megabytes = server.run(words, folder, fault)
             names = {path.parts[0] for path in files}
-            what = wrong(code, text, seconds, megabytes, folder, names)
+            what = wrong(code, text, seconds, megabytes, folder, names, fault, command)
+            changed = [str(path) for path, data in files.items()
+                       if not (folder / path).is_file() or (folder / path).read_bytes() != data]
+            if changed and (command[0] != "run-script" or main in changed):
+                what = what or f"changed: {', '.join(changed)}"
             if self.name == "sketches" and code == 1 and "found no closed loop" not in text:
                 what = what or "no model"
             if what:
                 kept = self.keep / f"{self.name}-{k}"
                 shutil.rmtree(kept, ignore_errors=True)
                 shutil.copytree(folder, kept, ignore=shutil.ignore_patterns("OUT*"))
-                print(f"{self.name} {k}: {what}: batten {' '.join(words)} in {kept}, made from "
-                      f"{seed.path} with {damaged} damaged\n    {text.strip()[-300:]}", flush=True)
-        return what
+                print(f"{self.name} {k}: {what}: batten {' '.join(words)} in {kept}, fault {fault}, made "
+                      f"from {seed.path} with {damaged} damaged\n    {text.strip()[-300:]}", flush=True)
+        return what, fault.split("=")[0], code
 
 
 def main():
@@ -365,9 +415,12 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--seeds", type=Path, nargs="*", default=[], help="folders of more seeds")
     parser.add_argument("--slow", type=int, default=10, help="seconds that a run may take")
+    parser.add_argument("--faults", action="store_true", help="faults of the system in half of the runs")
     a = parser.parse_args()
     os.environ["BATTEN_FUZZ_SECONDS"] = str(a.slow)
     found = 0
+    faults = possible_faults(Server(os.path.abspath(a.server))) if a.faults else []
+    codes = collections.Counter()
     for name in COMMANDS if a.target == "all" else [a.target]:
         target = Target(name, a.keep.absolute(), a.seeds)
         until, number_of_run, lock, count = time.monotonic() + a.seconds, [a.first], threading.Lock(), [0] * 3
@@ -380,8 +433,9 @@ def main():
                     number_of_run[0] += 1
                 if k >= a.first + a.runs:
                     break
-                what = target.once(k, server)
+                what, fault, code = target.once(k, server, faults)
                 with lock:
+                    codes[fault, code] += 1
                     count[0] += 1
                     count[1] += what == LONG
                     count[2] += what not in ("", LONG)
@@ -392,6 +446,12 @@ def main():
             list(pool.map(work, range(a.jobs)))
         print(f"{name}: {count[0]} runs, {count[2]} findings, {count[1]} long", flush=True)
         found += count[2]
+    if faults:
+        print("exit codes by fault:")
+        for fault in ("-", *faults):
+            of_fault = {code: n for (kind, code), n in sorted(codes.items()) if kind == fault}
+            print(f"  {'none' if fault == '-' else fault:8} " +
+                  ", ".join(f"{code}: {n}" for code, n in of_fault.items()))
     return 1 if found else 0
 
 
