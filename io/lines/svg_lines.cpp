@@ -297,11 +297,21 @@ class SvgReader {
     for (const Element& element : parent[2]) visit(element, state);
   }
 
+  // A few elements that use each other several times can expand to any number of curves.
+  void count_clone(const Element& element) {
+    constexpr size_t most_elements = 250000, most_data = 1 << 22, deepest = 16;
+    clone_data_ += attribute(element, "d").size() + attribute(element, "points").size();
+    if (++clones_ > most_elements || clone_data_ > most_data)
+      throw InputError("found more than " + std::to_string(most_elements) +
+                       " elements in clones (use), or " + std::to_string(most_data >> 20) +
+                       " MB of their path data, expected fewer");
+    if (expanding_.size() > deepest)
+      throw InputError("found clones (use) that are nested more than " + std::to_string(deepest) +
+                       " levels deep, expected fewer levels");
+  }
+
   void visit(const Element& element, const State& outer) {
-    constexpr long kMost = 250000;
-    if (!expanding_.empty() && ++clones_ > kMost)
-      throw InputError("found more than " + std::to_string(kMost) +
-                       " elements in clones (use), expected fewer");
+    if (!expanding_.empty()) count_clone(element);
     path_.push_back(key_of(element));
     if (property(element, "display") != "none") displayed(element, outer);
     path_.pop_back();
@@ -496,7 +506,7 @@ class SvgReader {
   std::map<std::string, const Element*> targets_;  // by id
   std::vector<SvgElementKey> path_;                // from the root to the current element
   std::vector<const Element*> expanding_;          // targets of `use` elements, outermost first
-  long clones_ = 0;
+  size_t clones_ = 0, clone_data_ = 0;             // elements, and bytes of their path data
 };
 
 }  // namespace
