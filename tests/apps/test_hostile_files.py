@@ -110,6 +110,13 @@ HOSTILE = [
     ("uses.json", json.dumps({"nodes": [], "strokes": [{"id": i, "segments": [0]} for i in range(5000)], "segments": [
         {"id": 0, "stroke_id": 0, "nodes": [0, 1], "ctrl_pts": [[[i, 0, 0], [i + 1, 0, 0]] for i in range(5000)]}]}),
      "expected segments that are used once"),
+    ("use.svg", SVG.format(levels(14, 10, "u", lambda a, n, b: f'<g id="{a}">{f"""<use href="#{b}"/>""" * n}</g>',
+                                  lambda a: f'<path id="{a}" d="M0 0L1 1"/>')), "elements in clones"),
+    ("chain.svg", SVG.format("<defs>" + levels(20000, 1, "u", lambda a, n, b: f'<use id="{a}" href="#{b}"/>',
+                                               lambda a: f'<path id="{a}" d="M0 0L1 1"/>') + '</defs><use href="#u0"/>'),
+     "nested more than 16 levels"),
+    ("vertices.svg", SVG.format(f'<defs><path id="a" d="M0 0{"L1 1 2 3" * 5000}"/></defs>' + '<use href="#a"/>' * 20000),
+     "MB of their path data"),
     ("nodes.off", "OFF\n2000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "found 4 nodes, expected 2000000000"),
     ("faces.off", "OFF\n3 2000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "found 1 face, expected 2000000000"),
     ("nodes.ply", PLY.format(2000000000, 1), "found the end of the file"),
