@@ -2,9 +2,11 @@
 // Writes 3MF for 3D printing: one object whose triangles have materials.
 #include <Model/COM/NMR_DLLInterfaces.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <ostream>
 #include <string>
 
 #include "batten/core/containers.h"
@@ -34,6 +36,34 @@ class Owned {
   void** object_ = nullptr;
 };
 
+/// Receives the bytes of a file from lib3mf, which would end the program if it failed to write one.
+class ByteSink {
+ public:
+  static std::uint32_t write(BYTE* data, std::uint32_t count, void* sink) noexcept {
+    return static_cast<ByteSink*>(sink)->put(reinterpret_cast<const char*>(data), count) ? 0 : 1;
+  }
+  static std::uint32_t seek(std::uint64_t position, void* sink) noexcept {
+    static_cast<ByteSink*>(sink)->position_ = position;
+    return 0;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  bool put(const char* data, size_t count) noexcept {
+    try {
+      bytes_.resize(std::max(bytes_.size(), position_ + count));
+    } catch (const std::exception&) {
+      return false;
+    }
+    std::copy_n(data, count, bytes_.begin() + static_cast<std::ptrdiff_t>(position_));
+    position_ += count;
+    return true;
+  }
+
+  std::string bytes_;
+  size_t position_ = 0;
+};
+
 class ThreeMfFile {
  public:
   explicit ThreeMfFile(const MeshOutput& output) : output_(output), file_(output.path) {
@@ -53,7 +83,11 @@ class ThreeMfFile {
   void write() {
     Owned writer;
     demand(NMR::lib3mf_model_querywriter(model_, "3mf", writer.address()), model_);
-    demand(NMR::lib3mf_writer_writetofileutf8(writer, file_.temporary().c_str()), writer);
+    ByteSink sink;
+    demand(NMR::lib3mf_writer_writetocallback(writer, reinterpret_cast<void*>(&ByteSink::write),
+                                              reinterpret_cast<void*>(&ByteSink::seek), &sink),
+           writer);
+    file_.write([&](std::ostream& out) { out << sink.bytes(); });
     file_.commit();
   }
 

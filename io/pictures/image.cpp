@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <ostream>
 #include <string>
 
 #include "batten/core/errors.h"
@@ -27,8 +28,12 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
   png.format = PNG_FORMAT_RGB;
-  if (!png_image_write_to_file(&png, file.temporary().c_str(), 0, image.rgb.data(), 0, nullptr))
-    throw FileError(path.string() + ": cannot write this file: " + png.message);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr))
+    throw Error(path.string() + ": libpng cannot encode this picture: " + png.message);
+  bytes.resize(size);
+  file.write([&](std::ostream& out) { out << bytes; });
   file.commit();
 }
 
@@ -118,15 +123,14 @@ int hundredths(double seconds) {
   return static_cast<int>(std::clamp(std::round(100 * seconds), 2.0, 65535.0));
 }
 
-/// Writes a GIF frame by frame.
+/// Encodes a GIF frame by frame.
 class GifWriter {
  public:
-  /// `path` is the name of the file in messages; `temporary` is the file that is written.
-  GifWriter(const std::filesystem::path& path, const std::filesystem::path& temporary, int width,
-            int height)
+  /// `path`: name of the file in messages.
+  GifWriter(const std::filesystem::path& path, int width, int height)
       : path_(path), width_(width), height_(height), now_(pixels()), row_(columns()) {
     int error = 0;
-    gif_.reset(EGifOpenFileName(temporary.c_str(), false, &error));
+    gif_.reset(EGifOpen(&bytes_, append, &error));
     if (!gif_) fail(error);
   }
 
@@ -164,9 +168,11 @@ class GifWriter {
     before_ = now_;
   }
 
-  void close() {
+  /// Ends the file and returns its bytes.
+  const std::string& close() {
     int error = 0;
     if (EGifCloseFile(gif_.release(), &error) == GIF_ERROR) fail(error);
+    return bytes_;
   }
 
  private:
@@ -174,14 +180,24 @@ class GifWriter {
     void operator()(GifFileType* gif) const { EGifCloseFile(gif, nullptr); }
   };
 
+  static int append(GifFileType* gif, const GifByteType* bytes, int count) noexcept {
+    try {
+      static_cast<std::string*>(gif->UserData)
+          ->append(reinterpret_cast<const char*>(bytes), static_cast<size_t>(count));
+      return count;
+    } catch (const std::exception&) {
+      return 0;
+    }
+  }
+
   size_t columns() const { return static_cast<size_t>(width_); }
   size_t pixels() const { return columns() * static_cast<size_t>(height_); }
   bool is_first() const { return before_.empty(); }
 
   [[noreturn]] void fail(int code) const {
     const char* reason = GifErrorString(code);
-    throw FileError(path_.string() +
-                    ": cannot write this file: " + (reason ? reason : "unknown reason"));
+    throw Error(path_.string() +
+                ": giflib cannot encode these pictures: " + (reason ? reason : "unknown reason"));
   }
   void expect(int result) const {
     if (result == GIF_ERROR) fail(gif_->Error);
@@ -214,6 +230,7 @@ class GifWriter {
   const std::filesystem::path& path_;
   int width_, height_;
   std::vector<unsigned char> before_, now_, row_;  // palette indices
+  std::string bytes_;
   std::unique_ptr<GifFileType, CloseGif> gif_;
 };
 
@@ -277,12 +294,13 @@ void write_gif(const std::filesystem::path& path, const std::vector<Image>& fram
                        " seconds per picture, expected a time above 0");
   const Palette palette(frames);
   AtomicFile file(path);
-  GifWriter gif(path, file.temporary(), frames.front().width, frames.front().height);
+  GifWriter gif(path, frames.front().width, frames.front().height);
   gif.write_colours(palette);
   gif.repeat_forever();
   for (size_t f = 0; f < frames.size(); ++f)
     gif.write_frame(frames[f], palette, f + 1 == frames.size() ? last_seconds : seconds);
-  gif.close();
+  const std::string& bytes = gif.close();
+  file.write([&](std::ostream& out) { out << bytes; });
   file.commit();
 }
 
