@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 namespace {
@@ -331,8 +332,8 @@ std::string CommandLine::help(const std::string& command) const {
 
 /// What is wrong with a command line that CLI11 rejects because of `reason`.
 std::string CommandLine::explain(int argc, char** argv, const std::string& reason) const {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  std::vector<std::string> names;
+  std::vector<std::string> words, names;
+  for (int i = 1; i < argc; ++i) words.push_back(printable(argv[i]));
   for (const CommandHelp& one : commands_) names.push_back(one.name);
   if (words[0].starts_with("-"))
     return ": found " + words[0] + ", expected a command\nTry '" + name_ + " --help'.";
@@ -349,7 +350,7 @@ std::string CommandLine::explain(int argc, char** argv, const std::string& reaso
     if (option.starts_with("--") && std::find(names.begin(), names.end(), option) == names.end())
       return place + "there is no option " + option + did_you_mean(option, names) + advice;
   }
-  return place + reason + advice;
+  return place + printable(reason) + advice;
 }
 
 CommandLine::ParseResult CommandLine::parse(int argc, char** argv) {

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/apps/cli/commands.h"
 
-#include <semaphore.h>
-#include <unistd.h>
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <iostream>
 #include <string>
-#include <thread>
 
+#include "batten/apps/cli/process.h"
 #include "batten/apps/documents/document.h"
-#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/lines/curve_files.h"
@@ -36,6 +27,7 @@ void add_common(Subcommand& subcommand, CommonOptions& common) {
               "memory limit; jobs that would exceed it are rejected at the start")
       .positive()
       .default_text("available memory");
+  subcommand.flag("--in-place", common.in_place, "output files may replace input files");
   subcommand.flag("--quiet", common.quiet, "print only warnings, failed checks and errors");
 }
 
@@ -86,89 +78,17 @@ void add_gap_tolerance(const Subcommand& subcommand, double& tolerance) {
 
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common) {
   end_progress();
-  if (!common.quiet) std::cout << text;
+  if (!common.quiet) print(text);
   constexpr size_t most = 10;  // lines per kind; the report lists all
   const auto list = [&](const char* label, const auto& items, const auto& text_of) {
     for (size_t i = 0; i < std::min(items.size(), most); ++i)
-      std::cerr << label << ": " << text_of(items[i]) << "\n";
+      std::cerr << label << ": " << printable(text_of(items[i])) << "\n";
     if (items.size() > most)
       std::cerr << label << ": " << items.size() - most << " more, see the report\n";
   };
   list("warning", report.warnings, [](const auto& w) { return w; });
   list("check failed", report.failed_checks, [](const auto& m) { return m.what + " " + m.detail; });
   return report.failed_checks.empty() ? kDone : kCheckFailed;
-}
-
-namespace {
-
-std::atomic<bool> signal_came = false;
-std::atomic<bool> bar_is_drawn = false;
-sem_t signals;  // incremented per signal; sem_post() is async-signal-safe
-
-void count_signal(int) {
-  signal_came = true;
-  sem_post(&signals);
-}
-
-// Waits for a signal, then up to 0.3 s for another one; then ends the program.
-void watch(int exit_code) {
-  while (sem_wait(&signals) != 0) {
-  }
-  timespec until{};
-  clock_gettime(CLOCK_REALTIME, &until);
-  until.tv_nsec += 300'000'000;
-  until.tv_sec += until.tv_nsec / 1'000'000'000;
-  until.tv_nsec %= 1'000'000'000;
-  sem_timedwait(&signals, &until);
-  remove_temporary_files();
-  end_progress();
-  std::fputs("batten: cancelled\n", stderr);
-  std::_Exit(exit_code);
-}
-
-void draw(std::string_view stage, double fraction) {
-  constexpr int kWidth = 30;
-  fraction = std::clamp(fraction, 0.0, 1.0);
-  const int done = static_cast<int>(fraction * kWidth);
-  const std::string bar = std::string(done, '#') + std::string(kWidth - done, '.');
-  // "\033[K" erases the rest of a longer previous line.
-  std::fprintf(stderr, "\r[%s] %3.0f %%  %.*s\033[K", bar.c_str(), 100 * fraction,
-               static_cast<int>(std::min<size_t>(stage.size(), 40)), stage.data());
-  std::fflush(stderr);
-  bar_is_drawn = true;
-}
-
-}  // namespace
-
-void catch_interrupts(int exit_code) {
-  sem_init(&signals, 0, 0);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, count_signal);
-  std::thread(watch, exit_code).detach();
-}
-
-bool interrupted() { return signal_came; }
-
-Progress terminal_progress(bool quiet) {
-  Progress progress;
-  progress.cancelled = interrupted;
-  if (quiet || !isatty(STDERR_FILENO)) return progress;
-  using Clock = std::chrono::steady_clock;
-  progress.report = [next = Clock::now() + std::chrono::seconds(1), last = std::string()](
-                        std::string_view stage, double fraction) mutable {
-    const auto now = Clock::now();
-    // If a bar is drawn already, a new stage shows at once: it may be a long one without progress
-    // steps.
-    if (now < next && !(bar_is_drawn && stage != last)) return;
-    draw(stage, fraction);
-    last = stage;
-    next = now + std::chrono::milliseconds(100);
-  };
-  return progress;
-}
-
-void end_progress() {
-  if (bar_is_drawn) std::fprintf(stderr, "\r\033[K");
-  bar_is_drawn = false;
 }
 
 // Headings of the commands in the help of the program.
@@ -363,7 +283,7 @@ Command add_run_script(CommandLine& program, CommonOptions& common) {
                      "open a scene, move a slider, add a load, and write all outputs");
   return {subcommand, [file, &common] {
             const ScriptReport report = run_script(*file, terminal_progress(common.quiet));
-            std::string text = report.name + "\n";
+            std::string text = printable(report.name) + "\n";
             text += summary_line("script", format_count(report.commands, "command")) + report.shape;
             for (const std::string& written : report.files) text += summary_line("file", written);
             return print_result(report, text, common);
@@ -593,11 +513,11 @@ Scene lines_scene(const LineArguments& a) {
 int info(LineArguments a) {
   if (!a.alternatives.empty()) {
     a.files = {a.file};
-    std::cout << draw_alternatives(a.alternatives,
-                                   a.file.ends_with(".toml") ? read_scene(a.file) : lines_scene(a));
+    const Scene scene = a.file.ends_with(".toml") ? read_scene(a.file) : lines_scene(a);
+    print(draw_alternatives(a.alternatives, scene));
     return kDone;
   }
-  std::cout << file_info(a.file, a.unit);
+  print(file_info(a.file, a.unit));
   if (!a.picture.empty()) draw_lines(a.picture, a.file, a.unit);
   return kDone;
 }
@@ -625,7 +545,7 @@ int view(LineArguments a, const CommonOptions& common) {
   }
   view_scene(scene, look, a.screenshot, terminal_progress(common.quiet));
   end_progress();
-  if (!common.quiet) std::cout << a.screenshot << "\n";
+  if (!common.quiet) print(printable(a.screenshot) + "\n");
   return kDone;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
-// The subcommands of the `batten` program, their common options, and the terminal.
+// The subcommands of the `batten` program and their common options.
 #pragma once
 
 #include <functional>
 #include <string>
 
 #include "batten/apps/cli/command_line.h"
-#include "batten/core/progress.h"
 #include "batten/io/report/run_report.h"
 
 namespace batten {
@@ -19,7 +18,7 @@ enum ExitCode {
   kBadInput = 1,
   /// Contradictory constraints (ConflictError).
   kConflict = 2,
-  /// Singular problem, load beyond its limit, or out of memory (NoSolutionError).
+  /// Singular problem, load beyond its limit, or a limit of the system (NoSolutionError).
   kNoSolution = 3,
   /// Results were written, but a check failed.
   kCheckFailed = 4,
@@ -32,6 +31,7 @@ struct CommonOptions {
   int threads = 0;
   double memory = 0;
   bool quiet = false;
+  bool in_place = false;  ///< output files may replace input files
 };
 
 /// A subcommand, and the function that runs it after the command line was parsed. `run` returns the
@@ -72,21 +72,5 @@ void add_schema(const Subcommand& subcommand, bool& ap242);
 /// Prints the text of a result (unless quiet), its warnings and its failed checks. Returns
 /// kCheckFailed if a check failed, otherwise kDone.
 int print_result(const RunReport& report, const std::string& text, const CommonOptions& common);
-
-// Terminal: progress bar and interrupts.
-
-/// Makes Ctrl-C, SIGTERM and SIGHUP request cancellation. Some libraries cannot be cancelled.
-/// Therefore, 0.3 s later or at the second signal, a separate thread removes unfinished files and
-/// ends the program with `exit_code`.
-void catch_interrupts(int exit_code);
-/// True if one of these signals has arrived.
-bool interrupted();
-
-/// Progress callbacks that cancel the work after an interrupt, and draw a bar on standard error if
-/// the work takes more than a second. No bar is drawn if `quiet` is set or standard error is not a
-/// terminal.
-Progress terminal_progress(bool quiet);
-/// Removes the progress bar.
-void end_progress();
 
 }  // namespace batten

@@ -12,7 +12,8 @@ Exit codes:
   0    finished, and all checks passed
   1    invalid input or command line
   2    contradictory constraints
-  3    no solution: singular problem, load beyond its limit, or out of memory
+  3    no solution: singular problem, load beyond its limit, or a limit of the
+       system: memory, threads, stack, open files or processor time
   4    finished and written, but a check failed: report.json lists it
   130  cancelled
 

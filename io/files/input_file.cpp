@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -26,6 +27,7 @@
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -81,6 +83,7 @@ class OpenFile {
       fail(reason_of(error));
     }
     if (const char* what = obstacle(found)) fail(std::string("found ") + what);
+    record_input(file);
     file_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0) fail(reason_of(errno));
     if (::fstat(file_, &found) != 0 || obstacle(found) != nullptr) close_and_fail();
@@ -251,24 +254,37 @@ constexpr bool kMemoryIsLimited = true;
 enum class Outcome : char { Bytes = 'b', Refused = 'r', NoMemory = 'm', Failed = 'f' };
 
 struct Limits {
-  rlim_t seconds, bytes;  // processor time, memory
+  rlim_t seconds, bytes;    // processor time, memory
+  bool are_of_file = true;  // false: this process has a lower limit of its memory
   rlim_t by_the_clock() const { return 4 * seconds; }
 };
 
-Limits limits_for(const std::filesystem::path& file, int times) {
-  const double megabytes = static_cast<double>(input_file_size(file)) / 1048576;
-  return {static_cast<rlim_t>(times * (6 + std::ceil(4 * megabytes))),
-          (rlim_t{1} << 30) + static_cast<rlim_t>(200 * 1048576 * megabytes)};
+// Address space of this process in bytes: "VmSize:" now, "VmPeak:" the maximum.
+rlim_t addresses(const char* field) {
+  char line[256];
+  unsigned long kilobytes = 0;
+  std::FILE* file = std::fopen("/proc/self/status", "re");
+  if (!file) return 0;
+  while (std::fgets(line, sizeof line, file))
+    if (std::strncmp(line, field, std::strlen(field)) == 0)
+      kilobytes = std::strtoul(line + std::strlen(field), nullptr, 10);
+  std::fclose(file);
+  return rlim_t{1024} * kilobytes;
 }
 
-// Size of the address space of this process in bytes.
-rlim_t addresses_in_use() {
-  long pages = 0;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "re")) {
-    if (std::fscanf(file, "%ld", &pages) != 1) pages = 0;
-    std::fclose(file);
+Limits limits_for(const std::filesystem::path& file, int times) {
+  const double megabytes = static_cast<double>(input_file_size(file)) / 1048576;
+  Limits limits{static_cast<rlim_t>(times * (6 + std::ceil(4 * megabytes))),
+                (rlim_t{1} << 30) + static_cast<rlim_t>(200 * 1048576 * megabytes)};
+  rlimit own{};
+  if (::getrlimit(RLIMIT_CPU, &own) == 0) limits.seconds = std::min(limits.seconds, own.rlim_max);
+  const rlim_t used = addresses("VmSize:");
+  if (::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY &&
+      own.rlim_cur < used + limits.bytes) {
+    limits.bytes = own.rlim_cur > used ? own.rlim_cur - used : 0;
+    limits.are_of_file = false;
   }
-  return static_cast<rlim_t>(pages) * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  return limits;
 }
 
 void limit(int resource, rlim_t most) {
@@ -294,6 +310,8 @@ bool write_all(int to, const char* bytes, size_t count) {
                             const std::function<std::string()>& read) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
+  // The pipe must not be one of the standard streams, which may have been closed.
+  to = ::fcntl(to, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL,
                            SIGABRT, SIGXCPU, SIGPIPE, SIGALRM})
     ::signal(number, SIG_DFL);
@@ -304,7 +322,8 @@ bool write_all(int to, const char* bytes, size_t count) {
   limit(RLIMIT_CPU, limits.seconds);
   // Waiting uses no processor time. So elapsed time must be limited, too.
   ::alarm(static_cast<unsigned>(limits.by_the_clock()));
-  if (kMemoryIsLimited) limit(RLIMIT_AS, addresses_in_use() + limits.bytes);
+  const rlim_t most_addresses = addresses("VmSize:") + limits.bytes;
+  if (kMemoryIsLimited) limit(RLIMIT_AS, most_addresses);
   if (const int nothing = ::open("/dev/null", O_RDWR); nothing >= 0) {
     ::dup2(nothing, STDOUT_FILENO);
     ::dup2(nothing, STDERR_FILENO);
@@ -325,6 +344,11 @@ bool write_all(int to, const char* bytes, size_t count) {
   } catch (...) {
     outcome = Outcome::Failed;
   }
+  // Libraries call a file damaged if they get no memory for it.
+  constexpr rlim_t kLastBytes = 16 << 20;
+  if (kMemoryIsLimited && outcome != Outcome::Bytes &&
+      addresses("VmPeak:") + kLastBytes > most_addresses)
+    outcome = Outcome::NoMemory;
   const char first = static_cast<char>(outcome);
   ::_exit(write_all(to, &first, 1) && write_all(to, bytes.data(), bytes.size()) ? 0 : 1);
 }
@@ -387,6 +411,7 @@ bool is_sandboxed_read_enabled() { return sandbox_enabled; }
 
 std::string sandboxed_read(const std::filesystem::path& file, const std::string& library,
                            const std::function<std::string()>& read, int times) {
+  record_input(file);
   if (!is_sandboxed_read_enabled()) return read();
   const auto fail = [&](const std::string& what) -> void {
     throw InputError(file.string() + ": " + library + " " + what);
@@ -398,7 +423,8 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
   for (int attempt = 0; attempt < attempts && !received; ++attempt) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
-      throw Error(std::string("cannot create a pipe for a child process: ") + std::strerror(errno));
+      throw NoSolutionError(file.string() + ": cannot create a pipe to the reader of this file: " +
+                            std::strerror(errno) + "; expected a higher limit (ulimit -n)");
     const pid_t parent = ::getpid(), child = ::fork();
     if (child == 0) run_child(ends[1], parent, limits, read);
     const int fork_error = errno;
@@ -406,7 +432,9 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
     if (child > 0) received = read_all(ends[0], child);
     ::close(ends[0]);
     if (child < 0)
-      throw Error(std::string("cannot create a child process: ") + std::strerror(fork_error));
+      throw NoSolutionError(file.string() + ": cannot create a process to read this file: " +
+                            std::strerror(fork_error) +
+                            "; expected a higher limit (ulimit -u, ulimit -v)");
     status = ending_of(child);
   }
   if (!received) fail("waits without end while reading this file");
@@ -418,6 +446,11 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
       fail("did not finish reading this file within " +
            std::to_string(number == SIGALRM ? limits.by_the_clock() : limits.seconds) +
            " s: it is damaged, or too large");
+    if (!limits.are_of_file)
+      throw NoSolutionError(file.string() + ": " + library + " crashes while reading this file (" +
+                            ::strsignal(number) + "): it is damaged, or the " +
+                            std::to_string(limits.bytes >> 20) +
+                            " MB of memory that are available do not suffice");
     fail(std::string("crashes while reading this file (") + ::strsignal(number) +
          "): it is damaged");
   }
@@ -432,6 +465,10 @@ std::string sandboxed_read(const std::filesystem::path& file, const std::string&
     case Outcome::Refused:
       throw InputError(all);
     case Outcome::NoMemory:
+      if (!limits.are_of_file)
+        throw NoSolutionError(file.string() + ": not enough memory: " + library +
+                              " requires more than the " + std::to_string(limits.bytes >> 20) +
+                              " MB that are available");
       fail("requires more than " + std::to_string(limits.bytes >> 20) +
            " MB for this file: it is damaged, or too large");
       break;

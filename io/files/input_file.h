@@ -71,8 +71,9 @@ bool is_sandboxed_read_enabled();
 ///
 /// An exception of `read` is passed on as InputError; for other exceptions the message begins with
 /// "FILE: LIBRARY …", where `library` names the library. Throws InputError also if the child
-/// crashed (the message names the signal) or exceeded its time or memory, and CancelledError if the
-/// child was interrupted. Takes 1 to 10 ms, plus 1 ms per MB of the result.
+/// crashed (the message names the signal) or exceeded its time or memory, CancelledError if the
+/// child was interrupted, and NoSolutionError if the system does not provide a process, or less
+/// memory than these limits and the child needs more. Takes 1 to 10 ms, plus 1 ms per MB of the result.
 std::string sandboxed_read(const std::filesystem::path& file, const std::string& library,
                            const std::function<std::string()>& read, int times = 1);
 
