@@ -59,26 +59,30 @@ ModelPoint foot_point(const std::string& name, const Vec3& at, const ModelProjec
   return closest.at;
 }
 
-// Moves a location that is at most `distance` (model units) from a curve onto the curve, and returns
-// the curve; null: there is none.
-const ModelLine* snap_to_curve(ModelPoint& at, double distance, const ModelLayout& layout) {
-  const RegionLayout& region = layout.region(at.region);
+struct PointOnCurve {
+  const ModelLine* line = nullptr;
+  ModelPoint at;
+  double distance = 0;  // model units
+};
+
+// The nearest point of a curve within a distance (model units) from a location; no line: none.
+PointOnCurve nearest_on_curve(const ModelPoint& from, double within, const ModelLayout& layout) {
+  const RegionLayout& region = layout.region(from.region);
   const double period = region.mesh()->period();
-  double nearest = distance / region.size();
-  const ModelPoint from = at;
-  const ModelLine* found = nullptr;
+  PointOnCurve found{nullptr, from, within};
   for (const ModelLine& line : layout.lines())
     for (const LineSide& side : line.sides) {
-      if (side.region != at.region) continue;
+      if (side.region != from.region) continue;
       const HermiteCurve pcurve = layout.pcurve(side);
       for (const int turn : {0, -1, 1}) {
         if (turn != 0 && period == 0) continue;
         const auto closest =
             pcurve.closest_point(Vec3(from.uv.x() + turn * period, from.uv.y(), 0));
-        if (!(closest.distance <= nearest)) continue;
-        nearest = closest.distance;
-        found = &line;
-        at.uv = region.mesh()->wrapped(drop_z(pcurve.evaluate(closest.u)));
+        const double distance = closest.distance * region.size();
+        if (!(distance <= found.distance)) continue;
+        found.line = &line;
+        found.distance = distance;
+        found.at.uv = region.mesh()->wrapped(drop_z(pcurve.evaluate(closest.u)));
       }
     }
   return found;
@@ -189,12 +193,13 @@ AttachedConstraint attach(const Constraint& c, const SessionDefinition& def,
       return projector.surface(foot.region).position(locator.locate(foot.uv));
     };
     const double moved = goal ? (position() - *goal).norm() : 0;
-    const double reach = std::max(rounding, std::min(moved / steep, beside * size));
-    const ModelLine* line = snap_to_curve(foot, reach, *def.layout);
-    if (line && moved > rounding) throw ConflictError({{{line->name, c.name}, moved}});
-    ModelPoint near = foot;
-    if (goal && moved <= rounding && snap_to_curve(near, beside * size, *def.layout))
-      *goal = position();
+    const PointOnCurve near = nearest_on_curve(foot, beside * size, *def.layout);
+    if (!near.line) return;
+    if (near.distance <= std::max(rounding, moved / steep)) {
+      if (moved > rounding) throw ConflictError({{{near.line->name, c.name}, moved}});
+      foot = near.at;
+    }
+    if (goal && moved <= rounding) *goal = position();
   };
   if (auto* point = std::get_if<Constraint::Point>(&placed.constraint.kind)) {
     require_finite(c.name, point->goal.allFinite());
