@@ -203,7 +203,8 @@ class SculptingSession {
   /// or draw().
   void draw(Frame& to);
   /// Largest residual of all constraints for the parameter values of the last solve, divided by the
-  /// model size.
+  /// model size. Excludes redundant constraints that differ from the others by rounding, see add().
+  /// Costs a factorization if the history has dropped that of the current state.
   double residual() const;
   /// Elastic energy of the current shape, on the domain scaled to size 1. In relative units, it is
   /// divided by the square of the model size.
