@@ -11,6 +11,7 @@ import base64
 import json
 import os
 import pathlib
+import resource
 import shutil
 import struct
 import subprocess
@@ -189,7 +190,8 @@ class Case(unittest.TestCase):
     def measured(self, *words):
         """Exit code, messages, processor time in seconds and memory in MB, with child processes."""
         with open(self.folder / "messages", "w+") as messages:
-            process = subprocess.Popen([PROGRAM, *map(str, words)], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=messages)
+            process = subprocess.Popen([PROGRAM, *map(str, words)], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=messages,
+                                       preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (60, 60)))
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             messages.seek(0)
