@@ -7,7 +7,7 @@
 #include <cmath>
 #include <thread>
 
-#include "batten/apps/cli/commands.h"
+#include "batten/apps/cli/process.h"
 #include "batten/scenes/runs/run_support.h"
 
 using namespace batten_test;
@@ -538,7 +538,7 @@ TEST_CASE("work that does not respond to cancellation is ended all the same", "[
   const CliCase c("deaf");
   const pid_t child = fork();
   if (child == 0) {
-    batten::catch_interrupts(130);
+    batten::catch_interrupts();
     close(STDERR_FILENO);
     const batten::OutputFolder out(c / "a/out");
     write(out.file("half.txt"), "half");
