@@ -225,7 +225,7 @@ PAIRS = [
     ("curves", "curves.csv", "fair curves.csv --out {0}"),
     ("curves", "curves.csv", "fair curves.csv --out new.csv --picture {0}"),
     ("curves", "curves.csv", "fair curves.csv --out new.csv --report {0}"),
-    ("curves", "curves.csv", "run fair.toml --out ."),
+    ("curves", "a.curves", "run fair.toml --out ."),
     ("curves", "report.json", "fair report.json --out new.csv --report {0}"),
     ("curves", "report.json", "skin report.json --out ."),
     ("curves", "curves.step", "run scene.toml --out ."),
@@ -241,7 +241,6 @@ PAIRS = [
     ("target", "part.step", "fit part.step --out ."),
     ("scene", "scene.toml", "sculpt scene.toml --out out --record {0}"),
     ("curves", "curves.csv", "sculpt scene.toml --out out --record {0}"),
-    ("log", "log.jsonl", "sculpt scene.toml --out out --replay log.jsonl --record {0}"),
     ("mesh", "deck.inp", "convert deck.inp {0}"),
     ("mesh", "deck.obj", "convert deck.obj {0}"),
     ("mesh", "deck.vtp", "convert deck.vtp {0}"),
@@ -265,7 +264,10 @@ class EveryPair(Case):
         if name.endswith((".step", ".vtp", ".dxf", ".svg")) and read == "curves":
             self.succeeds("convert", "curves.csv", name)
             stem = pathlib.Path(name).stem
-            self.write("scene.toml", SCENE.format(height=2, stem=stem).replace("curves.csv", name))
+            text = SCENE.format(height=2, stem=stem).replace('name = "outline"\nfile = "curves.csv"', f'file = "{name}"')
+            self.write("scene.toml", text.replace("[[curve]]", "[[curves]]"))
+        if name == "a.curves":
+            self.succeeds("convert", "curves.csv", name)
         if name == "report.json":
             points = [[0, 0, 0], [100, 0, 0], [100, 80, 0], [0, 80, 0], [0, 0, 0]]
             pieces = [{"id": i, "ctrl_pts": [[a, [(2 * x + y) / 3 for x, y in zip(a, b)],
@@ -278,14 +280,12 @@ class EveryPair(Case):
             shutil.copy(self.folder / ("made/shape" + pathlib.Path(name).suffix), self.folder / name)
             stem = pathlib.Path(name).stem
             added = (f'[compare]\nfile = "{name}"\n' if read == "CAD file" else
-                     f'[target]\nfile = "{name}"\n')
+                     f'[[target]]\nfile = "{name}"\n')
             self.write("scene.toml", SCENE.format(height=2, stem=stem) + added)
             if read == "target":
                 text = (self.folder / "scene.toml").read_text()
                 load, output = text.index("[[load]]"), text.index("[output]")
                 self.write("scene.toml", text[:load] + text[output:])
-        if read == "log":
-            self.succeeds("sculpt", "scene.toml", "--out", "made", "--record", name)
         if name == "deck.obj" or name == "deck.vtp" or name == "plate.vtp" or name == "f_0001.obj":
             self.succeeds("convert", "deck.inp", name)
         if name == "plate.vtp":
@@ -301,8 +301,8 @@ class EveryPair(Case):
         self.write("modes.toml", EDIT.format(deck="deck.inp", shift=8, out="longer.inp") +
                    '[modes]\nthickness = 1\nyoung = 1\npoisson = 0.3\ndensity = 1\ncount = 1\n'
                    'before = "deck.inp"\nafter = "after.inp"\n')
-        self.write("fair.toml", 'unit = "mm"\nname = "fair"\n[[curve]]\nname = "a"\nfile = "curves.csv"\n'
-                   '[[fair]]\n[output]\ncurves = ["curves.csv"]\n')
+        self.write("fair.toml", 'unit = "mm"\nname = "fair"\n[[curve]]\nname = "a"\nfile = "a.curves"\n'
+                   '[[fair]]\n[output]\ncurves = "a.curves"\n')
         if "sequence" in command:
             self.succeeds("convert", "deck.inp", "f_0001.obj")
             shutil.copy(self.folder / "f_0001.obj", self.folder / "f_0002.obj")
@@ -329,6 +329,8 @@ class EveryPair(Case):
                           f"{(done.stderr.strip().splitlines() or [''])[-1].replace('batten: ', '')} |")
                 self.assertEqual(digest(self.folder / name), before, f"{done.stdout}{done.stderr}")
                 self.assertEqual(done.returncode, 1, f"{done.stdout}{done.stderr}")
+                self.assertRegex(done.stderr, "input file of this command|no display|a file of the deck that was read|"
+                                 "not written by batten sequence|which this scene reads")
                 self.is_clean(self.folder)
 
 
