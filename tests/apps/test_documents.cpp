@@ -101,6 +101,7 @@ TEST_CASE("undo goes back to the text and the shape, and redo forth", "[apps][do
 TEST_CASE("undo and redo after saving in another folder: paths lead to the same files",
           "[apps][documents]") {
   const CliCase folder("document_undo_folder");
+  fs::create_directory(folder / "other");
   folder.file("rim.csv", "0 0 0\n100 0 0\n100 80 0\n0 80 0\n0 0 0\n");
   Document document = opened(folder,
                              "unit = \"mm\"\n[[curve]]\nname = \"rim\"\nfile = \"rim.csv\"\n"
