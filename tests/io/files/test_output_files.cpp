@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void put(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
-std::string text_of(const fs::path& file) { return read_input_file(file, "a text"); }
+std::string contents_of(const fs::path& file) { return read_input_file(file, "a text"); }
 int entries(const fs::path& folder) {
   return static_cast<int>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
@@ -50,13 +50,13 @@ TEST_CASE("files are moved together, or stay as they were", "[io][files]") {
   CHECK_THAT(error_message([&] { move("missing/c"); }),
              Contains("missing/c: cannot write this file"));
   for (const char* name : {"a", "b", "report"})
-    CHECK(text_of(folder / name) == std::string("old ") + name);
+    CHECK(contents_of(folder / name) == std::string("old ") + name);
   for (const char* name : {"a", "b", "c", "report"})
-    CHECK(text_of(folder / ("new_" + std::string(name))) == std::string("new ") + name);
+    CHECK(contents_of(folder / ("new_" + std::string(name))) == std::string("new ") + name);
 
   move("c");
   for (const char* name : {"a", "b", "c", "report"})
-    CHECK(text_of(folder / name) == std::string("new ") + name);
+    CHECK(contents_of(folder / name) == std::string("new ") + name);
   CHECK(entries(folder) == 4);
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("a file that a command has read is not replaced", "[io][files]") {
   };
   {
     std::optional<CommandFiles> outer(std::in_place), inner(std::in_place);
-    text_of(folder / "in.txt");
+    contents_of(folder / "in.txt");
     inner.reset();
     fs::create_symlink("in.txt", folder / "link.txt");
     CHECK_THAT(write("in.txt"), Contains("input file of this command"));
@@ -110,6 +110,6 @@ TEST_CASE("a file that a command has read is not replaced", "[io][files]") {
     const CommandFiles in_place(CommandFiles::Inputs::Replaceable);
     CHECK(write("in.txt").empty());
   }
-  text_of(folder / "in.txt");  // without a command
+  contents_of(folder / "in.txt");  // without a command
   CHECK(write("in.txt").empty());
 }
