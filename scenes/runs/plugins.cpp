@@ -3,9 +3,11 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "batten/core/errors.h"
+#include "batten/core/memory.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -31,7 +33,14 @@ fs::path find_plugin(const std::string& name) {
   return {};
 }
 
+// OpenCASCADE maps 85 MB of addresses; with less, the dynamic linker may end the process.
+constexpr double kAddressesToLoad = 1e8;  // bytes
+
 void* load_plugin(const fs::path& file, const char* function, bool global) {
+  if (const double found = available_addresses(); found < kAddressesToLoad)
+    throw NoSolutionError(file.string() + ": not enough memory to load this plugin: it needs " +
+                          format_bytes(kAddressesToLoad) + " of address space, but only " +
+                          format_bytes(std::max(found, 0.0)) + " are available (ulimit -v)");
   void* library = dlopen(file.c_str(), global ? RTLD_NOW | RTLD_GLOBAL : RTLD_LAZY | RTLD_LOCAL);
   void* entry = library ? dlsym(library, function) : nullptr;
   if (entry) return entry;
