@@ -10,22 +10,6 @@
 
 namespace batten {
 
-/// Exit codes of the program (docs/conventions.md).
-enum ExitCode {
-  /// Success: all checks passed.
-  kDone = 0,
-  /// Invalid input or command line (InputError).
-  kBadInput = 1,
-  /// Contradictory constraints (ConflictError).
-  kConflict = 2,
-  /// Singular problem, load beyond its limit, or a limit of the system (NoSolutionError).
-  kNoSolution = 3,
-  /// Results were written, but a check failed.
-  kCheckFailed = 4,
-  /// Cancelled by the user (CancelledError).
-  kCancelled = 130
-};
-
 /// Options that all long-running subcommands have in common.
 struct CommonOptions {
   int threads = 0;

@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: MPL-2.0
 // The process of the program: its standard streams, the limits of the system, interrupts, the
-// progress bar, and its end.
+// progress bar, the exit codes, and its end.
 #pragma once
 
 #include <string>
 
-#include "batten/apps/cli/commands.h"
 #include "batten/core/progress.h"
 
 namespace batten {
+
+/// Exit codes of the program (docs/conventions.md).
+enum ExitCode {
+  /// Success: all checks passed.
+  kDone = 0,
+  /// Invalid input or command line, or output that cannot be written (InputError).
+  kBadInput = 1,
+  /// Contradictory constraints (ConflictError).
+  kConflict = 2,
+  /// Singular problem, load beyond its limit, or a limit of the system (NoSolutionError).
+  kNoSolution = 3,
+  /// Results were written, but a check failed.
+  kCheckFailed = 4,
+  /// Cancelled by the user (CancelledError).
+  kCancelled = 130
+};
 
 /// Prepares the process; call it first. Opens closed standard streams, so that no other file gets
 /// their numbers: reading from them and writing to them fails. Raises the limits of the stack and of
