@@ -53,10 +53,11 @@ struct StressTask {
 Report run_stress(const Scene& scene, const std::filesystem::path& folder, const StressTask& task,
                   const Progress& progress = {});
 
-/// Draws one picture of the scene's shape and writes no other file. Throws the exceptions of
+/// Draws one picture of the scene's shape and writes no other file. The report contains the warnings
+/// about the files that were read. Throws the exceptions of
 /// run_scene(), and InputError if there is no display.
-void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
-                const Progress& progress = {});
+RunReport view_scene(const Scene& scene, const PictureScene& look,
+                     const std::filesystem::path& file, const Progress& progress = {});
 
 /// A summary of the most important results in about a dozen lines, followed by the files.
 std::string summary(const Report& report, const std::filesystem::path& folder);

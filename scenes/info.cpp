@@ -139,6 +139,8 @@ std::string lines_text(const std::vector<SourceLine>& lines, const std::string& 
                                                       : "") +
             remark + "\n";
     if (!line.format_note.empty()) text += "    read: " + line.format_note + "\n";
+    for (const auto* notes : {&line.notes, &line.warnings})
+      for (const std::string& note : *notes) text += "  " + printable(note) + "\n";
   }
   return text;
 }
@@ -250,6 +252,12 @@ std::string edits_text(const DeformScene& scene) {
          mesh_info(scene.mesh, scene.unit, scene.proposals) + parameters_text(scene.parameters());
 }
 
+// The curves of a file, in `unit`: drawings state their own unit, other files are in `unit`.
+std::vector<SourceLine> curves_of_file(const std::filesystem::path& file,
+                                       const std::string& unit) {
+  return read_source_file(file, line_file_kind(file) == LineFileKind::Drawing ? "" : unit, unit);
+}
+
 }  // namespace
 
 std::string file_info(const std::filesystem::path& file, const std::string& unit) {
@@ -269,7 +277,7 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
         return lines_text(read_source_file(file, unit, unit), unit, kCorner);
       });
     case FileKind::Lines:
-      return lines_text(read_source_file(file, unit, unit), unit, kCorner);
+      return lines_text(curves_of_file(file, unit), unit, kCorner);
     case FileKind::None:
       break;
   }
@@ -299,7 +307,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
     throw InputError(file.string() +
                      ": found a file without curves to draw, expected a scene or a curve file");
   if (draw_face_edges(picture, file, unit)) return;
-  draw_lines(picture, read_source_file(file, unit, unit), unit, kCorner);
+  draw_lines(picture, curves_of_file(file, unit), unit, kCorner);
 }
 
 namespace {
@@ -486,10 +494,8 @@ std::string parts_text(const MeshFile& file, const TriangleMesh& mesh) {
 }
 
 std::string describe_hole(const HoleMeasure& m) {
-  return "centre " + format_position(m.centre) +
-         (m.circular ? ", radius " + format_number(m.radius)
-                     : ", not circular, perimeter " + format_number(m.perimeter) +
-                           ", equivalent radius " + format_number(m.equivalent_radius));
+  if (!m.circular) return "not circular, perimeter " + format_number(m.perimeter);
+  return "centre " + format_position(m.centre) + ", radius " + format_number(m.radius);
 }
 
 }  // namespace

@@ -543,10 +543,8 @@ int view(LineArguments a, const CommonOptions& common) {
     look.azimuth = a.angles[0];
     look.elevation = a.angles[1];
   }
-  view_scene(scene, look, a.screenshot, terminal_progress(common.quiet));
-  end_progress();
-  if (!common.quiet) print(printable(a.screenshot) + "\n");
-  return kDone;
+  const RunReport report = view_scene(scene, look, a.screenshot, terminal_progress(common.quiet));
+  return print_result(report, printable(a.screenshot) + "\n", common);
 }
 
 }  // namespace

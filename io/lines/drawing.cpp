@@ -2,6 +2,7 @@
 #include "batten/io/lines/drawing.h"
 
 #include <algorithm>
+#include <set>
 
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
@@ -56,11 +57,34 @@ Box3 drawing_box(const std::vector<NamedCurve>& curves) {
   return box;
 }
 
+namespace {
+
+// True for kinds of entities of which nobody expects a curve: annotations, images, and entities
+// that are not visible in the model.
+bool contains_no_curve(const std::string& kind) {
+  static const std::set<std::string> kinds = {
+      "ACAD_TABLE", "ARCALIGNEDTEXT", "ARC_DIMENSION", "ATTDEF",        "ATTRIB",
+      "DIMENSION",  "HATCH",          "IMAGE",         "LEADER",        "MLEADER",
+      "MPOLYGON",   "MTEXT",          "MULTILEADER",   "OLE2FRAME",     "OLEFRAME",
+      "POINT",      "RTEXT",          "SOLID",         "TEXT",          "TOLERANCE",
+      "TRACE",      "VIEWPORT",       "WIPEOUT",       "foreignObject", "image",
+      "text"};
+  const auto has = [&](const char* words) { return kind.find(words) != std::string::npos; };
+  return kinds.contains(kind) || has(" in paper space") || has(" off or frozen") ||
+         has(" invisible") || has(" of zero ") || has(" without size");
+}
+
+}  // namespace
+
 void SkippedEntities::report_to(Drawing& drawing) const {
-  std::string text;
-  for (const auto& [kind, count] : count_)
+  std::string notes, warnings;
+  for (const auto& [kind, count] : count_) {
+    std::string& text = contains_no_curve(kind) ? notes : warnings;
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
-  if (!text.empty()) drawing.notes.push_back("skipped: " + text);
+  }
+  if (!notes.empty()) drawing.notes.push_back("skipped: " + notes);
+  if (!warnings.empty())
+    drawing.warnings.push_back("skipped, although they may contain curves: " + warnings);
 }
 
 Drawing read_drawing(const std::filesystem::path& path) {
@@ -82,7 +106,8 @@ Drawing read_drawing(const std::filesystem::path& path) {
                             " curves of zero length");
   if (drawing.lines.empty()) {
     std::string notes;
-    for (const std::string& note : drawing.notes) notes += " (" + note + ")";
+    for (const auto* all : {&drawing.notes, &drawing.warnings})
+      for (const std::string& note : *all) notes += " (" + note + ")";
     throw InputError(path.string() + ": found no curve" + notes + ", expected at least one");
   }
   std::vector<std::string*> names;

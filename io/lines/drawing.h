@@ -27,15 +27,18 @@ struct DrawnLine {
 struct Drawing {
   std::vector<DrawnLine> lines;
   double unit_in_metres = 0;       ///< drawing unit in metres; 0: the file declares no unit
-  std::vector<std::string> notes;  ///< sentences about skipped entities
+  /// Sentences about skipped entities: texts, dimensions, images and others that are no curves;
+  /// entities that may contain curves.
+  std::vector<std::string> notes, warnings;
 };
 
 // Reads DXF and SVG drawings.
 
 /// Reads the curves of a drawing file. The extension selects the format:
 ///
-///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (bulges become arcs) and SPLINE
-///          entities, in space or in their own plane (extrusion), and the contents of blocks that
+///   .dxf   LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE and POLYLINE (bulges become arcs), SPLINE (of
+///          control points, or a cubic spline through fit points) and HELIX entities of the model
+///          that are visible, in space or in their own plane (extrusion), and the contents of blocks that
 ///          are inserted by INSERT. A curve is named after its layer (in layer 0, after the file),
 ///          with _1, _2, … if several curves have the same name. Names that are not valid as names
 ///          of layers are read from the extended data that write_dxf() adds, unless the curve was
@@ -122,11 +125,11 @@ bool is_straight(const BezierCubic<Vec3>& cubic);
 /// The bounding box of the curves' Bézier points, or of their points.
 Box3 drawing_box(const std::vector<NamedCurve>& curves);
 
-/// Counts the entities of a drawing that cannot be converted to curves, by kind.
+/// Counts the entities of a drawing that are not converted to curves, by kind.
 class SkippedEntities {
  public:
   void add(const std::string& kind) { ++count_[kind]; }
-  /// Adds a sentence that lists the skipped entities, if there are any, to Drawing::notes.
+  /// Adds sentences that list the skipped entities to Drawing::notes and Drawing::warnings.
   void report_to(Drawing& drawing) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -39,6 +40,64 @@ AffineTransform placement_in(const CurvePlane& plane) {
   return p;
 }
 
+// The cubic spline through points with continuous second derivative, with the chord length as
+// parameter. `first`, `last`: tangents at the ends of an open spline; zero: the second derivative
+// is zero there (natural spline). A closed spline ends with its first point. Reference: [deBoor2001].
+std::shared_ptr<const InputCurve> spline_through(const std::vector<Vec3>& given, const Vec3& first,
+                                                 const Vec3& last, bool closed) {
+  std::vector<Vec3> p;
+  for (const Vec3& point : given)
+    if (p.empty() || point != p.back()) p.push_back(point);
+  if (p.size() < 2) throw InputError("found a SPLINE whose points are equal, expected two or more");
+  // The ends of an open spline influence a closed one no more after this number of points.
+  constexpr size_t kWithoutInfluence = 40;
+  const size_t period = p.size() - 1, wraps = closed ? kWithoutInfluence : 0;
+  const auto point = [&](size_t i) { return p[(i + period * wraps - wraps) % period]; };
+  if (closed) {
+    std::vector<Vec3> longer;
+    for (size_t i = 0; i <= period + 2 * wraps; ++i) longer.push_back(point(i));
+    p = std::move(longer);
+  }
+  // Tridiagonal equations for the derivatives m, solved without pivoting (diagonally dominant).
+  const size_t n = p.size();
+  std::vector<double> h(n - 1), diagonal(n), above(n);
+  std::vector<Vec3> m(n);
+  for (size_t i = 0; i + 1 < n; ++i) h[i] = (p[i + 1] - p[i]).norm();
+  const auto slope = [&](size_t i) -> Vec3 { return 3 * (p[i + 1] - p[i]) / (h[i] * h[i]); };
+  for (size_t i = 0; i < n; ++i) {
+    const bool clamped = (i == 0 && first.norm() > 0) || (i + 1 == n && last.norm() > 0);
+    const double left = i > 0 ? 1 / h[i - 1] : 0, right = i + 1 < n ? 1 / h[i] : 0;
+    diagonal[i] = 2 * (left + right);
+    above[i] = right;
+    m[i] = (i > 0 ? slope(i - 1) : Vec3::Zero()) + (i + 1 < n ? slope(i) : Vec3::Zero());
+    double below = left;
+    if (clamped) {
+      diagonal[i] = 1;
+      above[i] = below = 0;
+      m[i] = (i == 0 ? first : last).normalized();
+    }
+    if (i == 0) continue;
+    const double factor = below / diagonal[i - 1];
+    diagonal[i] -= factor * above[i - 1];
+    m[i] -= factor * m[i - 1];
+  }
+  for (size_t i = n; i-- > 0;) {
+    if (i + 1 < n) m[i] -= above[i] * m[i + 1];
+    m[i] /= diagonal[i];
+  }
+  // Double inner knots: each segment contributes its two inner Bézier points.
+  std::vector<Vec3> poles = {p[wraps]};
+  std::vector<double> knots(4, 0.0);
+  for (size_t i = wraps; i + 1 + wraps < n; ++i) {
+    poles.push_back(p[i] + h[i] / 3 * m[i]);
+    poles.push_back(p[i + 1] - h[i] / 3 * m[i + 1]);
+    knots.insert(knots.end(), 2, knots.back() + h[i]);
+  }
+  poles.push_back(p[n - 1 - wraps]);
+  knots.insert(knots.end(), 2, knots.back());
+  return nurbs_curve(3, poles, std::vector<double>(poles.size(), 1), knots);
+}
+
 struct Insert {
   std::string block, layer;
   AffineTransform transform;
@@ -67,6 +126,8 @@ class DxfCollector {
         block_ = &model;
         section = dxf_.type() == "SECTION" ? section_name() : "";
         if (section == "HEADER") read_unit();
+      } else if (section == "TABLES") {
+        if (dxf_.type() == "LAYER") read_layer();
       } else if (section == "ENTITIES" || section == "BLOCKS") {
         read_entity();
       }
@@ -92,6 +153,12 @@ class DxfCollector {
     }
   }
 
+  void read_layer() {
+    constexpr int frozen = 1;  // and a negative colour: switched off
+    if (dxf_.integer(70) & frozen || dxf_.integer(62, 1) < 0)
+      hidden_layers_.insert(lower_case(dxf_decoded(dxf_.text(2))));
+  }
+
   void read_entity() {
     try {
       const std::string_view type = dxf_.type();
@@ -112,11 +179,15 @@ class DxfCollector {
         {"LINE", &DxfCollector::line},         {"ARC", &DxfCollector::arc},
         {"CIRCLE", &DxfCollector::circle},     {"ELLIPSE", &DxfCollector::ellipse},
         {"POLYLINE", &DxfCollector::polyline}, {"LWPOLYLINE", &DxfCollector::light_polyline},
-        {"SPLINE", &DxfCollector::spline},     {"INSERT", &DxfCollector::insert}};
+        {"SPLINE", &DxfCollector::spline},     {"HELIX", &DxfCollector::helical},
+        {"INSERT", &DxfCollector::insert}};
     const auto reader = readers.find(type);
     if (reader == readers.end()) return skipped.add(type);
     const bool in_paper_space = block_ == &model && dxf_.integer(67) == 1;
     if (in_paper_space) return skipped.add(type + " in paper space");
+    if (hidden_layers_.contains(lower_case(dxf_decoded(dxf_.text(8)))))
+      return skipped.add(type + " on layers that are off or frozen");
+    if (dxf_.integer(60) == 1) return skipped.add(type + " that is invisible");
     (this->*reader->second)();
   }
 
@@ -129,12 +200,12 @@ class DxfCollector {
   void line() { add(std::vector<Vec3>{dxf_.point(10), dxf_.point(11)}); }
   void arc() {
     const double from = dxf_.number(50);
-    circular(from, end_angle(from, dxf_.number(51), 360));
+    circular("ARC", from, end_angle(from, dxf_.number(51), 360));
   }
-  void circle() { circular(0, 360); }
-  void circular(double from, double to) {
+  void circle() { circular("CIRCLE", 0, 360); }
+  void circular(const std::string& type, double from, double to) {
     const double radius = dxf_.number(40);
-    if (!(radius > 0)) return skipped.add("ARC without radius");
+    if (!(radius > 0)) return skipped.add(type + " of zero size");
     CurvePlane plane = own_plane();
     plane.centre = placement_in(plane)(dxf_.point(10));
     add(ellipse_arc(plane, radius, radius, radians(from), radians(to)));
@@ -245,11 +316,41 @@ class DxfCollector {
       weights.resize(poles.size(), 1);
       add(nurbs_curve(dxf_.integer(71, 3), poles, weights, numbers(40)));
     } else if (fit.size() > 1) {
-      if (dxf_.integer(70) & 1 && fit.front() != fit.back()) fit.push_back(fit.front());
-      add(fit);
+      const bool closed = dxf_.integer(70) & 1;
+      if (closed && fit.front() != fit.back()) fit.push_back(fit.front());
+      add(spline_through(fit, dxf_.point(12), dxf_.point(13), closed));
     } else {
       skipped.add("SPLINE without points");
     }
+  }
+
+  // The exact helix of the subclass AcDbHelix, not the spline that approximates it.
+  void helical() {
+    const auto& groups = dxf_.groups();
+    auto at = std::find_if(groups.begin(), groups.end(), [](const DxfGroup& group) {
+      return group.code == 100 && trimmed(group.value) == "AcDbHelix";
+    });
+    Vec3 base = Vec3::Zero(), start = Vec3::Zero(), axis = Vec3::UnitZ();
+    double radius = 0, turns = 0, height = 0;
+    bool right_handed = true;
+    for (; at != groups.end(); ++at) {
+      const int c = at->code % 10, k = at->code / 10 - 1;
+      if (k >= 0 && k < 3 && c < 3) (c == 0 ? base : c == 1 ? start : axis)[k] = dxf_.number(*at);
+      if (at->code == 40) radius = dxf_.number(*at);
+      if (at->code == 41) turns = dxf_.number(*at);
+      if (at->code == 42) height = dxf_.number(*at);
+      if (at->code == 290) right_handed = dxf_.integer(*at) != 0;
+    }
+    if (!(axis.norm() > 0) || !(radius > 0) || !(turns > 0))
+      return skipped.add("HELIX of zero size");
+    axis.normalize();
+    const Vec3 arm = start - base - axis.dot(start - base) * axis;
+    if (std::abs(arm.norm() - radius) > 1e-6 * radius)
+      return skipped.add("HELIX on a cone or plane");
+    const CurvePlane plane{start - arm, arm / arm.norm(), axis.cross(arm / arm.norm())};
+    if (right_handed) return add(helix(plane, arm.norm(), height, turns));
+    const CurvePlane mirrored{plane.centre, plane.x, -plane.y};  // turns and rises the other way
+    add(helix(mirrored, arm.norm(), -height, turns));
   }
 
   void insert() {
@@ -293,6 +394,7 @@ class DxfCollector {
   AffineTransform plane_;
   std::string layer_;
   std::vector<Vec3> vertices_;
+  std::set<std::string> hidden_layers_;  // in lower case
   std::vector<double> bulges_;
 };
 

@@ -123,7 +123,9 @@ struct Fitting {
       : sx(width / box[2]), sy(height / box[3]) {
     const std::string rule = attribute(element, "preserveAspectRatio");
     const auto has = [&](const char* word) { return rule.find(word) != std::string::npos; };
-    if (!has("none") && std::abs(sx - sy) > 1e-12 * sx)
+    if (std::abs(sx - sy) <= 1e-12 * sx)
+      sy = sx;
+    else if (!has("none"))
       sx = sy = has("slice") ? std::max(sx, sy) : std::min(sx, sy);
     const double x = has("xMin")   ? 0
                      : has("xMax") ? 1

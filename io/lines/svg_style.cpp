@@ -55,7 +55,8 @@ bool key_fits(const SvgElementKey& wanted, const SvgElementKey& element) {
 
 }  // namespace
 
-std::string css_declaration(std::string_view declarations, std::string_view property) {
+std::string css_declaration(std::string_view declarations, std::string_view property,
+                            bool* important) {
   std::string value;
   for (size_t at = 0; at < declarations.size();) {
     const size_t end = std::min(declarations.find(';', at), declarations.size());
@@ -64,8 +65,9 @@ std::string css_declaration(std::string_view declarations, std::string_view prop
     const size_t colon = one.find(':');
     if (colon == one.npos || trimmed_rows(one.substr(0, colon)) != property) continue;
     std::string_view found = trimmed_rows(one.substr(colon + 1));
-    if (const size_t mark = found.find('!'); mark != found.npos)
-      found = trimmed_rows(found.substr(0, mark));
+    const size_t mark = found.find('!');
+    if (important) *important = mark != found.npos;
+    found = trimmed_rows(found.substr(0, mark));
     value = found;
   }
   return value;
@@ -161,11 +163,14 @@ std::string SvgStyleSheet::value(const std::vector<SvgElementKey>& path,
   std::string value;
   int specificity = -1;
   for (const Rule& rule : rules_) {
-    if (rule.specificity < specificity) continue;
-    const std::string declared = css_declaration(rule.declarations, property);
+    bool important = false;
+    const std::string declared = css_declaration(rule.declarations, property, &important);
+    constexpr int kOfImportant = 1000000;
+    const int own = rule.specificity + (important ? kOfImportant : 0);
+    if (own < specificity) continue;
     if (declared.empty() || !matches(rule, path)) continue;
     value = declared;
-    specificity = rule.specificity;
+    specificity = own;
   }
   return value;
 }

@@ -16,7 +16,9 @@ struct SvgElementKey {
 
 /// The value of a property in declarations "name: value; name: value" (a `style` attribute), without
 /// "!important"; empty: not declared. If it is declared several times, the last one counts.
-std::string css_declaration(std::string_view declarations, std::string_view property);
+/// `important`: whether it is; null: not needed.
+std::string css_declaration(std::string_view declarations, std::string_view property,
+                            bool* important = nullptr);
 
 /// The rules of the `style` elements of a file.
 ///
@@ -30,8 +32,9 @@ class SvgStyleSheet {
   void add(std::string_view text);
   bool empty() const { return rules_.empty(); }
 
-  /// The value of one of these properties for an element, by the rule of highest specificity; of equal ones, by
-  /// the last. `path`: the element, preceded by its ancestors. Empty: no rule declares the property.
+  /// The value of one of these properties for an element, by the rule of highest specificity; of
+  /// equal ones, by the last. Declarations with "!important" precede others. `path`: the element,
+  /// preceded by its ancestors. Empty: no rule declares the property.
   std::string value(const std::vector<SvgElementKey>& path, std::string_view property) const;
 
  private:

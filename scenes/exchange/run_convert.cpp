@@ -281,6 +281,8 @@ void lines_to_lines(const ConvertTask& task, ConvertReport& report, const Progre
   for (const FairedResult& line : fair_lines(lines, {}, progress)) curves.push_back(line.named());
   if (!has({".csv", ".curves", ".obj"}, task.to)) keep_exact(lines, curves);
   report.warnings = write_curves(task.to, curves, {unit_in_metres(unit), task.ap242});
+  for (const SourceLine& line : lines)
+    report.warnings.insert(report.warnings.end(), line.warnings.begin(), line.warnings.end());
   row(report, "read", name_of(task.from) + ": " + format_count(isize(lines), "curve"));
   row(report, "written",
       name_of(task.to) + ": " + format_count(isize(curves), "curve") + ", in " + unit +

@@ -91,10 +91,15 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
   }
   for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
     check_names(scene, source, *words, lines);
+  const SourceLine first = lines.front();
   std::erase_if(lines, [&](const SourceLine& line) {
     return contains(source.skip, line.name) ||
            (!source.only.empty() && !contains(source.only, line.name));
   });
+  if (!lines.empty()) {
+    lines.front().notes = first.notes;
+    lines.front().warnings = first.warnings;
+  }
   for (auto& line : lines) {
     line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
                 : contains(source.holes, line.name) ? CharacterLine::Role::Hole
@@ -152,11 +157,12 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
     lines.push_back({line.name, file.string() + ": ", std::move(line.points),
                      line.curve ? transformed(line.curve, to_model) : nullptr});
   }
-  for (const std::string& note : drawing.notes)
-    lines[0].format_note += (lines[0].format_note.empty() ? "" : "; ") + note;
-  if (stated == 0)
-    lines[0].format_note +=
-        std::string(lines[0].format_note.empty() ? "" : "; ") + "the file states no length unit";
+  const std::string name = file.filename().string() + ": ";
+  for (const std::string& note : drawing.notes) lines[0].notes.push_back(name + note);
+  for (const std::string& warning : drawing.warnings) lines[0].warnings.push_back(name + warning);
+  if (stated == 0) lines[0].notes.push_back(name + "the file states no length unit");
+  if (unit.empty() && stated > 0 && std::abs(stated / model - 1) > 1e-12)
+    lines[0].notes.push_back(name + "the unit of the file is " + format_unit(stated));
   return lines;
 }
 
@@ -231,14 +237,45 @@ class Copies {
 
 }  // namespace
 
+namespace {
+
+// Puts the name of the file before the names of curves that occur in several files: "wing: edge 1".
+void make_names_unique_by_file(const std::vector<SceneLine>& scene,
+                               std::vector<std::vector<SourceLine>>& sources) {
+  std::map<std::string, int> uses;
+  for (const auto& lines : sources)
+    for (const SourceLine& line : lines) ++uses[line.name];
+  for (size_t s = 0; s < sources.size(); ++s) {
+    if (scene[s].file.empty() || !scene[s].name.empty()) continue;
+    const std::string stem = scene[s].file.stem().string();
+    std::string example;
+    for (SourceLine& line : sources[s]) {
+      if (uses[line.name] == 1) continue;
+      line.name = stem + ": " + line.name;
+      if (example.empty()) example = line.name;
+    }
+    if (!example.empty())
+      sources[s].front().notes.push_back(scene[s].file.filename().string() +
+                                         ": names of curves that occur in several files are "
+                                         "preceded by the name of the file, as in '" +
+                                         example + "'");
+  }
+}
+
+}  // namespace
+
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit) {
   const SceneFile scene{file.string(), unit};
+  std::vector<std::vector<SourceLine>> sources;
+  for (const SceneLine& source : lines) sources.push_back(lines_of(scene, source));
+  make_names_unique_by_file(lines, sources);
   std::vector<SourceLine> all;
   std::map<std::string, SourceLocation> places;
   std::map<std::string, const SceneLine*> copies;
-  for (const SceneLine& source : lines)
-    for (SourceLine& line : lines_of(scene, source)) {
+  for (size_t s = 0; s < lines.size(); ++s)
+    for (SourceLine& line : sources[s]) {
+      const SceneLine& source = lines[s];
       const auto [it, added] = places.emplace(line.name, source.location);
       if (!added)
         throw InputError(scene.at(source.location) + "found the curve name '" + line.name +

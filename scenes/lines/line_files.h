@@ -27,6 +27,8 @@ struct SourceLine {
   /// Given corners, indices of `points`; empty: detected.
   std::optional<std::vector<int>> corners = {};
   std::string format_note = {};  ///< how the file was interpreted, if that is not obvious
+  /// About entities of the file that were not read; set at the first of its lines.
+  std::vector<std::string> notes = {}, warnings = {};
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   bool constrains_surface = true;
@@ -46,6 +48,7 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
 /// Reads all lines of a scene, in order. `file`: the scene, for messages. Throws InputError, with
 /// the location in the scene, for a missing file or an unknown kind. Also throws it for a file with
 /// several lines where one is expected, a name that the file does not have, and duplicate names.
+/// Names that occur in several files are preceded by the name of the file: "wing: edge 1".
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit);
 

@@ -142,6 +142,8 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
   settings.segments = scene.segments;
   settings.file = scene.file.string();
   auto results = fair_lines(lines, settings, progress);
+  for (const SourceLine& line : lines)
+    report.warnings.insert(report.warnings.end(), line.warnings.begin(), line.warnings.end());
   std::vector<std::string> restless;
   for (const FairedResult& result : results) {
     report.curves.push_back(result.report);

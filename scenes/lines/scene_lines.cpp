@@ -125,6 +125,12 @@ class SceneLines {
       if (scene_.network.fair_noisy_lines && only_outlines()) fair_noisy_lines();
     }
     add_mirrored(scene_, result_.lines);
+    for (const SourceLine& source : sources_) {
+      result_.reading_notes.insert(result_.reading_notes.end(), source.notes.begin(),
+                                   source.notes.end());
+      result_.warnings.insert(result_.warnings.end(), source.warnings.begin(),
+                              source.warnings.end());
+    }
     for (std::string& text : texts_)
       if (!text.empty()) result_.reading_notes.push_back(std::move(text));
     return std::move(result_);

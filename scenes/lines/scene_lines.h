@@ -54,7 +54,8 @@ std::string describe_outliers(const FairedLine& line);
 struct FairedLines {
   std::vector<CharacterLine> lines;
   std::vector<FairedLine> reports;         ///< reports on the faired lines
-  std::vector<std::string> reading_notes;  ///< remarks on how point files were interpreted
+  std::vector<std::string> reading_notes;  ///< remarks on how files were interpreted
+  std::vector<std::string> warnings;       ///< curves of files that were not read
 };
 
 /// Reads the lines of a scene's surface. Lines named by a [[fair]] are faired, with fixed ends

@@ -395,14 +395,20 @@ Report run_stress(const Scene& scene, const std::filesystem::path& folder, const
   return run_all(scene, folder, &task, progress);
 }
 
-void view_scene(const Scene& scene, const PictureScene& look, const std::filesystem::path& file,
-                const Progress& progress) {
+RunReport view_scene(const Scene& scene, const PictureScene& look,
+                     const std::filesystem::path& file, const Progress& progress) {
   const CommandFiles files;
   record_input(scene.file);
   require_display();
-  BuiltModel made = build_model(scene, faired_lines(scene, progress).lines, progress);
+  FairedLines lines = faired_lines(scene, progress);
+  BuiltModel made = build_model(scene, lines.lines, progress);
   const SolvedShape shape = solve_refined_shape(made, scene, progress);
   draw_picture(file, shape_picture(look, made, shape));
+  RunReport report;
+  report.name = scene.name;
+  report.files = {file.string()};
+  report.warnings = std::move(lines.warnings);
+  return report;
 }
 
 namespace {

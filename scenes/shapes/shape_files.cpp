@@ -49,6 +49,7 @@ BuiltModel model_of(RunContext& run, const Scene& scene, const Progress& progres
   const FairedLines lines = faired_lines(scene, progress);
   run.report.curves = lines.reports;
   run.report.reading_notes = lines.reading_notes;
+  run.report.warnings = lines.warnings;
   run.watch.lap("curves");
   BuiltModel made = build_model(scene, lines.lines, progress);
   run.require_replaceable(scene);

@@ -201,6 +201,69 @@ TEST_CASE("DXF: blocks that contain each other many times end", "[io][drawings]"
                     Catch::Matchers::Contains("blocks that contain each other"));
 }
 
+TEST_CASE("DXF: splines through fit points are smooth, with the given tangents", "[io][drawings]") {
+  const auto derivative = [](const DrawnLine& line, double t) {
+    const double h = 1e-5;
+    return Vec3((line.curve->evaluate(t + h) - line.curve->evaluate(t - h)) / (2 * h));
+  };
+  const std::string points = "11 0 21 0 31 0 11 10 21 0 31 0 ";
+  // An S between two points with parallel tangents.
+  Drawing d = dxf("0 SPLINE 8 0 70 0 71 3 74 2 12 0 22 1 32 0 13 0 23 1 33 0 " + points);
+  REQUIRE(d.lines.size() == 1);
+  const InputCurve& s = *d.lines[0].curve;
+  const double third = s.start() + (s.end() - s.start()) / 4;
+  CHECK(s.evaluate(third).y() > 0.5);
+  CHECK(s.evaluate(s.end() - (third - s.start())).y() < -0.5);
+  // Without tangents, and a closed curve.
+  d = dxf("0 SPLINE 70 0 71 3 74 4 11 0 21 0 31 0 11 4 21 3 31 0 11 9 21 3 31 1 11 12 21 0 31 0");
+  const InputCurve& open = *d.lines[0].curve;
+  CHECK(near(first(d.lines[0]), Vec3(0, 0, 0)));
+  CHECK(near(last(d.lines[0]), Vec3(12, 0, 0)));
+  CHECK(near(open.evaluate(open.start() + 5), Vec3(4, 3, 0)));  // the chord length
+  for (const double side : {-2e-5, 2e-5})
+    CHECK((derivative(d.lines[0], open.start() + 5 + side) -
+           derivative(d.lines[0], open.start() + 5 - side))
+              .norm() < 1e-3);
+  d = dxf("0 SPLINE 70 1 71 3 74 4 11 5 21 0 31 0 11 0 21 5 31 0 11 -5 21 0 31 0 11 0 21 -5 31 0");
+  CHECK(near(first(d.lines[0]), last(d.lines[0])));
+  CHECK(off_circle(d.lines[0], Vec3::Zero(), 5) < 0.14);  // 5 (1 - sqrt(2) 11/16)
+  CHECK(std::abs(derivative(d.lines[0], d.lines[0].curve->start() + 1e-4).normalized().y()) >
+        0.9999);
+}
+
+TEST_CASE("DXF: helices are exact, in both directions", "[io][drawings]") {
+  for (const int right : {0, 1}) {
+    const Drawing d =
+        dxf("0 HELIX 8 spring 100 AcDbSpline 10 9 20 9 30 9 40 7 100 AcDbHelix 10 1 20 2 "
+            "30 3 11 1 21 7 31 3 12 1 22 0 32 0 40 5 41 1.5 42 4 290 " +
+            std::to_string(right));
+    REQUIRE(d.lines.size() == 1);
+    CHECK(near(first(d.lines[0]), Vec3(1, 7, 3)));
+    CHECK((last(d.lines[0]) - Vec3(7, -3, 3)).norm() < 1e-6);
+    const InputCurve& curve = *d.lines[0].curve;
+    const Vec3 quarter = curve.evaluate(curve.start() + (curve.end() - curve.start()) / 6);
+    CHECK((quarter - Vec3(2, 2, right ? 8 : -2)).norm() < 1e-6);
+  }
+}
+
+TEST_CASE("DXF: layers that are off or frozen, and invisible entities, are not read",
+          "[io][drawings]") {
+  const std::string file =
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nOff\n70\n0\n62\n-7\n"
+      "0\nLAYER\n2\nfrozen\n70\n1\n62\n7\n0\nLAYER\n2\non\n70\n0\n62\n7\n0\nENDTAB\n0\nENDSEC\n"
+      "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nOFF\n11\n1\n0\nCIRCLE\n8\nFrozen\n40\n1\n"
+      "0\nPOLYLINE\n8\nfrozen\n0\nVERTEX\n8\nfrozen\n10\n1\n0\nVERTEX\n10\n2\n0\nSEQEND\n"
+      "0\nLINE\n8\non\n60\n1\n11\n1\n0\nLINE\n8\non\n11\n5\n0\nENDSEC\n0\nEOF\n";
+  const Drawing d = read_drawing(file_with("layers.dxf", file));
+  REQUIRE(d.lines.size() == 1);
+  CHECK(d.lines[0].points.back() == Vec3(5, 0, 0));
+  CHECK(d.notes == std::vector<std::string>{
+                       "skipped: 1 CIRCLE on layers that are off or frozen, 1 LINE on layers that "
+                       "are off or frozen, 1 LINE that is invisible, 1 POLYLINE on layers that are "
+                       "off or frozen"});
+  CHECK(d.warnings.empty());
+}
+
 TEST_CASE("SVG: shapes stand upright in the page's unit", "[io][drawings]") {
   const Drawing d =
       svg("<line id='l' x1='0' y1='200' x2='10' y2='200'/>"
