@@ -16,6 +16,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -136,14 +137,21 @@ void write_glb(const CadFile& cad, const JoinedParts& joined, const fs::path& fi
   writer.ChangeCoordinateSystemConverter().SetInputCoordinateSystem(RWMesh_CoordinateSystem_Zup);
   TColStd_IndexedDataMapOfStringString header;
   header.Add("Generator", "Batten");
-  if (!writer.Perform(document, header, Message_ProgressRange()))
-    throw Error("OpenCASCADE cannot write glTF");
+  errno = 0;
+  if (writer.Perform(document, header, Message_ProgressRange())) return;
+  // The library states no reason.
+  const int reason = errno;
+  std::error_code unknown;
+  const auto free = fs::space(file.parent_path(), unknown).available;
+  constexpr std::uintmax_t kLittle = 1 << 20;  // bytes
+  throw InputError(without_temporary_folders(file).string() + ": cannot write this file: " +
+                   (!unknown && free < kLittle ? std::strerror(ENOSPC)
+                    : reason != 0              ? std::strerror(reason)
+                                               : "OpenCASCADE cannot write glTF"));
 }
 
 CadConversion to_glb(const fs::path& from, const fs::path& to, const CadConvertOptions& options) {
   AtomicFile file(to);
-  // Temporary file of OpenCASCADE's glTF writer.
-  const TemporaryFileGuard beside(file.temporary().string() + ".bin.tmp");
   std::string bytes = read_sandboxed(from, [&](const CadFile& cad) {
     const JoinedParts joined = joined_parts(cad);
     const CadFacets facets =

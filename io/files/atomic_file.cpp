@@ -74,7 +74,20 @@ void flush_folder(const fs::path& folder) noexcept {
   ::close(file);
 }
 
+thread_local int deferred_flushes = 0;
+
 }  // namespace
+
+DeferredFlush::DeferredFlush() { ++deferred_flushes; }
+DeferredFlush::~DeferredFlush() { --deferred_flushes; }
+
+void DeferredFlush::flush(const fs::path& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) fail(folder, std::strerror(errno));
+  const int reason = ::syncfs(file) == 0 ? 0 : errno;
+  ::close(file);
+  if (reason == EIO || reason == ENOSPC || reason == EDQUOT) fail(folder, std::strerror(reason));
+}
 
 fs::path replaceable_file(const fs::path& path) {
   if (!path.has_filename()) fail(path, "found the name of a folder, expected a file name");
@@ -121,19 +134,21 @@ void AtomicFile::write(const std::function<void(std::ostream&)>& write) {
 
 void AtomicFile::commit() {
   std::error_code error;
-  if (temporary_stem(path_.parent_path()) == kRunStem && fs::exists(path_, error))
+  const bool of_run = temporary_stem(path_.parent_path()) == kRunStem;
+  if (of_run && fs::exists(path_, error))
     throw InputError(without_temporary_folders(path_).string() +
                      ": found two output files of this name, expected different names");
   replaceable_file(path_);
   adopt_permissions(temporary(), path_);
-  flush_to_disk(temporary(), path_);
+  const bool flushes = !of_run && deferred_flushes == 0;  // the files of a run are flushed together
+  if (flushes) flush_to_disk(temporary(), path_);
   {
     const CommitLock lock;
     fs::rename(temporary(), path_, error);
   }
   if (error) fail(path_, error.message());
   folder_.reset();
-  flush_folder(folder_of(path_));
+  if (flushes) flush_folder(folder_of(path_));
   log(LogLevel::Info, [&] { return "wrote " + path_.string(); });
 }
 

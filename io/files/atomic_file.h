@@ -82,6 +82,19 @@ void require_distinct(const std::vector<const AtomicFile*>& files);
 /// Commits those of the files that have been written together, like move_together().
 void commit_together(const std::vector<const AtomicFile*>& files);
 
+/// While an object exists, AtomicFile::commit() in this thread does not flush each file to the disk,
+/// which takes some milliseconds: for many files of which each is complete by itself, such as the
+/// frames of a sequence.
+class DeferredFlush {
+ public:
+  DeferredFlush();
+  ~DeferredFlush();
+  DeferredFlush(const DeferredFlush&) = delete;
+  DeferredFlush& operator=(const DeferredFlush&) = delete;
+  /// Flushes everything that was written on the disk of a folder. Throws FileError if that fails.
+  static void flush(const std::filesystem::path& folder);
+};
+
 /// Writes a file atomically; `write` writes the contents to the given stream (C locale, line ends
 /// '\n'). Throws FileError if the file cannot be written, for example because the disk is full, and
 /// all exceptions of `write`.

@@ -128,6 +128,7 @@ class SequenceRun {
         std::filesystem::remove(out_.folder() / task_.name_of("report.json"), none);
         break;
       }
+    const DeferredFlush deferred;
     for (int k = first - 1; k < last;) {
       if (store.has(k)) {
         look(k, store.read(k));
@@ -145,6 +146,7 @@ class SequenceRun {
       k = end + 1;
     }
     report_.files = store.finish();
+    DeferredFlush::flush(out_.folder());
     edits_->finish_measures();
     watch_.lap("frames");
   }

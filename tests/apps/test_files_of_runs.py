@@ -512,7 +512,9 @@ class FullDisks(Case):
         if not namespaces():
             self.skipTest("unshare is not permitted")
         os.makedirs(self.folder / "disk")
-        for words in ("run scene.toml --out disk/out", "fair curves.csv --out disk/new.csv",
+        self.succeeds("run", "scene.toml", "--out", ".")
+        for words in ("convert shape.step disk/a.glb", "convert shape.step disk/a.igs", "convert shape.step disk/a.brep",
+                      "run scene.toml --out disk/out", "fair curves.csv --out disk/new.csv",
                       "deform edit.toml --out disk/out", "convert deck.inp disk/a.vtu",
                       "convert deck.inp disk/a.stl", "convert deck.inp disk/a.obj",
                       "convert deck.inp disk/a.glb --from-unit mm", "convert deck.inp disk/a.3mf --from-unit mm",

@@ -326,8 +326,10 @@ def wrong(code, text, seconds, megabytes, folder, names, fault, command):
         for result in (out, *results):
             if name := not_finite(result):
                 return f"{name}: numbers that are not finite"
-    elif (out.exists() or results) and command[0] not in ("run-script", "sequence"):
-        return "files beside a refusal"  # sequences keep finished frames, scripts finished commands
+    elif out.exists() or results:
+        # Sequences keep finished frames, scripts finished commands; results whose summary cannot be written are kept.
+        if command[0] not in ("run-script", "sequence") and not fault.startswith(("full", "closed")):
+            return "files beside a refusal"
     return LONG if code == 130 else ""
 
 

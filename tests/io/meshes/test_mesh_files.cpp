@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "batten/io/files/atomic_file.h"
 #include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
@@ -505,6 +506,7 @@ TEST_CASE("VTP and VTU: other cells and data stay, normals go", "[io][meshes]") 
 }
 
 TEST_CASE("damaged mesh files give a result or an error", "[io][meshes]") {
+  const DeferredFlush deferred;  // thousands of files
   check_damage(".obj", kObj, 1500);
   check_damage(".off", kOff, 1500);
   check_damage(".stl", kStl, 1500);
