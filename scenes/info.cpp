@@ -253,8 +253,7 @@ std::string edits_text(const DeformScene& scene) {
 }
 
 // The curves of a file, in `unit`: drawings state their own unit, other files are in `unit`.
-std::vector<SourceLine> curves_of_file(const std::filesystem::path& file,
-                                       const std::string& unit) {
+std::vector<SourceLine> curves_of_file(const std::filesystem::path& file, const std::string& unit) {
   return read_source_file(file, line_file_kind(file) == LineFileKind::Drawing ? "" : unit, unit);
 }
 
@@ -391,10 +390,12 @@ bool is_mesh_file(const std::filesystem::path& file) {
   const std::string ending = lower_extension(file);
   if (ending != ".obj" && ending != ".dat") return MeshFile::can_read(file);
   std::ifstream in(file);
-  for (std::string row; std::getline(in, row);)
-    if (ending == ".obj" ? row.starts_with("f ")
-                         : row.starts_with("GRID") || row.starts_with("BEGIN BULK"))
-      return true;
+  for (std::string row; std::getline(in, row);) {
+    const auto has = [&](const std::string& begin) {  // lines may end with a carriage return only
+      return row.starts_with(begin) || row.find("\r" + begin) != row.npos;
+    };
+    if (ending == ".obj" ? has("f ") || has("f\t") : has("GRID") || has("BEGIN BULK")) return true;
+  }
   return false;
 }
 

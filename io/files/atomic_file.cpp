@@ -135,9 +135,6 @@ void AtomicFile::write(const std::function<void(std::ostream&)>& write) {
 void AtomicFile::commit() {
   std::error_code error;
   const bool of_run = temporary_stem(path_.parent_path()) == kRunStem;
-  if (of_run && fs::exists(path_, error))
-    throw InputError(without_temporary_folders(path_).string() +
-                     ": found two output files of this name, expected different names");
   replaceable_file(path_);
   adopt_permissions(temporary(), path_);
   const bool flushes = !of_run && deferred_flushes == 0;  // the files of a run are flushed together

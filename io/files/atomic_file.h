@@ -29,8 +29,7 @@ class FileError : public InputError {
 /// (CommandFiles).
 std::filesystem::path replaceable_file(const std::filesystem::path& path);
 
-/// Stem of the temporary folders that collect the files of a run, in which each name occurs once:
-/// AtomicFile does not replace a file there.
+/// Stem of the temporary folders that collect the files of a run, which flushes them together.
 inline constexpr char kRunStem[] = "batten";
 
 /// An output file in progress. A library writes to temporary(), a file of the same name in a

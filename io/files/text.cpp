@@ -29,6 +29,12 @@ std::string lower_extension(const std::filesystem::path& path) {
   return lower_case(path.extension().string());
 }
 
+bool replace_carriage_returns(std::string& text) {
+  if (text.find('\n') != text.npos || text.find('\r') == text.npos) return false;
+  std::replace(text.begin(), text.end(), '\r', '\n');
+  return true;
+}
+
 std::string format_count(long count, const std::string& noun, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? noun : many.empty() ? noun + "s" : many);
 }

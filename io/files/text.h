@@ -19,6 +19,9 @@ std::string_view trimmed(std::string_view text);
 std::string lower_case(std::string text);
 /// The file extension in lower case, with the dot: ".obj" for "a.OBJ".
 std::string lower_extension(const std::filesystem::path& path);
+/// Replaces the line ends of a text whose lines end with a carriage return only (classic Mac OS).
+/// True if there were such line ends.
+bool replace_carriage_returns(std::string& text);
 /// A count with its noun: "1 point", "2 points". `many`: plural of an irregular noun, as in "3
 /// tori".
 std::string format_count(long count, const std::string& noun, const std::string& many = "");

@@ -43,6 +43,7 @@ DxfReader::DxfReader(const std::filesystem::path& path) : path_(path) {
   if (text_.find("SECTION") == text_.npos)
     throw InputError(path.string() + ": found no section, expected a DXF file");
   if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;
+  replace_carriage_returns(text_);
   text_.erase(text_.find_last_not_of(" \t\r\n") + 1);
   read_groups();
 }

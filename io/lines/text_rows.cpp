@@ -9,6 +9,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
 
 namespace batten {
@@ -19,6 +20,7 @@ TextRows::TextRows(const fs::path& path) : path_(path) {
   if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
     throw InputError(path.string() + ":1:1: found UTF-16 text, expected UTF-8 or ASCII");
   if (text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
+  replace_carriage_returns(text_);
   if (std::all_of(text_.begin(), text_.end(), [](char c) { return is_blank(c) || c == '\n'; }))
     throw InputError(path.string() + ":1:1: found an empty file, expected points");
 }

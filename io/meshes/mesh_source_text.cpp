@@ -14,6 +14,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/files/text.h"
 
 namespace batten {
 namespace fs = std::filesystem;
@@ -81,6 +82,7 @@ MeshSourceText::MeshSourceText(const fs::path& path, bool binary) {
 }
 
 void MeshSourceText::open(Source source, bool binary) {
+  if (!binary) source.ends_with_carriage_returns = replace_carriage_returns(source.text);
   if (!sources_.empty()) source.base = sources_.back()->base + sources_.back()->text.size() + 1;
   sources_.push_back(std::make_shared<const Source>(std::move(source)));
   current_ = sources_.size() - 1;

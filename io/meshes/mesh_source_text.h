@@ -82,6 +82,7 @@ class MeshSourceText {
     /// Path relative to the deck's folder, used when a deck is written. Empty if the file lies
     /// outside that folder or is named by an absolute path; then it is not written.
     std::filesystem::path beside;
+    bool ends_with_carriage_returns = false;  ///< line ends of the file, which are '\n' in `text`
   };
 
   /// Reads the file. Throws InputError for a missing file, a folder or an empty file and, unless

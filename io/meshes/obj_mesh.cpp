@@ -17,6 +17,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/text_mesh_content.h"
 
@@ -334,6 +335,7 @@ class ObjReader {
     const std::filesystem::path path = path_.parent_path() / library;
     std::error_code none;
     if (!std::filesystem::is_regular_file(path, none)) return;
+    record_input(path);
     std::ifstream in(path);
     MeshSet* material = nullptr;
     for (std::string line; std::getline(in, line);) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
-// Reads and writes STL, text and binary. Corners with equal coordinates become one node.
+// Reads and writes STL, text and binary. Corners whose coordinates are equal, or differ by rounding,
+// become one node.
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <ostream>
 #include <unordered_map>
 
@@ -42,6 +44,17 @@ Vec3 normal_of(const Points& points, std::span<const int> face) {
   return area.norm() > 0 ? area.normalized() : Vec3::Zero();
 }
 
+struct PositionHash {
+  size_t operator()(const std::array<double, 3>& key) const {
+    std::uint64_t hash = 0;
+    for (const double c : key) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
+
 /// Numbers positions in the order of their first occurrence; equal positions share a number.
 class Nodes {
  public:
@@ -58,19 +71,34 @@ class Nodes {
   }
 
  private:
-  struct Hash {
-    size_t operator()(const std::array<double, 3>& key) const {
-      std::uint64_t hash = 0;
-      for (const double c : key) {
-        hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u;
-        hash ^= hash >> 29;
-      }
-      return hash;
-    }
-  };
-  std::unordered_map<std::array<double, 3>, int, Hash> index_;
+  std::unordered_map<std::array<double, 3>, int, PositionHash> index_;
   std::vector<double> coordinates_;
 };
+
+/// For each node, the node with which it is welded: the first one within `tolerance`, or itself.
+std::vector<int> welded_nodes(const Points& points, double tolerance) {
+  // Most points are farther than the tolerance from the sides of these cells, and have one cell.
+  const double side = 16 * tolerance;
+  std::unordered_map<std::array<double, 3>, std::vector<int>, PositionHash> cells;
+  std::vector<int> first(static_cast<size_t>(points.rows()));
+  for (int i = 0; i < isize(first); ++i) {
+    const auto cell = [&](int c, double shift) {
+      return std::floor((points(i, c) + shift) / side) + 0.0;
+    };
+    first[i] = i;
+    for (double x = cell(0, -tolerance); x <= cell(0, tolerance); ++x)
+      for (double y = cell(1, -tolerance); y <= cell(1, tolerance); ++y)
+        for (double z = cell(2, -tolerance); z <= cell(2, tolerance); ++z) {
+          const auto there = cells.find({x, y, z});
+          if (there == cells.end()) continue;
+          for (const int other : there->second)
+            if ((points.row(i) - points.row(other)).norm() <= tolerance)
+              first[i] = std::min(first[i], other);
+        }
+    if (first[i] == i) cells[{cell(0, 0), cell(1, 0), cell(2, 0)}].push_back(i);
+  }
+  return first;
+}
 
 class StlMesh : public MeshContent {
  public:
@@ -90,6 +118,7 @@ class StlMesh : public MeshContent {
     format = binary_ ? "binary STL" : "STL text";
     extensions = {".stl"};
     binary_ ? read_binary() : read_text();
+    weld();
     node_labels = Labels::counted_from(0, shells.node_count());
     face_labels = Labels::counted_from(0, shells.face_count());
   }
@@ -186,6 +215,39 @@ class StlMesh : public MeshContent {
         });
     std::erase_if(sets, [](const MeshSet& set) { return set.faces.empty() || set.name.empty(); });
     shells.points = nodes.points();
+  }
+
+  /// Welds corners that differ by rounding. The tolerance is two units in the last place of the
+  /// largest coordinate in single precision, and at most a tenth of the shortest edge.
+  void weld() {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int f = 0; f < shells.face_count(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const double length =
+            (shells.points.row(shells.face(f)[k]) - shells.points.row(shells.face(f)[(k + 1) % 3]))
+                .norm();
+        if (length > 0) shortest = std::min(shortest, length);
+      }
+    const double largest = shells.points.size() > 0 ? shells.points.cwiseAbs().maxCoeff() : 0,
+                 tolerance = std::min(2.4e-7 * largest, 0.1 * shortest);
+    constexpr double kMostCells = 1e15;  // integers in double precision
+    if (!(tolerance > 0) || largest / tolerance > kMostCells) return;
+    const std::vector<int> first = welded_nodes(shells.points, tolerance);
+    std::vector<int> number(first.size());
+    int count = 0;
+    for (int i = 0; i < isize(first); ++i) number[i] = first[i] == i ? count++ : number[first[i]];
+    if (count == isize(first)) return;
+    warnings.push_back(format_count(isize(first) - count, "node") + " within " +
+                       format_number(tolerance) + " of another one, welded with it");
+    ShellMesh welded;
+    welded.points.resize(count, 3);
+    for (int i = 0; i < isize(first); ++i)
+      if (first[i] == i) welded.points.row(number[i]) = shells.points.row(i);
+    for (int f = 0; f < shells.face_count(); ++f) {
+      const auto face = shells.face(f);
+      welded.add_face(std::array{number[face[0]], number[face[1]], number[face[2]]});
+    }
+    shells = std::move(welded);
   }
 
   bool moved(const Points& points, int face) const {

@@ -250,9 +250,10 @@ void write_files(const std::map<fs::path, const Output*>& targets, const fs::pat
   for (const auto& [target, output] : targets) {
     if (targets.size() > 1 && target.has_parent_path()) make_output_folder(target.parent_path());
     files.push_back(std::make_unique<AtomicFile>(target));
-    files.back()->write([&](std::ostream& stream) {
-      stream.write(output->text.data(), static_cast<std::streamsize>(output->text.size()));
-    });
+    std::string text = output->text;
+    if (output->source->ends_with_carriage_returns)
+      std::replace(text.begin(), text.end(), '\n', '\r');
+    files.back()->write([&](std::ostream& stream) { stream << text; });
   }
   // The main file is moved last.
   std::vector<const AtomicFile*> all;

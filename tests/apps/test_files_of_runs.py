@@ -244,6 +244,7 @@ PAIRS = [
     ("mesh", "deck.inp", "convert deck.inp {0}"),
     ("mesh", "deck.obj", "convert deck.obj {0}"),
     ("mesh", "deck.vtp", "convert deck.vtp {0}"),
+    ("material file", "deck.mtl", "convert coloured.obj deck.obj"),
     ("mesh", "deck.inp", "deform edit.toml --out ."),
     ("included file", "nodes.inp", "deform edit.toml --out ."),
     ("mesh", "plate.vtp", "deform edit.toml --out ."),
@@ -292,6 +293,9 @@ class EveryPair(Case):
             self.write("edit.toml", EDIT.format(deck=name, shift=8, out="other.vtp"))
         if name == "deck.inp":
             self.write("edit.toml", plate)
+        if name == "deck.mtl":
+            self.write(name, "newmtl red\nKd 1 0 0\n")
+            self.write("coloured.obj", "mtllib deck.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
         if name == "nodes.inp":
             text = deck_text()
             nodes, elements = text[:text.index("*ELEMENT")], text[text.index("*ELEMENT"):]

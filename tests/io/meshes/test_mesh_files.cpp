@@ -322,6 +322,55 @@ TEST_CASE("PLY: text and binary of either byte order", "[io][meshes]") {
         "3:16: found 'x', expected a number of elements");
 }
 
+TEST_CASE("meshes whose lines end with a carriage return are read and written", "[io][meshes]") {
+  for (const auto& [name, text] : {std::pair("c.obj", kObj), std::pair("c.off", kOff)}) {
+    const MeshFile usual = MeshFile::read(file_with(name, text));
+    std::string classic = text;
+    std::replace(classic.begin(), classic.end(), '\n', '\r');
+    const fs::path path = file_with(std::string("classic_") + name, classic);
+    const MeshFile file = MeshFile::read(path);
+    CHECK(file.shells().points == usual.shells().points);
+    CHECK(same_faces(file.shells(), usual.shells()));
+    check_identity(path);
+  }
+}
+
+TEST_CASE("STL: corners that differ by rounding are welded, others are not", "[io][meshes]") {
+  // A tube of 16 strips, whose last column is the first one, moved by a small distance.
+  const auto tube = [](double shift) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "solid tube\n";
+    const auto corner = [&](int k, double z) {
+      const double t = 2 * M_PI * k / 16;
+      text << "vertex " << (k == 16 ? 10 + shift : 10 * std::cos(t)) << " "
+           << (k == 16 ? shift : 10 * std::sin(t)) << " " << z << "\n";
+    };
+    for (int k = 0; k < 16; ++k)
+      for (const bool upper : {false, true}) {
+        text << "facet normal 0 0 0\nouter loop\n";
+        corner(upper ? k + 1 : k, upper ? 40 : 0);
+        corner(upper ? k : k + 1, upper ? 40 : 0);
+        corner(upper ? k + 1 : k, upper ? 0 : 40);
+        text << "endloop\nendfacet\n";
+      }
+    text << "endsolid tube\n";
+    return file_with("tube.stl", text.str());
+  };
+  for (const double shift : {0.0, 2e-15, 1e-12, 1e-9, 4e-6}) {
+    const fs::path path = tube(shift);
+    const MeshFile file = MeshFile::read(path);
+    CHECK(file.shells().node_count() == 32);
+    CHECK(file.warnings().size() == (shift > 0 ? 1 : 0));
+    check_identity(path);
+    // Corners of a node that moves stay together.
+    CHECK(MeshFile::read(check_round_trip(path, moved(file, 0.3, 1), 0)).shells().node_count() ==
+          32);
+  }
+  for (const double shift : {2e-5, 1e-3})
+    CHECK(MeshFile::read(tube(shift)).shells().node_count() == 34);
+}
+
 TEST_CASE("STL: corners become nodes, normals follow", "[io][meshes]") {
   const MeshFile file = MeshFile::read(file_with("t.stl", kStl));
   CHECK(file.format() == "STL text");
