@@ -89,10 +89,11 @@ struct FairOptions {
     /// predicts points that are left out of the fit.
     ///
     /// With 20 points or more, each degree of freedom counts 1.3 times, close to [KimGu2004]; with
-    /// fewer points, less. Points move by at most twice their estimated noise (RMS), because larger
-    /// deviations cannot be noise. Only variation that neighbouring points do not share is
-    /// recognised as noise. For slow hand tremor, state its wavelength (Wavelength) or its size
-    /// (Noise). With fewer than 15 points, noise cannot be distinguished from shape, and the curve
+    /// six points, it counts once. Points move by at most twice their estimated noise (RMS),
+    /// because larger deviations cannot be noise. With fewer than eleven points the noise cannot be
+    /// estimated; the limit is then 2.5 % of the size. Only variation that neighbouring points do
+    /// not share is recognised as noise. For slow hand tremor, state its wavelength (Wavelength) or
+    /// its size (Noise). With fewer than six points nothing is known about noise, and the curve
     /// interpolates them. In tight bends, the wavelength is reduced locally, because the bends
     /// would be flattened otherwise.
     CrossValidation,

@@ -170,8 +170,7 @@ FairCurve SmoothingSplineSolver::run() {
       wavelength = choose_wavelength(smoothing, wavelength);
     solve_at_wavelength(smoothing, wavelength);
     result.effective_dofs = smoothing.effective_dofs();
-    if (estimates_noise() && !has_few_points() && min_wavelength_ < 0.5 * sequence_.length() &&
-        has_spikes()) {
+    if (estimates_noise() && min_wavelength_ < 0.5 * sequence_.length() && has_spikes()) {
       // Between points that zigzag, the curve would oscillate.
       min_wavelength_ = std::max(2 * min_wavelength_, 4 * sequence_.length() / count_);
       wavelength = 0;
@@ -237,6 +236,9 @@ double SmoothingSplineSolver::max_normal_distance(const Points& q) const {
 // RMS by which noise may have moved the points; larger moves are not noise.
 double SmoothingSplineSolver::max_rms_move() const {
   constexpr double any = 0.025, none = 1e-6;  // both are fractions of the size
+  constexpr int fewest = 11;                  // number of points below which estimate_noise()
+                                              // returns 0
+  if (count_ < fewest) return any * sequence_.size;
   return std::min(any * sequence_.size, 2 * noise_ + none * sequence_.size);
 }
 
@@ -270,7 +272,8 @@ double SmoothingSplineSolver::choose_wavelength(PenalisedLeastSquares& smoothing
       // Beyond twice the length of an open curve, everything but a parabola is smoothed away.
       return sequence_.closed ? options_.wavelength : std::min(options_.wavelength, coarsest);
     case FairOptions::Smoothing::CrossValidation: {
-      if (has_few_points()) return min_wavelength_;
+      constexpr int fewest = 6;  // with fewer points, nothing can be learned about noise
+      if (count_ < fewest) return min_wavelength_;
       // If points are spaced unevenly, even the shortest wave may move points that have no noise.
       if (smoothing.rms_residual(smoothing.solve(finest)) > max_rms_move()) return min_wavelength_;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,

@@ -48,11 +48,6 @@ class SmoothingSplineSolver {
     return options_.smoothing == FairOptions::Smoothing::CrossValidation ||
            options_.smoothing == FairOptions::Smoothing::Noise;
   }
-  // True if the points are interpolated: noise cannot be distinguished from the shape of so few.
-  bool has_few_points() const {
-    constexpr int few = 15;
-    return options_.smoothing == FairOptions::Smoothing::CrossValidation && count_ < few;
-  }
   static constexpr int kWavelengthSearches =
       4;  // the wavelength is searched in this many rounds and then kept
   void begin();
