@@ -395,7 +395,7 @@ class Target:
                        if not (folder / path).is_file() or (folder / path).read_bytes() != data]
             if changed and (command[0] != "run-script" or main in changed):
                 what = what or f"changed: {', '.join(changed)}"
-            if self.name == "sketches" and code == 1 and "found no closed loop" not in text:
+            if self.name == "sketches" and fault == "-" and code == 1 and "found no closed loop" not in text:
                 what = what or "no model"
             if what:
                 kept = self.keep / f"{self.name}-{k}"
