@@ -523,12 +523,14 @@ class FullDisks(Case):
                       "convert deck.inp disk/a.stl", "convert deck.inp disk/a.obj",
                       "convert deck.inp disk/a.glb --from-unit mm", "convert deck.inp disk/a.3mf --from-unit mm",
                       "convert curves.csv disk/a.dxf", "convert curves.csv disk/a.svg"):
-            script = ("mount -t tmpfs -o size=16k,nr_inodes=40 none disk; touch disk/old; "
+            script = ("mount -t tmpfs -o size=16k,nr_inodes=40 none disk || exit 77; touch disk/old; "
                       "head -c 16384 /dev/zero > disk/fill 2>/dev/null; \"$0\" " + words +
                       "; echo code $?; ls -A disk")
             done = subprocess.run(["unshare", "--mount", "sh", "-c", script, ARGUMENTS.program], cwd=self.folder,
                                   env=ENVIRONMENT, stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, text=True, timeout=120)
+            if done.returncode == 77:
+                self.skipTest("disks may not be mounted")
             self.assertIn("No space left on device", done.stderr, words)
             self.assertIn("code 1\n", done.stdout, words + done.stderr)
             self.assertEqual(done.stdout.split("code 1\n")[1].split(), ["fill", "old"], words)
