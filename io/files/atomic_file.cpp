@@ -189,9 +189,8 @@ struct Failure {
 // Performs all renamings or none. Uses only async-signal-safe functions.
 Failure rename_all(std::vector<Renaming>& all, const std::vector<std::string>& removed) {
   // A missing last file tells that the set is incomplete.
-  Renaming& last = all.front();
+  const Renaming& last = all.front();
   const bool had_last = ::rename(last.to.c_str(), last.from.c_str()) == 0;
-  if (had_last) last.done = Renaming::Done::Renamed;
   for (size_t i = 1; i < all.size(); ++i)
     if (const int reason = all[i].perform()) {
       for (size_t k = i; k-- > 1;) all[k].undo();
