@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <thread>
 
@@ -38,11 +39,14 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   bool started() const { return fs::exists(number_) && fs::file_size(number_) > 0; }
-  /// False also for a zombie, which has no command line: containers may not reap it.
+  /// False also for a zombie: containers may not reap it. The state is read, not the command line,
+  /// which is empty for a moment while the script becomes another program.
   bool running() const {
     std::string number;
     std::ifstream(number_) >> number;
-    return !contents("/proc/" + number + "/cmdline").empty();
+    const std::string stat = contents("/proc/" + number + "/stat");
+    const std::size_t name_end = stat.rfind(") ");
+    return name_end != std::string::npos && !std::strchr("ZX", stat.at(name_end + 2));
   }
 
  private:
