@@ -15,6 +15,7 @@
 #include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/fem/surface_projector.h"
+#include "batten/skinning/model/model_shapes.h"
 
 namespace batten {
 
@@ -327,22 +328,7 @@ Points ModelLayout::nearest(const Points& wanted) const {
 // The shape through the lines for which the energy of (x - wanted) is minimal.
 Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
                                         const Points& wanted) const {
-  const SurfaceAssembler assembler(*mesh_, element(), trim_);
-  SparseMatrix K = assembler.pattern();
-  const std::vector<SurfaceStiffness> materials = scale_to_regions({material});
-  if (materials.size() == 1)
-    assembler.stiffness(materials[0], K);
-  else
-    assembler.stiffness(materials, K);
-  const VecX ones = position_dofs();
-  const Points about_origin = ones * origin().transpose();
-  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
-  // The join penalty applies to the shape itself, so it is added after the load is computed.
-  const double beta = (material.beta[0] + material.beta[2]) / 2;
-  if (const SparseMatrix joins = join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
-  const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
-                                 dof_order());
-  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
+  return nearest_shape(*this, {material}, wanted);
 }
 
 // Edits are made on copies of the regions, which replace the originals only if nothing was thrown.

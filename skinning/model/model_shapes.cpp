@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
@@ -37,6 +38,45 @@ Points rest_dofs(const ModelLayout& layout) {
   return rest_dofs(layout, of_regions);
 }
 
+namespace {
+
+// Faces with a closed smooth outline and no rest shape, which smooth joins connect to faces with
+// one.
+std::vector<int> patches_between(const ModelLayout& layout,
+                                 const std::vector<const Points*>& of_regions) {
+  const auto has_rest = [&](int r) { return of_regions[static_cast<size_t>(r)]->rows() > 0; };
+  std::set<int> patches;
+  for (const JoinPlan& plan : layout.join_plans())
+    for (size_t s = 0; s < 2; ++s) {
+      const int mine = plan.join_line.sides[s].region, other = plan.join_line.sides[1 - s].region;
+      if (!plan.rejected() && !has_rest(mine) && has_rest(other) &&
+          layout.region(mine).corners().empty() && layout.region(mine).uses_rest_shape())
+        patches.insert(mine);
+    }
+  return {patches.begin(), patches.end()};
+}
+
+// Gives patches the shape of least bending energy that continues their neighbours. Each solution
+// with soft patches bends the neighbours by a fraction kSoft of the angle that remains.
+void continue_neighbours(const ModelLayout& layout, const std::vector<int>& patches, Points& all) {
+  constexpr double kSoft = 1e-2;
+  constexpr int kRounds = 2;
+  std::vector<SurfaceStiffness> materials(static_cast<size_t>(layout.mesh()->triangle_count()),
+                                          SurfaceStiffness::isotropic(0, 1));
+  for (const int r : patches)
+    std::fill_n(materials.begin() + layout.first_triangle(r),
+                layout.region(r).mesh()->triangle_count(), SurfaceStiffness::isotropic(0, kSoft));
+  for (int round = 0; round < kRounds; ++round) {
+    const Points shape = nearest_shape(layout, materials, all);
+    for (const int r : patches) {
+      const Points own = layout.region_dofs(r, shape);
+      for (int d = 0; d < own.rows(); ++d) all.row(layout.dof_offsets(r)(d)) = own.row(d);
+    }
+  }
+}
+
+}  // namespace
+
 Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions) {
   Points all;
   for (int r = 0; r < layout.region_count(); ++r) {
@@ -45,7 +85,31 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
     if (all.rows() == 0) all = Points::Zero(layout.position_dofs().size(), 3);
     for (int d = 0; d < rest.rows(); ++d) all.row(layout.dof_offsets(r)(d)) = rest.row(d);
   }
+  if (all.rows() > 0)
+    if (const std::vector<int> patches = patches_between(layout, of_regions); !patches.empty())
+      continue_neighbours(layout, patches, all);
   return all;
+}
+
+Points nearest_shape(const ModelLayout& layout, const std::vector<SurfaceStiffness>& materials,
+                     const Points& wanted) {
+  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
+  SparseMatrix K = assembler.pattern();
+  const std::vector<SurfaceStiffness> scaled = layout.scale_to_regions(materials);
+  if (scaled.size() == 1)
+    assembler.stiffness(scaled[0], K);
+  else
+    assembler.stiffness(scaled, K);
+  const VecX ones = layout.position_dofs();
+  const Points about_origin = ones * layout.origin().transpose();
+  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
+  // The join penalty applies to the shape itself, so it is added after the load is computed.
+  double beta = 0;
+  for (const SurfaceStiffness& m : materials) beta = std::max(beta, (m.beta[0] + m.beta[2]) / 2);
+  if (const SparseMatrix joins = layout.join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
+  const ConstrainedSolver solver(layout.line_constraints().translated(ones, layout.origin()),
+                                 std::move(K), layout.dof_order());
+  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }
 
 namespace {

@@ -23,7 +23,10 @@ namespace batten {
 ///
 ///     two, three or four sides   sweeps with transported sections (docs/theory/sweeps.md)
 ///     annulus                    the loft through its boundary circles and its closed inner curves
-///     others                     none: five or more sides, a closed outline, a planar boundary
+///     closed smooth outline      if a smooth join connects it to a face with a rest shape: the
+///                                shape of least bending energy that continues these faces, which
+///                                keep their shapes (a patch that fills a hole)
+///     others                     none: five or more sides, a planar boundary
 ///
 /// Pass the result to ModelLayout::minimize_energy(): the solution is then the rest shape plus the
 /// displacement of minimum energy that inner curves, smooth joins and loads require. Cost:
@@ -31,12 +34,19 @@ namespace batten {
 Points rest_dofs(const ModelLayout& layout);
 
 /// Assembles the dofs of a model from known rest shapes, one per face. No rows in an entry of
-/// `of_regions`: the face has no rest shape.
+/// `of_regions`: the face has no rest shape of its own, only one that continues its neighbours.
 Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of_regions);
 
 /// Computes the dofs of the rest shape of one face, in absolute coordinates; no rows if the face
 /// has no rest shape.
 Points rest_dofs(const RegionLayout& region);
+
+/// Computes the shape that satisfies ModelLayout::line_constraints() and for which the energy of
+/// its difference from `wanted` is least. `materials`: one for all triangles, or one per triangle.
+/// Dofs are in absolute coordinates. Cost: one factorization. Throws ConflictError,
+/// NoSolutionError.
+Points nearest_shape(const ModelLayout& layout, const std::vector<SurfaceStiffness>& materials,
+                     const Points& wanted);
 
 /// True if the face has five or more sides that are not coplanar. Such a face has no pairs of
 /// opposite sides, and therefore no rest shape. The minimum-variation surface (fair_shape()) is the

@@ -563,3 +563,46 @@ TEST_CASE(
   CHECK(has_many_sides(five.layout->region(0)));
   CHECK_FALSE(has_many_sides(swept.layout->region(0)));
 }
+
+TEST_CASE("a patch that fills a round hole continues the dome, which keeps its shape",
+          "[skinning][model]") {
+  constexpr double kLatitude = 55 * pi / 180;
+  Lines lines = {arc("equator", 0, 1, 0, 2 * pi),
+                 arc("hole", std::sin(kLatitude), std::cos(kLatitude), 0, 2 * pi)};
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 x(std::cos(k * pi / 2), std::sin(k * pi / 2), 0);
+    lines.push_back(
+        {"meridian " + std::to_string(k),
+         ellipse_arc(curve_plane(Vec3::Zero(), x.cross(Vec3::UnitZ()), x), 1, 1, 0, kLatitude)});
+  }
+  RegionSearchOptions search;
+  RegionSpec open;
+  open.kind = RegionSpec::Kind::NoSurface;
+  open.loops = {{"equator"}};
+  search.specs = {open};
+  ModelOptions options;
+  options.joins = {{"hole", JoinSpec::Kind::Smooth}};
+  const SurfaceModel model = model_of(lines, search, options);
+  REQUIRE(model.skinned().size() == 5);
+  int smooth = 0;
+  for (const ModelJoin& join : model.joins) {
+    if (!join.requested) continue;
+    ++smooth;
+    CHECK(join.kind == ModelJoin::Kind::Smooth);
+    CHECK(join.max_deg < 0.1);
+  }
+  CHECK(smooth == 4);
+  for (const ModelRegion& region : model.regions) {
+    if (region.skinned->surface.trim()) continue;  // the patch
+    const Surface& surface = region.skinned->surface;
+    double worst = 0;
+    for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+      worst = std::max(worst, std::abs(surface.position({t, Vec3::Constant(1.0 / 3)}).norm() - 1));
+    CHECK(worst < 1e-3);
+  }
+  // The patch bulges like the cap: between its area and that of the flat disc.
+  const double cap = 2 * pi * (1 - std::sin(kLatitude)),
+               disc = pi * std::pow(std::cos(kLatitude), 2);
+  CHECK(model.area - 2 * pi * std::sin(kLatitude) > disc + 0.8 * (cap - disc));
+  CHECK(model.area - 2 * pi * std::sin(kLatitude) < disc + 1.2 * (cap - disc));
+}
