@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "batten/core/cancellation.h"
@@ -14,6 +16,7 @@
 #include "batten/skinning/domains/outline.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/search/find_regions.h"
+#include "batten/skinning/surfaces/loft_plan.h"
 #include "batten/skinning/surfaces/normal_side.h"
 #include "batten/skinning/surfaces/section_region.h"
 #include "batten/skinning/surfaces/skin_network.h"
@@ -40,9 +43,12 @@ class ModelBuilder {
 
   BuiltModel build() const {
     if (options_.single_face) {
-      const std::vector<CharacterLine> sections = specified_sections();
-      if (have_corner_at_seam(sections, skin_.corner_angle)) return between_cornered(sections);
-      return one_region(sections);
+      if (options_.sections.size() > 1) {
+        const CurveNetwork network = build_network(lines_, options_, progress_);
+        if (const auto plan = loft_through(network, options_.sections))
+          if (auto made = between_sections(network, *plan)) return std::move(*made);
+      }
+      return one_region(specified_sections());
     }
     progress_.update("network", 0);
     const bool specs = !options_.search.specs.empty() || !options_.model.joins.empty();
@@ -50,8 +56,10 @@ class ModelBuilder {
     BuiltModel made;
     made.network.emplace(build_network(lines_, options_, progress_));
     if (!specs)
+      if (const auto plan = find_loft(*made.network))
+        if (auto loft = between_sections(*made.network, *plan)) return std::move(*loft);
+    if (!specs)
       if (const std::vector<CharacterLine> row = ordered_sections(*made.network); !row.empty()) {
-        if (have_corner_at_seam(row, skin_.corner_angle)) return between_cornered(row);
         made = one_region(row);
         made.sections = {};
         for (const CharacterLine& section : row) made.sections.push_back(section.name);
@@ -160,24 +168,37 @@ class ModelBuilder {
                                                : usual * made.network->size();
   }
 
-  // Surfaces between closed sections with a corner. Each bay gets two of them, bounded by rails
-  // through the corners and through the noses (opposite ends). The sections themselves bound no
-  // surface.
-  BuiltModel between_cornered(const std::vector<CharacterLine>& sections) const {
-    std::vector<CharacterLine> lines = sections;
-    for (CharacterLine& rail : corner_rails(sections)) lines.push_back(std::move(rail));
+  // Surfaces between sections with corners, bounded by rails through corresponding points. Without
+  // guides, the sections themselves bound no surface. Nullopt if no rails are missing.
+  std::optional<BuiltModel> between_sections(const CurveNetwork& network,
+                                             const LoftPlan& plan) const {
+    const std::vector<CharacterLine> rails = loft_rails(network, plan);
+    if (rails.empty()) return std::nullopt;
+    std::vector<CharacterLine> lines = lines_;
+    lines.insert(lines.end(), rails.begin(), rails.end());
+    ModelBuildOptions options = options_;
+    options.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
     BuiltModel made;
-    made.network.emplace(build_network(lines, options_, progress_));
-    RegionSearchOptions search;
-    for (const CharacterLine& section : sections) {
-      RegionSpec spec;
-      spec.kind = RegionSpec::Kind::NoSurface;
-      spec.loops = {{section.name}};
-      search.specs.push_back(std::move(spec));
-    }
-    made.found.emplace(find_regions(*made.network, search, progress_));
+    made.network.emplace(build_network(lines, options, progress_));
+    if (plan.guides.empty()) made.found = loft_faces(*made.network, network, plan, rails);
+    if (!made.found) made.found.emplace(require_regions(*made.network, options, progress_));
     skin(made);
     return made;
+  }
+
+  // Gap tolerance that keeps rails apart, such as those along a thick trailing edge.
+  static double rail_tolerance(const std::vector<CharacterLine>& rails) {
+    constexpr double kFraction = 0.1;  // of the least distance between the ends of two rails
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < rails.size(); ++i)
+      for (size_t j = i + 1; j < rails.size(); ++j)
+        for (const bool end : {false, true}) {
+          const InputCurve &a = *rails[i].curve, &b = *rails[j].curve;
+          least = std::min(
+              least, (a.evaluate(end ? a.end() : a.start()) - b.evaluate(end ? b.end() : b.start()))
+                         .norm());
+        }
+    return kFraction * least;
   }
 
   const std::vector<CharacterLine>& lines_;

@@ -72,12 +72,12 @@ FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOption
 ///
 ///     single_face                           one face; a loft if `sections` are all of the curves
 ///     outlines bound one face               one face with the holes and inner curves on it
+///     find_loft() of the network            faces between sections with corners (loft_rails())
 ///     ordered_sections() of the network     the loft of a series of sections
 ///     otherwise                             skin_network(): all faces that the curves bound
 ///
-/// The second and third rows do not apply if faces or joins are requested. Between closed sections
-/// with a corner, the loft consists of two faces (corner_rails()). The normals of a single face
-/// point to the convex side or, if there is none, to the side that normal_side.h defines.
+/// The second to fourth rows do not apply if faces or joins are requested. The normals of a single
+/// face point to the convex side or, if there is none, to the side that normal_side.h defines.
 ///
 /// Throws as build_network(), require_regions(), RegionLayout and skin_network() do, and InputError
 /// if the model has a single face and that face cannot be skinned.

@@ -15,8 +15,9 @@
 namespace batten {
 namespace {
 
-constexpr double kSectionCorner = 20;    // degrees, at the seam of a closed section
-constexpr double kMaxLateralOffset = 1;  // of the larger radius; above, sections lie side by side
+// Of the larger radius and of the distance along the normal; beyond both, sections lie side by side.
+constexpr double kMaxLateralOffset = 1, kMaxLateralSlope = 2;
+constexpr double kNearlyClosed = 0.25;  // gap between the ends of an open section, of its radius
 
 // Data by which sections are compared.
 struct Section {
@@ -44,13 +45,20 @@ std::vector<int> isolated_edges(const CurveNetwork& network) {
   return edge_of;
 }
 
-Section section_of(const NetworkEdge& edge) {
+std::vector<Vec3> section_samples(const NetworkEdge& edge, bool closed) {
   constexpr int kSamples = 64;
-  Section section;
+  std::vector<Vec3> points;
   for (int k = 0; k < kSamples; ++k)
-    section.points.push_back(edge.curve.evaluate(edge.curve.end() * (k + 0.5) / kSamples));
-  for (const Vec3& p : section.points) section.middle += p / kSamples;
-  section.direction = edge.curve.evaluate(edge.curve.end()) - edge.curve.evaluate(0);
+    points.push_back(
+        edge.curve.evaluate(edge.curve.end() * k / (closed ? kSamples : kSamples - 1)));
+  return points;
+}
+
+Section section_of(const std::vector<Vec3>& points) {
+  Section section;
+  section.points = points;
+  for (const Vec3& p : points) section.middle += p / static_cast<double>(points.size());
+  section.direction = points.back() - points.front();
   return section;
 }
 
@@ -107,13 +115,20 @@ bool closed_face(const Section& one, const Section& two) {
   if (degrees_between(normal, other) > kMaxAngleDeg) return false;
   const Vec3 along = (normal + other).normalized(), apart = two.middle - one.middle;
   const double aside = (apart - apart.dot(along) * along).norm();
-  return aside < std::max(radius, other_radius) * kMaxLateralOffset &&
-         std::abs(apart.dot(along)) > kMinSpacing * std::min(radius, other_radius);
+  const double spacing = std::abs(apart.dot(along));
+  return aside < std::max(std::max(radius, other_radius) * kMaxLateralOffset,
+                          spacing * kMaxLateralSlope) &&
+         spacing > kMinSpacing * std::min(radius, other_radius);
+}
+
+bool is_nearly_closed(const Section& section) {
+  return section.direction.norm() < kNearlyClosed * plane_of(section).second;
 }
 
 bool open_face(const Section& one, const Section& two) {
   constexpr double kMaxAngleDeg = 45;                     // degrees
   constexpr double kMaxShift = 0.5, kMaxLengthRatio = 5;  // relative to the lengths
+  if (is_nearly_closed(one) && is_nearly_closed(two)) return closed_face(one, two);
   const double a = one.direction.norm(), b = two.direction.norm();
   if (!(a > 0 && b > 0) || std::max(a, b) > kMaxLengthRatio * std::min(a, b)) return false;
   const double angle_deg = degrees_between(one.direction, two.direction);
@@ -124,6 +139,17 @@ bool open_face(const Section& one, const Section& two) {
 
 }  // namespace
 
+std::vector<int> loft_order(const std::vector<std::vector<Vec3>>& points, bool closed) {
+  std::vector<Section> sections;
+  for (const auto& of_section : points) sections.push_back(section_of(of_section));
+  std::vector<int> order = chain(sections);
+  for (size_t k = 0; k + 1 < order.size(); ++k) {
+    const Section &one = sections[order[k]], &two = sections[order[k + 1]];
+    if (closed ? !closed_face(one, two) : !open_face(one, two)) return {};
+  }
+  return order;
+}
+
 std::vector<CharacterLine> ordered_sections(const CurveNetwork& network) {
   const std::vector<int> edges = isolated_edges(network);
   if (edges.size() < 2) return {};
@@ -131,21 +157,14 @@ std::vector<CharacterLine> ordered_sections(const CurveNetwork& network) {
     return network.edges()[a].nodes[0] == network.edges()[a].nodes[1];
   };
   const auto count = std::count_if(edges.begin(), edges.end(), closed);
-  if (count != 0 && count != static_cast<long>(edges.size())) return {};
-  const bool corners = have_corner_at_seam(network.lines(), kSectionCorner);
-  if (count == 2 && !corners) return {};
-  for (const CharacterLine& line : network.lines())
-    if (line.role != CharacterLine::Role::Outline) return {};
-  std::vector<Section> sections;
-  for (const int a : edges) sections.push_back(section_of(network.edges()[a]));
-  const std::vector<int> order = chain(sections);
-  for (size_t k = 0; k + 1 < order.size(); ++k) {
-    const int a = order[k], b = order[k + 1];
-    if (count > 0 ? !closed_face(sections[a], sections[b]) : !open_face(sections[a], sections[b]))
-      return {};
+  if (count != 0 && (count != static_cast<long>(edges.size()) || count == 2)) return {};
+  std::vector<std::vector<Vec3>> points;
+  for (const int a : edges) {
+    if (network.lines()[network.edges()[a].line].role != CharacterLine::Role::Outline) return {};
+    points.push_back(section_samples(network.edges()[a], count > 0));
   }
   std::vector<CharacterLine> row;
-  for (const int k : order) row.push_back(network.lines()[k]);
+  for (const int k : loft_order(points, count > 0)) row.push_back(network.lines()[k]);
   return row;
 }
 
@@ -168,7 +187,9 @@ bool is_closed(const CharacterLine& line) {
   return (start - end).norm() <= same * (line.curve->evaluate(middle) - start).norm();
 }
 
-CharacterLine rail(const std::string& name, const std::vector<Vec3>& points) {
+}  // namespace
+
+CharacterLine rail_through(const std::string& name, const std::vector<Vec3>& points) {
   std::vector<double> u{0};
   Points x(static_cast<long>(points.size()), 3);
   for (size_t i = 0; i < points.size(); ++i) {
@@ -180,8 +201,6 @@ CharacterLine rail(const std::string& name, const std::vector<Vec3>& points) {
   line.curve = curve_from_hermite(HermiteCurve(u, x, not_a_knot_slopes(u, x)));
   return line;
 }
-
-}  // namespace
 
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
   if (sections.size() < 2)
@@ -206,8 +225,8 @@ std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections) {
     ends.push_back(end);
   }
   if (closed) return sections;
-  sections.push_back(rail(kRails[0], starts));
-  sections.push_back(rail(kRails[1], ends));
+  sections.push_back(rail_through(kRails[0], starts));
+  sections.push_back(rail_through(kRails[1], ends));
   return sections;
 }
 
@@ -215,33 +234,6 @@ bool is_rail(const std::string& curve) {
   return std::any_of(std::begin(kRails), std::end(kRails), [&](const std::string& rail) {
     return curve == rail || curve.starts_with(rail + ".");
   });
-}
-
-bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle) {
-  return !sections.empty() &&
-         std::all_of(sections.begin(), sections.end(), [&](const CharacterLine& line) {
-           const InputCurve& curve = *line.curve;
-           return is_closed(line) && degrees_between(curve.evaluate(curve.start(), 1),
-                                                     curve.evaluate(curve.end(), 1)) > corner_angle;
-         });
-}
-
-std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections) {
-  if (sections.size() < 2)
-    throw InputError("found " + std::to_string(sections.size()) + " section, expected two or more");
-  std::vector<Vec3> corners, noses;
-  for (const CharacterLine& line : sections) {
-    const InputCurve& curve = *line.curve;
-    corners.push_back(curve.evaluate(curve.start()));
-    constexpr int samples = 400;
-    double most = 0;
-    noses.push_back(corners.back());
-    for (int k = 1; k < samples; ++k) {
-      const Vec3 p = curve.evaluate(curve.start() + (curve.end() - curve.start()) * k / samples);
-      if (const double d = (p - corners.back()).norm(); d > most) most = d, noses.back() = p;
-    }
-  }
-  return {rail(kRails[0], corners), rail(kRails[1], noses)};
 }
 
 RegionLayout section_region(const std::string& name, std::vector<CharacterLine> sections,

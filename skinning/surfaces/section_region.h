@@ -11,18 +11,25 @@
 
 namespace batten {
 
-/// Orders the curves of a network along a loft, if all of them are sections: no curve meets another
-/// one, and either
+/// The order of sections along a loft: a chain of nearest neighbours. `sections`: points on each
+/// section, uniform along it; all sections are closed (first point not repeated) or all are open.
+///
+/// Consecutive sections must face each other. Closed sections, and open ones whose ends nearly
+/// meet: their planes differ by at most 60° and do not coincide, and their centres are displaced
+/// sideways by at most the larger mean radius or twice their distance along the normal (swept
+/// wings). Other open sections: chords differ by at most 45° and lie side by side. The result is
+/// empty if they do not. Cost: O(n³).
+std::vector<int> loft_order(const std::vector<std::vector<Vec3>>& sections, bool closed);
+
+/// Orders the curves of a network along a loft by loft_order(), if all of them are sections: no
+/// curve meets another one, and either
 ///
 ///     all are closed and smooth, three or more: circles of a bottle, frames of a hull, a pipe;
-///     all are closed with a corner at their seam, two or more: aerofoils;
 ///     all are open, two or more: stations, ribs.
 ///
-/// The result is a chain of nearest neighbours. Consecutive sections must face each other: planes
-/// of closed sections differ by at most 60° and do not coincide; chords of open sections differ by
-/// at most 45° and lie side by side. The result is empty if the curves do not satisfy these
-/// conditions. The result is empty for two closed smooth curves, which are the boundary circles of
-/// an annulus (find_regions()). Cost: O(n³) for n curves.
+/// The result is empty for other curves, and if the sections do not face each other. Two closed
+/// smooth curves are the boundary circles of an annulus (find_regions()); closed sections with
+/// corners: find_loft(). Cost: O(n³) for n curves.
 std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
 
 // Faces made from sections alone, as in hulls, wings and bottles.
@@ -38,21 +45,13 @@ std::vector<CharacterLine> ordered_sections(const CurveNetwork& network);
 /// O(sections).
 std::vector<CharacterLine> section_lines(std::vector<CharacterLine> sections);
 
-/// True if `curve` is the name of a rail from section_lines() or corner_rails(), such as "rail 1",
-/// or the name of a part of a rail, such as "rail 1.2".
+/// True if `curve` is the name of a rail from section_lines(), such as "rail 1", or the name of a
+/// part of a rail, such as "rail 1.2".
 bool is_rail(const std::string& curve);
 
-/// True if all sections are closed and have a corner of more than `corner_angle` degrees at their
-/// seam, like aerofoils at the trailing edge. False if there are no sections. O(sections).
-bool have_corner_at_seam(const std::vector<CharacterLine>& sections, double corner_angle);
-
-/// Computes the rails of closed sections with a corner: "rail 1" through the corners, and "rail 2"
-/// through the point of each section that is farthest from the corner. The rails and two
-/// consecutive sections bound two faces. `sections`: closed curves with a corner at the seam, in
-/// the order of the loft.
-///
-/// Throws InputError if there are fewer than two sections. Cost: O(sections).
-std::vector<CharacterLine> corner_rails(const std::vector<CharacterLine>& sections);
+/// A rail: the cubic spline through points with chord-length parametrisation and not-a-knot end
+/// conditions; straight between two points.
+CharacterLine rail_through(const std::string& name, const std::vector<Vec3>& points);
 
 /// Builds the layout (domain, mesh and curves) of a face through sections, as input of
 /// loft_shape(). The curves of the face are those of section_lines().
