@@ -191,9 +191,11 @@ class ContactSearch {
   std::vector<int> intervals(const std::vector<Contact>& contacts, double limit) const {
     const int n = isize(contacts);
     DisjointSets groups(n);
-    constexpr int kLookAhead = 12;  // up to nine pairs of chords yield the same contact
+    // Up to nine pairs of chords yield the same contact, and more at the sharp tail of a profile.
+    constexpr int kLookAhead = 12;
     for (int i = 0; i < n; ++i)
-      for (int j = i + 1; j < std::min(n, i + kLookAhead); ++j)
+      for (int j = i + 1;
+           j < n && (j < i + kLookAhead || contacts[j].sa - contacts[i].sa <= tolerance_); ++j)
         if (groups.find(i) != groups.find(j) && linked(contacts[i], contacts[j], limit))
           groups.unite(i, j);
     std::vector<int> of(n);

@@ -154,6 +154,15 @@ TEST_CASE("a wing of root, tip and one edge equals the wing with both edges",
   CHECK(volume({trailing}) == Approx(both).epsilon(1e-3));
 }
 
+TEST_CASE("the tail of a small profile is not joined by the gap tolerance of a long wing",
+          "[skinning][surfaces]") {
+  const std::vector<CharacterLine> ribs{closed_line("root", aerofoil(60, 1, 0)),
+                                        closed_line("tip", aerofoil(60, 0.15, 10))};
+  const CurveNetwork network(ribs);
+  CHECK(network.edges().size() == 2);
+  CHECK(find_loft(network));
+}
+
 TEST_CASE("curves that are no row of sections get no rails", "[skinning][surfaces]") {
   // Beside each other in a plane; smooth; one alone.
   std::vector<Vec3> beside = regular(4, 1, 0);
