@@ -14,8 +14,9 @@ namespace batten {
 /// Reads the curves of a text file. The extension selects the format:
 ///
 ///   .csv .txt .xyz .dat   One point per row: 2 or 3 numbers (with 2 numbers, z = 0) separated by
-///                         commas, semicolons, tabs or blanks. If the separator is not a comma, a
-///                         comma inside a number is a decimal comma. '#' and '//' start comments.
+///                         commas, semicolons, tabs or blanks. If the separator is not a comma, or
+///                         the number is in double quotes, a comma inside a number is a decimal
+///                         comma. A separator at the end of all rows is passed over. '#' and '//' start comments.
 ///                         Rows of words before the numbers are titles, even if they contain
 ///                         digits. A header row with at least two of the names x, y, z selects the
 ///                         columns; other columns are skipped. A column "line", "name" or "curve"

@@ -204,9 +204,14 @@ struct Columns {
   std::optional<long> number;
 };
 
-void split(std::string_view row, char separator, Fields& fields) {
-  if (separator == 0) return split_fields(row, fields);
-  split_at(row, separator, fields);
+// Splits a row. A separator at its end is passed over unless the row then has fewer than `count`
+// fields; the result is true if there was one.
+bool split(std::string_view row, char separator, long count, Fields& fields) {
+  if (separator == 0)
+    split_fields(row, fields);
+  else
+    split_at(row, separator, fields);
+  return isize(fields) > count && drop_empty_end(fields);
 }
 
 // True if the fields are numbers with decimal commas, at least one of them. `each`: every field
@@ -214,6 +219,7 @@ void split(std::string_view row, char separator, Fields& fields) {
 bool has_decimal_commas(const Fields& fields, bool each) {
   bool any = false;
   for (std::string_view f : fields) {
+    f = without_quotes(f);
     const size_t comma = f.find(',');
     if (comma == f.npos && !each) continue;
     if (comma == f.npos || comma == 0 || comma + 1 == f.size() ||
@@ -297,7 +303,7 @@ class PointTable {
       if (!title_.empty()) how_ = "title " + quoted_excerpt(title_);
     }
     choose_decimal_commas(row);
-    split(row, columns_.separator, fields_);
+    const bool ends_with_separator = split(row, columns_.separator, static_cast<long>(columns_.named.count), fields_);
     columns_.count = isize(fields_);
     if (columns_.named) {
       how_ = "columns named by the header";
@@ -311,21 +317,29 @@ class PointTable {
                      (columns_.count > 3 ? ", or a header row that names those columns" : "") +
                      (commas ? "; numbers are written with a decimal point" : ""));
     }
-    if (columns_.decimal_commas) how_ += std::string(how_.empty() ? "" : ", ") + "decimal commas";
+    const auto note = [&](const char* text) { how_ += (how_.empty() ? "" : ", ") + std::string(text); };
+    if (row.find('"') != row.npos) note("fields in quotes");
+    if (ends_with_separator) note("a separator at the end of each row");
   }
 
-  // Between semicolons, tabs or blanks, a comma inside a number is a decimal comma.
+  // Between semicolons or tabs and inside of quotes, a comma in a number is a decimal comma; between
+  // blanks only if all numbers of the first row have one.
   void choose_decimal_commas(std::string_view row) {
+    const bool quoted = row.find('"') != row.npos, semicolons = row.find(';') != row.npos;
+    if (quoted || semicolons) {
+      if (columns_.separator == 0) columns_.separator = separator_of(row);
+      columns_.decimal_commas = quoted || columns_.separator != ',';
+      return;
+    }
     if (columns_.separator == ',') return;
-    const bool semicolons = row.find(';') != row.npos;
-    split_at(row, semicolons ? ';' : ' ', fields_);
-    if (fields_.size() < 2 || !has_decimal_commas(fields_, !semicolons)) return;
+    split_at(row, ' ', fields_);
+    if (fields_.size() < 2 || !has_decimal_commas(fields_, row.find('\t') == row.npos)) return;
     columns_.decimal_commas = true;
-    columns_.separator = semicolons ? ';' : ' ';
+    columns_.separator = ' ';
   }
 
   Vec3 point(std::string_view row) {
-    split(row, columns_.separator, fields_);
+    split(row, columns_.separator, columns_.count, fields_);
     if (columns_.named) return named_point(row);
     size_t first = 0;
     if (columns_.number) {
@@ -375,19 +389,12 @@ class PointTable {
   }
 
   double value(std::string_view field) {
-    static const std::string expected = "a number",
-                             headed = "a number (a header row contains names only)";
-    const std::string& what = lines_.empty() && heading_.empty() ? headed : expected;
-    const size_t comma = columns_.decimal_commas ? field.find(',') : field.npos;
-    if (comma == field.npos) return rows_.number_in(field, what);
-    std::string with_point(field);
-    with_point[comma] = '.';
-    double x = 0;
-    const auto [end, error] =
-        std::from_chars(with_point.data(), with_point.data() + with_point.size(), x);
-    if (error != std::errc() || end != with_point.data() + with_point.size() || !std::isfinite(x))
-      rows_.fail(field.data(), "found " + quoted_excerpt(field) + ", expected " + what);
-    return x;
+    decimal_commas_used_ =
+        decimal_commas_used_ || (columns_.decimal_commas && field.find(',') != field.npos);
+    const bool headed = lines_.empty() && heading_.empty();
+    return rows_.number_in(
+        field, headed ? "a number (a header row contains names only)" : "a number",
+        columns_.decimal_commas);
   }
 
   void add(const Vec3& p) {
@@ -400,6 +407,8 @@ class PointTable {
 
   void finish() {
     join_lednicer(lines_, scale_);
+    if (std::string& note = lines_.empty() ? how_ : lines_[0].format_note; decimal_commas_used_)
+      note += (note.empty() ? "" : ", ") + std::string("decimal commas");
     for (const NamedPoints& line : lines_)
       if (line.points.size() < 2)
         throw InputError(rows_.path().string() + ":" + std::to_string(line.first_line) +
@@ -414,7 +423,7 @@ class PointTable {
   std::string title_, next_name_, how_;
   Fields fields_;
   std::vector<NamedPoints> lines_;
-  bool new_line_ = true;
+  bool new_line_ = true, decimal_commas_used_ = false;
 };
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -39,7 +41,20 @@ void TextRows::fail(const char* where, const std::string& message) const {
                    std::to_string(where - (text_.data() + begin_) + 1) + ": " + message);
 }
 
-double TextRows::number_in(std::string_view field, const std::string& expected) const {
+double TextRows::number_in(std::string_view field, const std::string& expected,
+                           bool decimal_comma) const {
+  field = without_quotes(field);
+  const size_t comma = decimal_comma ? field.find(',') : field.npos;
+  if (comma != field.npos) {
+    std::string with_point(field);
+    with_point[comma] = '.';
+    double value = 0;
+    const char *first = with_point.data(), *last = first + with_point.size();
+    const auto [end, error] = std::from_chars(first + with_point.starts_with('+'), last, value);
+    if (error != std::errc() || end != last || !std::isfinite(value))
+      fail(field.data(), "found " + quoted_excerpt(field) + ", expected " + expected);
+    return value;
+  }
   double value = 0;
   const char *first = field.data(), *last = first + field.size();
   // from_chars does not accept a leading plus
@@ -111,6 +126,12 @@ void split_fields(std::string_view row, std::vector<std::string_view>& fields) {
   }
 }
 
+bool drop_empty_end(std::vector<std::string_view>& fields) {
+  if (fields.size() < 2 || !fields.back().empty()) return false;
+  fields.pop_back();
+  return true;
+}
+
 void split_at(std::string_view row, char separator, std::vector<std::string_view>& fields) {
   if (separator == ' ') {
     fields.clear();
@@ -166,12 +187,6 @@ int axis_of(std::string_view field) {
   return name[0] - 'x';
 }
 
-// The separator of a row of words that may contain blanks; 0: none found.
-char separator_of(std::string_view row) {
-  for (const char c : {';', '\t', ','})
-    if (row.find(c) != row.npos) return c;
-  return 0;
-}
 
 Fields fields_of(std::string_view row, char separator) {
   Fields fields;
@@ -184,9 +199,20 @@ Fields fields_of(std::string_view row, char separator) {
 
 }  // namespace
 
+char separator_of(std::string_view row) {
+  for (const char c : {';', '\t', ','})
+    for (size_t i = 0; i < row.size(); i += std::max<size_t>(quoted_length(row.substr(i)), 1))
+      if (row[i] == c) return c;
+  return 0;
+}
+
 bool is_header(std::string_view row, bool first_row) {
   Fields fields;
-  split_fields(row, fields);
+  if (row.find('"') == row.npos)
+    split_fields(row, fields);
+  else
+    fields = fields_of(row, separator_of(row));
+  for (std::string_view& field : fields) field = without_quotes(field);
   std::erase_if(fields, [](std::string_view f) { return f.empty(); });
   const long numbers = std::count_if(fields.begin(), fields.end(), starts_like_number);
   const long texts = isize(fields) - numbers;
@@ -207,7 +233,8 @@ bool is_header(std::string_view row, bool first_row) {
 HeaderColumns parse_header_columns(std::string_view heading) {
   HeaderColumns columns;
   columns.separator = separator_of(heading);
-  const Fields names = fields_of(heading, columns.separator);
+  Fields names = fields_of(heading, columns.separator);
+  drop_empty_end(names);
   columns.count = names.size();
   for (int i = 0; i < isize(names); ++i) {
     const std::string_view name = without_quotes(names[static_cast<size_t>(i)]);
@@ -222,10 +249,12 @@ HeaderColumns parse_header_columns(std::string_view heading) {
 
 HeaderColumns header_columns(std::string_view heading, std::string_view row) {
   const HeaderColumns columns = parse_header_columns(heading);
-  const Fields values = fields_of(row, columns.separator);
+  Fields values = fields_of(row, columns.separator);
+  if (values.size() > columns.count) drop_empty_end(values);
   if (values.size() != columns.count) return {};
   for (const int axis : columns.axes)
-    if (axis >= 0 && !starts_like_number(values[static_cast<size_t>(axis)])) return {};
+    if (axis >= 0 && !starts_like_number(without_quotes(values[static_cast<size_t>(axis)])))
+      return {};
   return columns;
 }
 
@@ -233,55 +262,110 @@ std::string header_name(std::string_view heading) {
   return std::string(without_quotes(trimmed(heading)));
 }
 
+namespace {
+
+bool names_waterlines(const std::string& word) {
+  return word == "z" || word == "h" || word.starts_with("w") || word.starts_with("height");
+}
+bool names_stations(const std::string& word) {
+  return word == "x" || word.starts_with("st") || word.starts_with("sec") ||
+         word.starts_with("fr");
+}
+
+// A heading of a row or column of an offset table, such as "150", "WL 150" or "Station 3".
+struct OffsetLabel {
+  std::string word;  // in lower case; may be empty
+  double position = 0;
+};
+
+std::optional<OffsetLabel> offset_label(std::string_view field, bool decimal_comma) {
+  field = without_quotes(field);
+  const size_t digits = field.find_first_of("+-0123456789");
+  if (digits == field.npos) return {};
+  const std::string_view word = trimmed(field.substr(0, digits));
+  std::string number(field.substr(digits));
+  if (const size_t comma = decimal_comma ? number.find(',') : number.npos; comma != number.npos)
+    number[comma] = '.';
+  const std::optional<double> position = number_of(number);
+  const std::string name = lower_case(std::string(word));
+  if (!position || !(name.empty() || names_waterlines(name) || names_stations(name))) return {};
+  return OffsetLabel{name, *position};
+}
+
+// The first word of a text, in lower case.
+std::string first_word(std::string_view text) {
+  size_t length = 0;
+  while (length < text.size() && is_letter(text[length])) ++length;
+  return lower_case(std::string(text.substr(0, length)));
+}
+
+}  // namespace
+
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row) {
   OffsetTable table;
   table.separator_ = separator_of(heading);
-  const Fields fields = fields_of(heading, table.separator_);
-  if (fields.size() < 3 || fields.size() != fields_of(row, table.separator_).size()) return {};
+  table.decimal_commas_ = table.separator_ != ',' && table.separator_ != 0;
+  Fields fields = fields_of(heading, table.separator_);
+  drop_empty_end(fields);
+  const Fields first = fields_of(row, table.separator_);
+  if (fields.size() < 3 || first.size() < fields.size() || first.size() > fields.size() + 1)
+    return {};
   const std::string_view corner = without_quotes(fields[0]);
   if (number_of(corner)) return {};
+  const auto label_of_row = offset_label(first[0], table.decimal_commas_);
+  if (!label_of_row) return {};
+  table.rows_are_waterlines_ =
+      names_waterlines(first_word(corner)) || names_waterlines(label_of_row->word);
   for (size_t i = 1; i < fields.size(); ++i) {
-    const std::optional<double> height = number_of(fields[i]);
-    if (!height || (i > 1 && *height <= table.heights_.back())) return {};
-    table.heights_.push_back(*height);
+    const auto label = offset_label(fields[i], table.decimal_commas_);
+    if (!label) return {};
+    if (names_stations(label->word)) table.rows_are_waterlines_ = true;
+    table.positions_.push_back(label->position);
   }
-  const char first = corner.empty() ? ' ' : lower_case(std::string(corner))[0];
-  table.rows_are_waterlines_ = first == 'z' || first == 'w' || first == 'h';
+  const auto& p = table.positions_;
+  const bool monotone =
+      std::adjacent_find(p.begin(), p.end(), std::greater_equal<>()) == p.end() ||
+      std::adjacent_find(p.begin(), p.end(), std::less_equal<>()) == p.end();
+  if (!monotone) return {};
   return table;
 }
 
 std::vector<NamedPoints> OffsetTable::read(TextRows& rows, double scale) const {
-  std::vector<std::pair<double, NamedPoints>> stations;
-  if (rows_are_waterlines_)
-    for (const double x : heights_) stations.push_back({x, {}});
-  const size_t columns = heights_.size() + 1;
-  const auto add = [&](NamedPoints& line, const Vec3& p) {
-    if (line.points.empty()) line.first_line = rows.line();
-    line.points.push_back(scale * p);
-  };
+  std::map<double, NamedPoints> stations;
+  const size_t columns = positions_.size() + 1;
+  Fields fields;
   do {
     const std::string_view row = without_comment(rows.row());
     if (row.find_first_not_of(" \t,;") == row.npos) continue;
-    const Fields fields = fields_of(row, separator_);
+    fields = fields_of(row, separator_);
+    if (fields.size() == columns + 1) drop_empty_end(fields);
     if (fields.size() != columns)
       rows.fail(row.data(), "found " + format_count(isize(fields), "column") + ", expected " +
                                 std::to_string(columns) + " as in the first row");
-    const double along = rows.number_in(fields[0], "a number");
-    if (!rows_are_waterlines_) stations.push_back({along, {}});
+    const auto label = offset_label(fields[0], decimal_commas_);
+    const double along =
+        label ? label->position : rows.number_in(fields[0], "a number", decimal_commas_);
     for (size_t i = 1; i < columns; ++i) {
-      if (fields[i].empty() || fields[i] == "-") continue;
-      const double breadth = rows.number_in(fields[i], "a half-breadth or an empty field");
-      if (rows_are_waterlines_)
-        add(stations[i - 1].second, Vec3(heights_[i - 1], breadth, along));
-      else
-        add(stations.back().second, Vec3(along, breadth, heights_[i - 1]));
+      const std::string_view field = without_quotes(fields[i]);
+      if (field.empty() || field == "-") continue;
+      const double breadth =
+          rows.number_in(field, "a half-breadth or an empty field", decimal_commas_);
+      const auto [x, z] = rows_are_waterlines_ ? std::pair(positions_[i - 1], along)
+                                               : std::pair(along, positions_[i - 1]);
+      NamedPoints& line = stations[x];
+      if (line.points.empty()) line.first_line = rows.line();
+      line.points.push_back(scale * Vec3(x, breadth, z));
     }
   } while (rows.next());
   std::vector<NamedPoints> lines;
   for (auto& [along, line] : stations) {
     if (line.points.size() < 2) continue;
+    std::sort(line.points.begin(), line.points.end(),
+              [](const Vec3& a, const Vec3& b) { return a.z() < b.z(); });
     line.name = "station " + format_number(along);
-    if (lines.empty()) line.format_note = "from an offset table";
+    if (lines.empty())
+      line.format_note = std::string("from an offset table, whose rows are ") +
+                         (rows_are_waterlines_ ? "waterlines" : "stations");
     lines.push_back(std::move(line));
   }
   return lines;

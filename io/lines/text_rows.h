@@ -31,8 +31,10 @@ class TextRows {
 
   /// Throws InputError, "file:line:column: message". `where` must point into the row.
   [[noreturn]] void fail(const char* where, const std::string& message) const;
-  /// Parses `field`, a part of the row, as a number. Throws InputError with its position.
-  double number_in(std::string_view field, const std::string& expected) const;
+  /// Parses `field`, a part of the row, as a number, which may be in double quotes.
+  /// `decimal_comma`: a comma is accepted as decimal sign. Throws InputError with its position.
+  double number_in(std::string_view field, const std::string& expected,
+                   bool decimal_comma = false) const;
 
  private:
   std::filesystem::path path_;
@@ -48,6 +50,11 @@ void split_fields(std::string_view row, std::vector<std::string_view>& fields);
 /// Splits a row at `separator` and trims the fields. ' ': any number of blanks. With other
 /// separators, a field in double quotes may contain the separator.
 void split_at(std::string_view row, char separator, std::vector<std::string_view>& fields);
+/// The separator of a row: the first of semicolon, tab and comma that occurs outside of quotes; 0:
+/// none of them.
+char separator_of(std::string_view row);
+/// Removes an empty last field, as after a separator at the end of a row; true if there was one.
+bool drop_empty_end(std::vector<std::string_view>& fields);
 /// True if the field begins like a number, or is "nan" or "inf".
 bool starts_like_number(std::string_view field);
 
@@ -82,21 +89,24 @@ HeaderColumns header_columns(std::string_view heading, std::string_view row);
 std::string header_name(std::string_view heading);
 
 /// A table of the half-breadths of a ship's hull. Its header is a word (or nothing), followed by
-/// ascending heights of waterlines. Each row is the position of a station along the ship, followed
-/// by its half-breadths; "-" or empty if there is no hull. If the word begins with "z", "w" or "h",
-/// rows are waterlines and columns are stations.
+/// ascending or descending heights of waterlines. Each row is the position of a station along the
+/// ship, followed by its half-breadths; "-" or empty if there is no hull. Positions may be preceded
+/// by a word: "WL 150", "Station 3". If the word in the corner or those of the rows name waterlines
+/// ("z", "h", "height", "WL", "waterline"), or those of the columns name stations ("x", "station",
+/// "frame"), rows are waterlines and columns are stations. If the separator is a semicolon or tab,
+/// decimal commas are accepted.
 class OffsetTable {
  public:
-  /// Reads on from the current row of `rows`. Returns one curve per station with points (x,
-  /// half-breadth, z), upwards. Stations with fewer than two points are left out. Throws
+  /// Reads on from the current row of `rows`. Returns one curve per station, by ascending position,
+  /// with points (x, half-breadth, z), upwards. Stations with fewer than two points are left out. Throws
   /// InputError.
   std::vector<NamedPoints> read(TextRows& rows, double scale) const;
 
  private:
   friend std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row);
   char separator_ = 0;
-  bool rows_are_waterlines_ = false;
-  std::vector<double> heights_;
+  bool rows_are_waterlines_ = false, decimal_commas_ = false;
+  std::vector<double> positions_;  // of the columns
 };
 /// Recognises an offset table by its header and the first row below it.
 std::optional<OffsetTable> offset_table(std::string_view heading, std::string_view row);
