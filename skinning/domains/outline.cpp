@@ -491,14 +491,21 @@ std::vector<double> corner_angles(const Outline& outline, bool convex) {
   constexpr double pi = std::numbers::pi;
   const std::vector<char> left =
       convex ? std::vector<char>(outline.corners.size(), 1) : left_at_corners(outline);
-  std::vector<double> angles;
+  std::vector<double> angles, all_convex;
+  double sum = 0, convex_sum = 0;
   for (size_t i = 0; i < left.size(); ++i) {
     const LoopVertex vertex = loop_vertex_at(outline, static_cast<size_t>(outline.corners[i]));
     const double turning_angle = std::atan2(vertex.incoming.cross(vertex.outgoing).norm(),
                                             vertex.incoming.dot(vertex.outgoing));
     angles.push_back(left[i] ? pi - turning_angle : pi + turning_angle);
+    all_convex.push_back(pi - turning_angle);
+    sum += angles.back();
+    convex_sum += all_convex.back();
   }
-  return angles;
+  // Deep sides, such as the nose of a wing between two lines along the span, hide the inside of
+  // the loop, but the angles of a polygon have a known sum.
+  const double expected = (static_cast<double>(left.size()) - 2) * pi;
+  return std::abs(convex_sum - expected) < std::abs(sum - expected) ? all_convex : angles;
 }
 
 }  // namespace batten

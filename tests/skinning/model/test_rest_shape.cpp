@@ -606,3 +606,29 @@ TEST_CASE("a patch that fills a round hole continues the dome, which keeps its s
   CHECK(model.area - 2 * pi * std::sin(kLatitude) > disc + 0.8 * (cap - disc));
   CHECK(model.area - 2 * pi * std::sin(kLatitude) < disc + 1.2 * (cap - disc));
 }
+
+TEST_CASE("a deep nose between two lines along a swept span is ruled between its sections",
+          "[skinning][model]") {
+  // Half ellipses of depth 2 and mouth 0.3 at y = 0, scaled by 0.8 and moved back at y = 2.
+  const auto nose = [](double y, double f) {
+    const double t = pi * (f - 0.5), scale = 1 - 0.1 * y;
+    return Vec3(0.35 * y + scale * (2 - 2 * std::cos(t)), y, scale * 0.15 * std::sin(t));
+  };
+  const auto section = [&](const std::string& name, double y) {
+    const double scale = 1 - 0.1 * y;
+    const CurvePlane plane{Vec3(0.35 * y + scale * 2, y, 0), Vec3(-1, 0, 0), Vec3::UnitZ()};
+    return CharacterLine{name, ellipse_arc(plane, 2 * scale, 0.15 * scale, -pi / 2, pi / 2)};
+  };
+  const SurfaceModel model =
+      model_of({section("root", 0), section("tip", 2), straight("upper", nose(0, 1), nose(2, 1)),
+                straight("lower", nose(0, 0), nose(2, 0))});
+  REQUIRE(model.skinned().size() == 1);
+  double exact = 0;
+  constexpr int kSteps = 2000;
+  for (int k = 0; k < kSteps; ++k) {
+    const Vec3 a = nose(0, k / double(kSteps)), b = nose(0, (k + 1) / double(kSteps)),
+               c = nose(2, k / double(kSteps)), d = nose(2, (k + 1) / double(kSteps));
+    exact += 0.5 * ((b - a).cross(c - a).norm() + (c - d).cross(b - d).norm());
+  }
+  CHECK(model.area == Approx(exact).epsilon(2e-3));
+}
