@@ -168,19 +168,19 @@ class ModelBuilder {
                                                : usual * made.network->size();
   }
 
-  // Surfaces between sections with corners, bounded by rails through corresponding points. Without
-  // guides, the sections themselves bound no surface. Nullopt if no rails are missing.
+  // Surfaces between sections with corners, bounded by guides and by rails through corresponding
+  // points. Nullopt if the sections have no rails.
   std::optional<BuiltModel> between_sections(const CurveNetwork& network,
                                              const LoftPlan& plan) const {
     const std::vector<CharacterLine> rails = loft_rails(network, plan);
-    if (rails.empty()) return std::nullopt;
+    if (rails.empty() && plan.guides.size() < 2) return std::nullopt;
     std::vector<CharacterLine> lines = lines_;
     lines.insert(lines.end(), rails.begin(), rails.end());
     ModelBuildOptions options = options_;
     options.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
     BuiltModel made;
     made.network.emplace(build_network(lines, options, progress_));
-    if (plan.guides.empty()) made.found = loft_faces(*made.network, network, plan, rails);
+    made.found = loft_faces(*made.network, network, plan, rails);
     if (!made.found) made.found.emplace(require_regions(*made.network, options, progress_));
     skin(made);
     return made;

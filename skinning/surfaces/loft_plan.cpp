@@ -551,6 +551,29 @@ std::optional<LoftPlan> find_guided_loft(const CurveNetwork& network) {
   return std::nullopt;
 }
 
+// All closed curves are sections, and every other curve is a guide that meets each of them once.
+std::optional<LoftPlan> find_crossed_loft(const CurveNetwork& network) {
+  LoftPlan plan;
+  std::vector<int> others;
+  for (int k = 0; k < isize(network.lines()); ++k) {
+    const std::vector<int> edges = edges_of_lines(network, {k});
+    if (edges.empty()) continue;  // a duplicate
+    auto section = as_chain(network, edges);
+    if (section && section->closed)
+      plan.sections.push_back(std::move(*section));
+    else
+      others.push_back(k);
+  }
+  if (plan.sections.size() < 2 || others.empty() || !put_in_order(network, plan.sections))
+    return std::nullopt;
+  for (const int line : others) {
+    plan.guides.push_back(guide_nodes(network, plan.sections, line));
+    if (plan.guides.back().empty()) return std::nullopt;
+  }
+  if (!corners_define_rails(network, plan)) return std::nullopt;
+  return plan;
+}
+
 std::optional<LoftPlan> find_open_loft(const CurveNetwork& network) {
   std::vector<int> all;
   for (int a = 0; a < isize(network.edges()); ++a) all.push_back(a);
@@ -568,6 +591,7 @@ std::optional<LoftPlan> find_loft(const CurveNetwork& network) {
   for (const CharacterLine& line : network.lines())
     if (line.role != CharacterLine::Role::Outline) return std::nullopt;
   if (auto plan = find_closed_loft(network)) return plan;
+  if (auto plan = find_crossed_loft(network)) return plan;
   return find_open_loft(network);
 }
 
@@ -613,20 +637,47 @@ EdgeLoop path_between(const CurveNetwork& network, const LoftPlan::Section& sect
   return {};
 }
 
-// A rail in a network: its nodes on the sections, and its edges between them.
+// A rail or guide in a network: its nodes on the sections, and its edges between them.
 struct RailEdges {
   std::vector<int> nodes;
-  EdgeLoop edges;
+  std::vector<EdgeLoop> edges;
 };
 
 std::optional<RailEdges> edges_of_rail(const CurveNetwork& network, const std::string& name,
                                        size_t sections) {
   RailEdges rail;
-  for (const int a : network.edges_of(name)) rail.edges.push_back({a, network.edges()[a].reversed});
+  for (const int a : network.edges_of(name))
+    rail.edges.push_back({{a, network.edges()[a].reversed}});
   if (rail.edges.size() + 1 != sections) return std::nullopt;
-  for (const OrientedEdge& use : rail.edges) rail.nodes.push_back(start_node(network, use));
-  rail.nodes.push_back(end_node(network, rail.edges.back()));
+  for (const EdgeLoop& edge : rail.edges) rail.nodes.push_back(start_node(network, edge[0]));
+  rail.nodes.push_back(end_node(network, rail.edges.back()[0]));
   return rail;
+}
+
+// The shortest path between two nodes over the given edges, by number of edges; empty if there is
+// none. Breadth-first search.
+EdgeLoop shortest_path(const CurveNetwork& network, const std::vector<int>& edges, int from,
+                       int to) {
+  std::map<int, OrientedEdge> reached;
+  for (std::vector<int> front{from}; !front.empty() && !reached.count(to);) {
+    std::vector<int> next;
+    for (const int node : front)
+      for (const int a : edges)
+        for (const bool reversed : {false, true}) {
+          const OrientedEdge use{a, reversed};
+          const int there = end_node(network, use);
+          if (start_node(network, use) != node || there == from) continue;
+          if (reached.emplace(there, use).second) next.push_back(there);
+        }
+    front = std::move(next);
+  }
+  EdgeLoop path;
+  for (int node = to; node != from; node = start_node(network, path.back())) {
+    const auto by = reached.find(node);
+    if (by == reached.end()) return {};
+    path.push_back(by->second);
+  }
+  return {path.rbegin(), path.rend()};
 }
 
 // The sections of a plan in a network that splits its curves further, all in the same direction.
@@ -654,6 +705,49 @@ void count_free_edges(const CurveNetwork& network, FoundRegions& found) {
     if (uses[a] < 2) (uses[a] == 0 ? found.unused_edges : found.free_edges).push_back(a);
 }
 
+// The guides of a plan in a network that splits its curves further.
+std::vector<RailEdges> guides_in(const CurveNetwork& network, const CurveNetwork& planned,
+                                 const LoftPlan& plan,
+                                 const std::vector<LoftPlan::Section>& sections) {
+  std::set<int> on_sections;
+  for (const auto& section : sections)
+    for (const OrientedEdge& use : section.edges) on_sections.insert(use.edge);
+  std::vector<int> others;
+  for (int a = 0; a < isize(network.edges()); ++a)
+    if (!on_sections.count(a)) others.push_back(a);
+  std::vector<RailEdges> guides;
+  for (const std::vector<int>& nodes : plan.guides) {
+    RailEdges guide;
+    for (size_t k = 0; k < sections.size(); ++k) {
+      const Vec3& at = planned.nodes()[nodes[k]].position;
+      const std::vector<int> own = nodes_of(network, sections[k]);
+      guide.nodes.push_back(*std::min_element(own.begin(), own.end(), [&](int a, int b) {
+        return (network.nodes()[a].position - at).norm() <
+               (network.nodes()[b].position - at).norm();
+      }));
+      if (k > 0)
+        guide.edges.push_back(shortest_path(network, others, guide.nodes[k - 1], guide.nodes[k]));
+    }
+    guides.push_back(std::move(guide));
+  }
+  return guides;
+}
+
+// The face between two sections and two rails, in bay k; no loop if they do not bound one.
+NetworkRegion face_between(const CurveNetwork& network,
+                           const std::vector<LoftPlan::Section>& sections, const RailEdges& left,
+                           const RailEdges& right, size_t k) {
+  EdgeLoop loop = path_between(network, sections[k], left.nodes[k], right.nodes[k]);
+  const EdgeLoop far =
+      path_between(network, sections[k + 1], left.nodes[k + 1], right.nodes[k + 1]);
+  NetworkRegion region;
+  if (loop.empty() || far.empty() || left.edges[k].empty() || right.edges[k].empty()) return region;
+  for (const EdgeLoop& side : {right.edges[k], in_reverse(far), in_reverse(left.edges[k])})
+    loop.insert(loop.end(), side.begin(), side.end());
+  region.loops = {std::move(loop)};
+  return region;
+}
+
 }  // namespace
 
 std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveNetwork& planned,
@@ -661,7 +755,7 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
                                        const std::vector<CharacterLine>& rails) {
   const std::vector<LoftPlan::Section> sections = sections_in(network, planned, plan);
   if (sections.empty()) return std::nullopt;
-  std::vector<RailEdges> all;
+  std::vector<RailEdges> all = guides_in(network, planned, plan, sections);
   for (const CharacterLine& line : rails) {
     auto rail = edges_of_rail(network, line.name, sections.size());
     if (!rail) return std::nullopt;
@@ -678,19 +772,18 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
   const size_t strips = all.size() - !sections[0].closed;
   for (size_t k = 0; k + 1 < sections.size(); ++k)
     for (size_t j = 0; j < strips; ++j) {
-      const RailEdges &left = all[j], &right = all[(j + 1) % all.size()];
-      EdgeLoop loop = path_between(network, sections[k], left.nodes[k], right.nodes[k]);
-      const EdgeLoop far =
-          path_between(network, sections[k + 1], left.nodes[k + 1], right.nodes[k + 1]);
-      if (loop.empty() || far.empty()) return std::nullopt;
-      loop.push_back(right.edges[k]);
-      for (const OrientedEdge& use : in_reverse(far)) loop.push_back(use);
-      loop.push_back({left.edges[k].edge, !left.edges[k].reversed});
-      NetworkRegion region;
-      region.name = "face " + std::to_string(found.regions.size() + 1);
-      region.loops = {std::move(loop)};
-      found.regions.push_back(std::move(region));
+      found.regions.push_back(
+          face_between(network, sections, all[j], all[(j + 1) % all.size()], k));
+      if (found.regions.back().loops.empty()) return std::nullopt;
     }
+  if (!plan.guides.empty() && sections[0].closed)
+    for (const auto& end : {sections.front(), sections.back()}) {
+      NetworkRegion cap;
+      cap.loops = {end.edges};
+      found.regions.push_back(std::move(cap));
+    }
+  for (size_t r = 0; r < found.regions.size(); ++r)
+    found.regions[r].name = "face " + std::to_string(r + 1);
   count_free_edges(network, found);
   return found;
 }

@@ -23,15 +23,15 @@ struct LoftPlan {
   std::vector<std::vector<int>> guides;  ///< for each guide, its node on each section
 };
 
-/// Plans a loft if the network consists of a row of sections and at most one guide.
+/// Plans a loft if the network consists of a row of sections and of guides that meet each section
+/// once.
 ///
 /// Closed sections: without its bridges (edges whose removal disconnects it), the network consists
-/// of simple closed chains, at least one of which has a corner. Open sections: each part of the
-/// network is one open chain, and all have the same number of interior corners, at least one; or
-/// all curves meet only one curve, the guide, and not all of them lie in a plane. Consecutive
-/// sections must face each other, as in ordered_sections(). Returns nullopt for other networks, and
-/// if the guide runs through all corners and ends, unless it is the only corner. Cost: O(n³) for n
-/// sections.
+/// of simple closed chains; or all closed curves are sections, and all others guides. At least one
+/// section has a corner. Open sections: each part of the network is one open chain, and all have
+/// the same number of interior corners, at least one; or all curves meet only one curve, the guide,
+/// and not all of them lie in a plane. Consecutive sections must face each other (loft_order()).
+/// Returns nullopt for other networks. Cost: O(n³) for n sections.
 std::optional<LoftPlan> find_loft(const CurveNetwork& network);
 
 /// Plans a loft through the named curves, in this order. The other curves of the network are guides
@@ -55,10 +55,12 @@ std::optional<LoftPlan> loft_through(const CurveNetwork& network,
 /// Cost: O(n m³) for n sections with m corners.
 std::vector<CharacterLine> loft_rails(const CurveNetwork& network, const LoftPlan& plan);
 
-/// The faces between consecutive sections and consecutive rails: four sides each.
+/// The faces between consecutive sections and consecutive rails and guides: four sides each. With
+/// guides, the first and the last of closed sections bound faces, too (the ribs of a wing).
 ///
 /// `network`: the network of the curves of `planned` and of `rails`, in this order. Returns nullopt
-/// if a rail does not meet every section once. O(edges²).
+/// if a rail does not meet every section once, or if the rails and guides bound no such faces.
+/// O(edges²).
 std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveNetwork& planned,
                                        const LoftPlan& plan,
                                        const std::vector<CharacterLine>& rails);
