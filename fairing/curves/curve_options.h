@@ -90,12 +90,14 @@ struct FairOptions {
     ///
     /// With 20 points or more, each degree of freedom counts 1.3 times, close to [KimGu2004]; with
     /// six points, it counts once. Points move by at most twice their estimated noise (RMS),
-    /// because larger deviations cannot be noise. With fewer than eleven points the noise cannot be
-    /// estimated; the limit is then 2.5 % of the size. Only variation that neighbouring points do
-    /// not share is recognised as noise. For slow hand tremor, state its wavelength (Wavelength) or
-    /// its size (Noise). With fewer than six points nothing is known about noise, and the curve
-    /// interpolates them. In tight bends, the wavelength is reduced locally, because the bends
-    /// would be flattened otherwise.
+    /// because larger deviations cannot be noise. Only variation that neighbouring points do not
+    /// share is recognised as noise. For slow hand tremor, state its wavelength (Wavelength) or its
+    /// size (Noise). In tight bends, the wavelength is reduced locally, because the bends would be
+    /// flattened otherwise.
+    ///
+    /// The noise of fewer than 15 points cannot be distinguished from their shape: the curve
+    /// interpolates them, unless `drawn_by_hand` is set. The same holds for more points, if curves
+    /// within twice their noise would have spikes.
     CrossValidation,
     /// The fairest curve whose RMS distance from the points is `noise`, corrected for the effective
     /// dofs of the curve. Use it if the noise is known, also for correlated noise such as tremor.
@@ -124,6 +126,10 @@ struct FairOptions {
   /// always kept.
   bool reject_outliers = true;
   bool fix_ends = false;  ///< true: fixes the first and the last point of an open curve
+  /// True: the points are known to be noisy. Cross-validation then also smooths six to 14 points,
+  /// and points that zigzag may move by more than twice their estimated noise. Fewer than eleven
+  /// points move by at most 2.5 % of the size (RMS).
+  bool drawn_by_hand = false;
   /// Conditions that the curve satisfies exactly.
   std::vector<CurveCondition> conditions;
   /// Maximum number of rounds, each of which solves for the curve and moves the parameters.
@@ -137,8 +143,8 @@ struct FairCurve {
   std::vector<int> outliers;       ///< indices of the points ignored as outliers, ascending
   Deviation deviation;             ///< distances of the points, without the outliers, from `curve`
   double wavelength = 0;           ///< smoothing wavelength used, model units; 0: no smoothing
-  /// Estimated standard deviation of the points from the underlying curve, model units; 0 for fewer
-  /// than eleven points.
+  /// Estimated standard deviation of the points from the underlying curve, model units; 0 for few
+  /// points that are interpolated, and for fewer than eleven points.
   double noise = 0;
   double effective_dofs = 0;  ///< effective degrees of freedom of the fit, per coordinate
   int rounds = 0;

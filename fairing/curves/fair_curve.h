@@ -27,22 +27,19 @@ FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
                                   const FairOptions& options = {});
 
-/// Fairs one interval of a curve; the rest of the curve stays bit-identical.
+/// Fairs one interval of a curve: replaces it by a fairer one that joins the rest with continuous
+/// curvature.
 ///
-/// Minimises ∫ |X - X⁰|² + (φ(u) wavelength / 2π)⁴ |X_uu|² du over the segments that the interval
-/// touches, with the given curve X⁰ and arc length u. φ falls smoothly from 1 in the middle of the
-/// interval to 0 at its ends. The length of waves that keep half of their height thus grows from
-/// zero to `wavelength`. The nodes at both ends of the range of segments keep position and slope;
-/// at an end of an open curve, the slope is free. Before the solve, as many nodes as the wavelength
-/// needs are inserted, which does not change the shape.
+/// Waves of length `wavelength` keep half of their height, waves of length v 1 / (1 +
+/// (wavelength/v)⁶), as after fair_points(). The curve gets no additional curvature extrema; see
+/// fair_part() for the functional. Segments outside of the interval stay bit-identical.
 ///
 /// The interval extends from parameter `from` to `to`; on a closed curve with to < from, it crosses
 /// the seam. Throws InputError if the interval is not a part of the curve, or if `wavelength` is
 /// not above 0.
 HermiteCurve fair_interval(const HermiteCurve& curve, double from, double to, double wavelength);
-/// Fairs the part of a curve inside a sphere (a brush), as fair_interval() does. The wavelength
-/// below which waves are smoothed falls from `wavelength` at the centre to 0 at `radius`. Throws
-/// InputError if the curve does not meet the sphere.
+/// Fairs the parts of a curve inside a sphere (a brush), as fair_interval() does. Throws InputError
+/// if the curve does not meet the sphere.
 HermiteCurve fair_brush(const HermiteCurve& curve, const Vec3& centre, double radius,
                         double wavelength);
 
@@ -67,7 +64,11 @@ struct Fairness {
 };
 /// Computes the fairness measures of a curve. At points with zero derivative, the curvature counts
 /// as 0. O(segments).
-Fairness fairness(const HermiteCurve& curve);
+///
+/// `scale`: curvature, 1/length; waves below a hundredth of it are not counted either. If a bump
+/// has the largest curvature of a curve, waves elsewhere begin to count when it is removed. To
+/// count the same waves before and after, pass the largest curvature before.
+Fairness fairness(const HermiteCurve& curve, double scale = 0);
 
 /// One sample of a curvature comb. A node with a curvature jump has one sample per side.
 struct CurvatureCombSample {

@@ -178,6 +178,50 @@ double PenalisedLeastSquares::gcv_score(double wavelength, double most) {
   return left > 0 && rest <= most ? rest * rest * points / (left * left) : none;
 }
 
+HermiteCurve with_continuous_second_derivative(const HermiteCurve& curve) {
+  const CurveMesh& mesh = curve.mesh();
+  const int nodes = mesh.node_count(), segments = mesh.segment_count();
+  const auto is_free = [&](int node) {
+    return !mesh.is_corner(node) && (mesh.closed() || (node > 0 && node + 1 < nodes));
+  };
+  // A closed curve is folded flat, as in CurveDofOrdering.
+  const auto banded = [&](int node) {
+    if (!mesh.closed()) return node;
+    return 2 * node < nodes ? 2 * node : 2 * (nodes - 1 - node) + 1;
+  };
+  // The matrix of ∫ |X_uu|² for the slopes: its gradient is the jump of X_uu.
+  BandCholesky A;
+  A.reset(nodes, mesh.closed() ? 3 : 1);
+  for (int s = 0; s < segments; ++s) {
+    const int a = s, b = (s + 1) % nodes;
+    for (const int node : {a, b}) A.add(banded(node), banded(node), 4 / mesh.length(s));
+    A.add(banded(a), banded(b), 2 / mesh.length(s));
+  }
+  Points ignored = Points::Zero(nodes, 3);
+  for (int node = 0; node < nodes; ++node)
+    if (!is_free(node)) A.fix(banded(node), Vec3::Zero(), ignored);
+  if (!A.factorize()) return curve;
+  Points dofs = curve.dofs(), change(nodes, 3);
+  constexpr int steps = 2;  // the second one refines the solution
+  for (int step = 0; step < steps; ++step) {
+    change.setZero();
+    for (int s = 0; s < segments; ++s) {
+      const double h = mesh.length(s);
+      const auto dof = mesh.segment_dofs(s);
+      const Eigen::RowVector3d chord = (dofs.row(dof[2]) - dofs.row(dof[0])) / h,
+                               start = dofs.row(dof[1]) - chord, end = dofs.row(dof[3]) - chord;
+      change.row(banded(s)) -= (4 * start + 2 * end) / h;
+      change.row(banded((s + 1) % nodes)) -= (2 * start + 4 * end) / h;
+    }
+    for (int node = 0; node < nodes; ++node)
+      if (!is_free(node)) change.row(banded(node)).setZero();
+    A.solve(change);
+    for (int node = 0; node < nodes; ++node)
+      if (is_free(node)) dofs.row(mesh.slope_out(node)) += change.row(banded(node));
+  }
+  return {mesh, dofs};
+}
+
 double golden_section_minimum(const std::function<double(double)>& f, double low, double high,
                               int samples) {
   double best = low, best_value = std::numeric_limits<double>::infinity();

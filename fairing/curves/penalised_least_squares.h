@@ -81,6 +81,12 @@ class PenalisedLeastSquares {
   Points load_, rhs_;
 };
 
+/// The curve through the same nodes whose second derivative is continuous between corners. Slopes at
+/// corners and at the ends of an open curve remain. The penalty of FairingEnergy leaves jumps of
+/// about 1/μ of the second derivative, and slopes that change by less than 1/μ remove them.
+/// O(segments).
+HermiteCurve with_continuous_second_derivative(const HermiteCurve& curve);
+
 /// Minimises f over [low, high]: evaluates `samples` + 1 values, then refines by golden-section
 /// search. Among equal values, the largest argument wins.
 double golden_section_minimum(const std::function<double(double)>& f, double low, double high,

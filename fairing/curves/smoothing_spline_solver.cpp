@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "batten/constraints/shape/shape_constraints.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/fairing/corners/point_noise.h"
 #include "batten/fairing/corners/point_sequence.h"
 
@@ -153,6 +155,28 @@ bool SmoothingSplineSolver::is_finished(FairCurve& result, double wavelength, do
 }
 
 FairCurve SmoothingSplineSolver::run() {
+  FairCurve result = iterate();
+  while (repeats_with_less_movement(result)) {
+    best_ = {};
+    begin();
+    result = iterate();
+  }
+  return result;
+}
+
+// True if points moved by more than their noise, because the curve still changed after the last
+// search of the wavelength. The next search then permits less.
+bool SmoothingSplineSolver::repeats_with_less_movement(const FairCurve& result) {
+  if (options_.smoothing != FairOptions::Smoothing::CrossValidation || min_wavelength_ > 0)
+    return false;
+  const double over = result.deviation.rms / max_rms_move();
+  constexpr double least = 0.3, margin = 0.95;
+  if (over <= 1 || move_factor_ < least) return false;
+  move_factor_ *= margin / over;
+  return true;
+}
+
+FairCurve SmoothingSplineSolver::iterate() {
   FairCurve result;
   double wavelength = 0;
   const double alpha = options_.alpha / (sequence_.size * sequence_.size);
@@ -204,6 +228,7 @@ FairCurve SmoothingSplineSolver::run() {
     foot_parameters_ = best_.foot_parameters;
     constrained_at_ = best_.constrained_at;
   }
+  remove_curvature_jumps();
   result.max_residual = max_residual(options_.conditions, constrained_at_, curve_, sequence_.size);
   reparametrize_by_arc_length();
   result.curve = curve_;
@@ -273,13 +298,14 @@ double SmoothingSplineSolver::choose_wavelength(PenalisedLeastSquares& smoothing
       return sequence_.closed ? options_.wavelength : std::min(options_.wavelength, coarsest);
     case FairOptions::Smoothing::CrossValidation: {
       constexpr int fewest = 6;  // with fewer points, nothing can be learned about noise
-      if (count_ < fewest) return min_wavelength_;
+      if (count_ < fewest || is_few(count_, options_)) return min_wavelength_;
       // If points are spaced unevenly, even the shortest wave may move points that have no noise.
-      if (smoothing.rms_residual(smoothing.solve(finest)) > max_rms_move()) return min_wavelength_;
+      const double most = move_factor_ * max_rms_move();
+      if (smoothing.rms_residual(smoothing.solve(finest)) > most) return min_wavelength_;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
       return std::exp(golden_section_minimum(
-          [&](double x) { return smoothing.gcv_score(std::exp(x), max_rms_move()); }, std::log(low),
+          [&](double x) { return smoothing.gcv_score(std::exp(x), most); }, std::log(low),
           std::log(high), before > 0 ? 6 : 16));
     }
     case FairOptions::Smoothing::Noise:
@@ -421,6 +447,30 @@ double SmoothingSplineSolver::project_points(bool first) {
   return change;
 }
 
+// Removes the small jumps that the penalty leaves, unless the curve would move noticeably: at very
+// short wavelengths, the penalty hardly acts.
+void SmoothingSplineSolver::remove_curvature_jumps() {
+  if (!is_unconstrained()) return;
+  HermiteCurve smooth = with_continuous_second_derivative(curve_);
+  double moved = 0;
+  const CurveMesh& mesh = curve_.mesh();
+  for (int s = 0; s < mesh.segment_count(); ++s) {
+    constexpr double largest = 4.0 / 27;  // of the shape function of a slope, over the length
+    const auto dof = mesh.segment_dofs(s);
+    for (const int slope : {dof[1], dof[3]})
+      moved = std::max(moved, 2 * largest * mesh.length(s) *
+                                  (smooth.dofs().row(slope) - curve_.dofs().row(slope)).norm());
+  }
+  constexpr double little = 0.01, none = 1e-6;  // fractions of the RMS deviation and of the size
+  const Deviation before = deviation_of(curve_, sequence_, foot_parameters_);
+  if (moved > std::max(little * before.rms, none * sequence_.size)) return;
+  if (options_.smoothing == FairOptions::Smoothing::Deviation &&
+      deviation_of(smooth, sequence_, foot_parameters_).max >
+          std::max(options_.deviation, before.max))
+    return;
+  curve_ = std::move(smooth);
+}
+
 // Scales u, and the foot points, to the arc length.
 void SmoothingSplineSolver::reparametrize_by_arc_length() {
   const double scale = HermiteArcLength(curve_).total() / length_;
@@ -446,6 +496,52 @@ void SmoothingSplineSolver::solve_at_wavelength(PenalisedLeastSquares& smoothing
       if (as_stated || shorter * wavelength < negligible_wavelength()) throw;
     }
   }
+}
+
+bool is_few(int points, const FairOptions& options) {
+  constexpr int enough = 15;
+  return options.smoothing == FairOptions::Smoothing::CrossValidation && points < enough &&
+         !options.drawn_by_hand;
+}
+
+std::vector<double> interpolating_parameters(const PointSequence& sequence) {
+  const int n = sequence.count(), chords = sequence.closed ? n : n - 1;
+  const auto chord = [&](int i) -> Vec3 {
+    return sequence.points[(i + 1) % n] - sequence.points[i % n];
+  };
+  const auto turn = [&](int i) {  // θ̂
+    const bool end = !sequence.closed && (i == 0 || i == n - 1);
+    if (end || std::binary_search(sequence.corners.begin(), sequence.corners.end(), i)) return 0.0;
+    constexpr double quarter = 0.5 * std::numbers::pi;
+    const double angle = std::min(
+        degrees_between(chord(i + n - 1), chord(i)) * std::numbers::pi / 180, quarter);
+    return angle * angle / quarter;
+  };
+  std::vector<double> u = {0};
+  for (int i = 0; i < chords; ++i) {
+    const double d = chord(i).norm();
+    const auto share = [&](double beside) { return 1.5 * beside / (beside + d); };
+    double factor = 1;
+    if (const double angle = turn(i); angle > 0) factor += angle * share(chord(i + n - 1).norm());
+    if (const double angle = turn((i + 1) % n); angle > 0)
+      factor += angle * share(chord(i + 1).norm());
+    u.push_back(u.back() + d * factor);
+  }
+  return u;
+}
+
+HermiteCurve spline_through(const PointSequence& sequence, const std::vector<double>& u) {
+  const CurveMesh mesh(u, sequence.closed, sequence.corners);
+  std::vector<Spring> springs;
+  std::vector<std::pair<int, Vec3>> fixed_dofs;
+  for (int i = 0; i < sequence.count(); ++i) {
+    springs.push_back({mesh.locate(u[i]), sequence.points[i]});
+    fixed_dofs.emplace_back(mesh.position_dof(i), sequence.points[i]);
+  }
+  constexpr double mu = 1e8;  // makes second derivatives continuous to some digits
+  const FairingEnergy energy(mesh, {}, 0, mu);
+  return with_continuous_second_derivative(
+      {mesh, PenalisedLeastSquares(mesh, springs, energy, fixed_dofs).solve(1e-6 * u.back())});
 }
 
 using Type = CurveCondition::Type;

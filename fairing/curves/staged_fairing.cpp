@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"
 #include "batten/fairing/curves/input_curve.h"
+#include "batten/fairing/curves/local_fairing.h"
 
 namespace batten {
 namespace {
@@ -25,6 +27,12 @@ namespace {
 bool applies_to(const FairStage& stage, int curve) {
   return stage.curves.empty() ||
          std::find(stage.curves.begin(), stage.curves.end(), curve) != stage.curves.end();
+}
+
+std::string short_length(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
 }
 
 /// Effect of a stage on a curve.
@@ -230,13 +238,14 @@ class StagedFairing {
     }
   }
 
-  HermiteCurve local(size_t s, const HermiteCurve& curve) {
+  /// The parts of a curve that a local stage fairs.
+  std::vector<CurvePart> local_parts(size_t s, const HermiteCurve& curve) {
     const FairStage& stage = stages_[s];
-    const double wavelength = stage.options.wavelength;
     if (stage.brush) {
-      if (!(curve.closest_point(stage.brush->at).distance < stage.brush->radius)) return curve;
-      hit_[s] = true;
-      return fair_brush(curve, stage.brush->at, stage.brush->radius, wavelength);
+      const std::vector<CurvePart> parts =
+          parts_inside(curve, stage.brush->at, stage.brush->radius);
+      if (!parts.empty()) hit_[s] = true;
+      return parts;
     }
     double from = curve.closest_point(stage.segment->from).u;
     double to = curve.closest_point(stage.segment->to).u;
@@ -246,7 +255,36 @@ class StagedFairing {
         curve.closed() ? std::fmod(to - from + length, length) > length / 2 : to < from;
     if (swap) std::swap(from, to);
     if (from == to) fail(s, "a segment of zero length", "two different points of the curve");
-    return fair_interval(curve, from, to, wavelength);
+    return {{from, to < from ? to + length : to}};
+  }
+
+  /// The curve after a local stage.
+  HermiteCurve local(size_t index, size_t s, HermiteCurve curve, std::vector<std::string>& notes) {
+    const FairStage& stage = stages_[s];
+    const double wavelength = stage.options.wavelength;
+    const char* kind = stage.brush ? "brush" : "segment";
+    double longest = 0;
+    bool changed = false;
+    for (const CurvePart& part : local_parts(s, curve)) {
+      HermiteCurve result = fair_part(curve, part, wavelength);
+      longest = std::max(longest, part_length(curve, part));
+      changed = changed || result.node_count() != curve.node_count() ||
+                result.dofs() != curve.dofs();
+      curve = std::move(result);
+    }
+    if (!(longest > 0)) return curve;
+    const std::string& name = curves_[index].name;
+    if (wavelength > longest)
+      notes.push_back(stage.where + "the wavelength " + format_number(wavelength) +
+                      " is longer than the part of '" + name + "' that the " + kind + " fairs (" +
+                      short_length(longest) + "): waves longer than this part remain; " +
+                      (stage.brush ? "increase the radius" : "use a longer segment") +
+                      " to remove them");
+    if (!changed)
+      notes.push_back(stage.where + "'" + name + "' is unchanged in the " + kind +
+                      ": fairing would add curvature extrema; use another wavelength or another " +
+                      kind);
+    return curve;
   }
 
   FairOptions options_of(size_t index, size_t s) const;
@@ -325,7 +363,7 @@ void StagedFairing::run_stages(size_t index, StagedFairingResult& result) {
   std::vector<double> u = chord_parameters(curve, points);
   for (size_t s = 0; s < stages_.size(); ++s) {
     if (effects_[index][s].acts && stages_[s].local()) {
-      curve = local(s, curve);
+      curve = local(index, s, std::move(curve), result.notes);
       report.faired = true;
     } else if (effects_[index][s].acts && stages_[s].minimum) {
       const CurvatureFairingResult least = least_curvature(index, s, curve, at(curve, u));
@@ -360,6 +398,8 @@ void StagedFairing::run_stages(size_t index, StagedFairingResult& result) {
         report.exceeded_deviation = {options.deviation, fair.deviation.max};
     }
     result.states.push_back(curve);
+    const bool whole = effects_[index][s].acts && !stages_[s].local();
+    result.scales.push_back(whole ? fairness(curve).largest_curvature : result.scales.back());
   }
   if (reduction_tolerance_ > 0) {
     HermiteCurve few = reduce_segments(curves_[index].name, curve, reduction_tolerance_);
@@ -381,6 +421,8 @@ StagedFairingResult StagedFairing::faired(size_t index) {
 
   const auto start = std::chrono::steady_clock::now();
   result.states.push_back(interpolating_spline(report.name, samples.points, given_options(index)));
+  report.before = fairness(result.states.front());
+  result.scales.push_back(report.before->largest_curvature);
   run_stages(index, result);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -389,8 +431,7 @@ StagedFairingResult StagedFairing::faired(size_t index) {
   report.closed = curve.closed();
   report.deviation = measured(report.name, curve, samples, report.outliers,
                               closest_parameters(curve, samples.points, result.parameters));
-  report.before = fairness(result.states.front());
-  report.after = fairness(curve);
+  report.after = fairness(curve, result.scales.back());
   return result;
 }
 

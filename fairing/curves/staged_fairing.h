@@ -102,6 +102,12 @@ struct StagedFairingResult {
   /// the stage did not apply). Empty if the curve cannot be faired.
   std::vector<HermiteCurve> states;
   std::vector<double> parameters;  ///< parameter of each point on states.back(), non-descending
+  /// Per state: the largest curvature before the local stages that led to it, the `scale` of
+  /// fairness().
+  std::vector<double> scales;
+  /// Wavelengths of local stages that are longer than the part of the curve, and stages that found
+  /// no fairer curve, as sentences.
+  std::vector<std::string> notes;
   /// Reason why the curve cannot be faired, such as "zero length"; empty if it can be faired.
   std::string rejection_reason;
 

@@ -72,11 +72,12 @@ Row total_of(const std::vector<FairedLine>& curves) {
   return row_of(sum);
 }
 
-/// Numbers of curvature extrema and inflections, as text for a caption.
-std::string counts(const std::vector<HermiteCurve>& curves) {
+/// Numbers of curvature extrema and inflections of all curves after a stage, as text for a caption.
+std::string counts(const std::vector<FairedResult>& results, size_t state) {
   int extrema = 0, inflections = 0;
-  for (const HermiteCurve& curve : curves) {
-    const Fairness f = fairness(curve);
+  for (const FairedResult& result : results) {
+    if (!result.has_curve()) continue;
+    const Fairness f = fairness(result.states[state], result.scales[state]);
     extrema += f.extrema;
     inflections += f.inflections;
   }
@@ -103,7 +104,7 @@ CombPicture comb_panels(const std::vector<FairedResult>& results, const FairScen
         panel.points.insert(panel.points.end(), result.points.begin(), result.points.end());
     }
     panel.title =
-        (rule.title.empty() ? "" : rule.title + ", ") + title + ": " + counts(panel.curves);
+        (rule.title.empty() ? "" : rule.title + ", ") + title + ": " + counts(results, state);
     picture.panels.push_back(std::move(panel));
     return picture.panels.back();
   };
@@ -148,6 +149,7 @@ std::vector<FairedResult> fair(const FairScene& scene, FairReport& report, Stopw
   for (const FairedResult& result : results) {
     report.curves.push_back(result.report);
     if (!result.warning.empty()) report.warnings.push_back(result.warning);
+    report.warnings.insert(report.warnings.end(), result.notes.begin(), result.notes.end());
     if (!result.report.converged) restless.push_back(result.report.name);
     const FairedLine& line = result.report;
     if (const std::string text = describe_outliers(line); !text.empty())
