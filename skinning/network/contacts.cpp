@@ -29,6 +29,7 @@ class ContactSearch {
   Contacts run() {
     std::vector<Contact> found = between_chords();
     for (const Contact& c : at_ends()) found.push_back(c);
+    std::erase_if(found, [this](const Contact& c) { return is_narrow_part(c); });
     std::sort(found.begin(), found.end(), [](const Contact& p, const Contact& q) {
       return std::tie(p.a, p.b, p.sa, p.sb, p.ea, p.eb) <
              std::tie(q.a, q.b, q.sa, q.sb, q.ea, q.eb);
@@ -65,6 +66,18 @@ class ContactSearch {
     if (c.a != c.b) return true;
     const double along = sampled_curves_[c.a].between(c.sa, c.sb);
     return along >= 10 * tolerance_ && along > 3 * c.distance;
+  }
+
+  // True if two parts of one input curve come close between its corners without touching: they are
+  // a thin part of the curve, such as the tail of a profile, not a gap.
+  bool is_narrow_part(const Contact& c) const {
+    constexpr double kTouching = 1e-3;  // of the tolerance
+    const SampledCurve &a = sampled_curves_[c.a], &b = sampled_curves_[c.b];
+    const auto is_loose_end = [](const SampledCurve& curve, int end) {
+      return end >= 0 && !curve.corner[static_cast<size_t>(end)];
+    };
+    return c.a != c.b && a.line == b.line && c.distance > kTouching * tolerance_ &&
+           !is_loose_end(a, c.ea) && !is_loose_end(b, c.eb);
   }
 
   void set_lengths(Contact& c) const {

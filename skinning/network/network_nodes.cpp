@@ -60,6 +60,14 @@ class NodeBuilder {
                                  contact});
   }
 
+  // True for a part of an input curve between two of its corners that is short but not degenerate:
+  // it is a side that was drawn, not a gap.
+  bool is_side_of_polyline(const SampledCurve& part, double length) const {
+    constexpr double kDegenerate = 1e-3;  // of the tolerance
+    return part.corner[0] && part.corner[1] && length == part.length &&
+           length > kDegenerate * tolerance_;
+  }
+
   void make_candidates() {
     for (int k = 0; k < isize(sampled_curves_); ++k) {
       set_.ends.push_back({-1, -1});
@@ -91,7 +99,8 @@ class NodeBuilder {
         if (i + 1 == n && !sampled_curve.closed) break;
         const int p = along[i], q = along[(i + 1) % n];
         const double gap = sampled_curve.between(set_.candidates[p].s, set_.candidates[q].s);
-        if (gap <= tolerance_) add_merge_candidate(p, q, gap, false);
+        if (gap <= tolerance_ && !is_side_of_polyline(sampled_curve, gap))
+          add_merge_candidate(p, q, gap, false);
       }
     }
     std::stable_sort(merge_candidates_.begin(), merge_candidates_.end(),
@@ -250,7 +259,8 @@ class NodeBuilder {
       result_.intervals = std::move(kept);
     }
     for (const CurveInterval& c : result_.intervals)
-      if (c.s1 - c.s0 <= tolerance_)
+      if (c.s1 - c.s0 <= tolerance_ &&
+          !is_side_of_polyline(sampled_curves_[c.sampled_curve], c.s1 - c.s0))
         diagnostics_.add(Kind::Short, {diagnostics_.name_of(c.sampled_curve)},
                          result_.nodes[c.nodes[0]], c.s1 - c.s0, false,
                          "a segment of curve '" + diagnostics_.name_of(c.sampled_curve) +

@@ -163,6 +163,24 @@ TEST_CASE("the tail of a small profile is not joined by the gap tolerance of a l
   CHECK(find_loft(network));
 }
 
+TEST_CASE("short sides of a polyline are kept, and its thin parts are not joined",
+          "[skinning][surfaces]") {
+  const auto polyline = [](const std::string& name, std::vector<Vec3> points) {
+    points.push_back(points.front());
+    std::vector<int> all(points.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+    CharacterLine line;
+    line.name = name;
+    line.curve = curve_through_points(name, points, 20, all);
+    return line;
+  };
+  constexpr int kCount = 20;
+  const CurveNetwork network(
+      {polyline("root", aerofoil(kCount, 1, 0)), polyline("tip", aerofoil(kCount, 0.3, 10))});
+  CHECK(network.edges().size() == 4 * kCount);
+  CHECK(find_loft(network));
+}
+
 TEST_CASE("curves that are no row of sections get no rails", "[skinning][surfaces]") {
   // Beside each other in a plane; smooth; one alone.
   std::vector<Vec3> beside = regular(4, 1, 0);
