@@ -284,8 +284,10 @@ bool are_boundary_circles(const RegionGraph& graph, const EdgeLoop& a, const Edg
   if (axis[0].dot(axis[1]) < 0) axis[1] = -axis[1];
   if (degrees_between(axis[0], axis[1]) > 60) return false;
   const Vec3 along = (axis[0] + axis[1]).normalized(), apart = middle[1] - middle[0];
+  const double spacing = std::abs(apart.dot(along));
   const double aside = (apart - apart.dot(along) * along).norm();
-  return aside < std::max(radius[0], radius[1]);
+  constexpr double kMaxSlope = 2;  // of the line between the centres: 63 degrees from the axis
+  return aside < std::max({radius[0], radius[1], kMaxSlope * spacing});
 }
 
 }  // namespace batten

@@ -133,6 +133,33 @@ bool exclude_displaced_regions(const FairingResult& faired, const Points& start,
   return any;
 }
 
+// Excludes regions at smooth joins that fairing opened beyond the tolerance. Returns true if there
+// are any.
+bool exclude_regions_at_opened_joins(const SurfaceModel& model, const FairingResult& faired,
+                                     double tolerance_deg, std::vector<char>& only) {
+  const ModelLayout& layout = *faired.layout;
+  std::vector<SkinnedRegion> regions;
+  std::vector<const SkinnedRegion*> pointers;
+  for (int r = 0; r < layout.region_count(); ++r)
+    regions.push_back(layout.skinned(r, faired.surface.dofs));
+  for (const SkinnedRegion& region : regions) pointers.push_back(&region);
+  const auto was_within = [&](const std::string& line) {
+    return std::none_of(model.joins.begin(), model.joins.end(), [&](const ModelJoin& join) {
+      return join.line == line && join.max_inside_deg > tolerance_deg;
+    });
+  };
+  bool any = false;
+  for (const JoinPlan& plan : layout.join_plans()) {
+    if (plan.rejected() || !was_within(plan.join_line.name)) continue;
+    if (measure_join(pointers, plan.join_line, {plan.ends[0].open, plan.ends[1].open})
+            .max_inside_deg <= tolerance_deg)
+      continue;
+    for (const JoinSide& side : plan.join_line.sides)
+      if (std::exchange(only[static_cast<size_t>(side.region)], 0)) any = true;
+  }
+  return any;
+}
+
 FairShape minimum_variation_shape(const SurfaceModel& model,
                                   std::shared_ptr<const ModelLayout> layout, const Points& bent,
                                   const FairShapeOptions& given, const Progress& progress) {
@@ -148,7 +175,8 @@ FairShape minimum_variation_shape(const SurfaceModel& model,
   try {
     FairingResult faired = fair_model(model, layout, bent, join_tolerance, options, progress, only);
     while (!only.empty() &&
-           (!faired.surface.converged || exclude_displaced_regions(faired, bent, only))) {
+           (!faired.surface.converged || exclude_displaced_regions(faired, bent, only) ||
+            exclude_regions_at_opened_joins(model, faired, join_tolerance, only))) {
       if (!faired.surface.converged || std::find(only.begin(), only.end(), 1) == only.end())
         return shape;
       faired = fair_model(model, layout, bent, join_tolerance, options, progress, only);
