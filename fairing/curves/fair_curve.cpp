@@ -60,6 +60,11 @@ FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
   return interpolating;
 }
 
+double largest_movement(double noise, double size) {
+  constexpr double none = 1e-6;
+  return 2 * noise + none * size;
+}
+
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,
                                   const FairOptions& options) {
   const PointSequence sequence(name, points, options.corner_angle, options.corners, options.closed);

@@ -22,6 +22,11 @@ namespace batten {
 FairCurve fair_points(const std::string& name, const std::vector<Vec3>& points,
                       const FairOptions& options = {});
 
+/// Largest RMS distance by which fair_points() moves points, unless a noise, a deviation or a
+/// wavelength is stated: twice their estimated noise, because larger distances cannot be noise,
+/// plus 1e-6 of their size. Conditions and FairOptions::drawn_by_hand permit more.
+double largest_movement(double noise, double size);
+
 /// Interpolates ordered points by a spline that is C2 between corners, without fairing, for
 /// comparison with fair_points().
 HermiteCurve interpolating_spline(const std::string& name, const std::vector<Vec3>& points,

@@ -24,7 +24,8 @@ class InputCurve {
   virtual Vec3 evaluate(double t, int order = 0) const = 0;
   /// Parameters at which derivatives may jump, ascending, including start() and end().
   virtual std::vector<double> breaks() const { return {start(), end()}; }
-  /// Those of the breaks() at which the curve has a corner, whatever its turning angle.
+  /// Those of the breaks() at which the curve has a corner, whatever its turning angle; start() if
+  /// the curve is closed and has a corner there.
   virtual std::vector<double> corners() const { return {}; }
   /// True if every piece between breaks() is a polynomial of degree 3 or less in the parameter.
   /// Such curves are reproduced exactly instead of being fitted.

@@ -11,6 +11,7 @@
 #include "batten/core/geometry.h"
 #include "batten/fairing/corners/point_noise.h"
 #include "batten/fairing/corners/point_sequence.h"
+#include "batten/fairing/curves/fair_curve.h"
 
 namespace batten {
 
@@ -260,11 +261,14 @@ double SmoothingSplineSolver::max_normal_distance(const Points& q) const {
 
 // RMS by which noise may have moved the points; larger moves are not noise.
 double SmoothingSplineSolver::max_rms_move() const {
-  constexpr double any = 0.025, none = 1e-6;  // both are fractions of the size
-  constexpr int fewest = 11;                  // number of points below which estimate_noise()
-                                              // returns 0
+  constexpr double any = 0.025;  // fraction of the size
+  constexpr int fewest = 11;     // number of points below which estimate_noise() returns 0
   if (count_ < fewest) return any * sequence_.size;
-  return std::min(any * sequence_.size, 2 * noise_ + none * sequence_.size);
+  return std::min(any * sequence_.size, largest_movement(noise_, sequence_.size));
+}
+
+bool SmoothingSplineSolver::exceeds_noise(const FairCurve& result) const {
+  return result.deviation.rms > largest_movement(noise_, sequence_.size);
 }
 
 // The longest wavelength for which `fits` holds, by bisection: short waves are assumed to fit, long

@@ -26,11 +26,9 @@ class SmoothingSplineSolver {
                         const PointSequence& row, const FairOptions& options);
 
   FairCurve run();
-  /// True if the curve would have had spikes between the points, so that it moves them by more
-  /// than their noise.
-  bool exceeds_noise(const FairCurve& result) const {
-    return min_wavelength_ > 0 && result.deviation.rms > max_rms_move();
-  }
+  /// True if the curve moves the points by more than largest_movement(), because it would have
+  /// spikes between them otherwise.
+  bool exceeds_noise(const FairCurve& result) const;
 
  private:
   using Type = CurveCondition::Type;

@@ -377,10 +377,9 @@ void StagedFairing::run_stages(size_t index, StagedFairingResult& result) {
       FairOptions options = options_of(index, s);
       options.closed = curve.closed();
       options.fix_ends = options.fix_ends && !curve.closed();
-      const FairCurve fair = fair_points(
-          curves_[index].name,
-          report.faired ? at(curve, closest_parameters_in_order(curve, points, u)) : points,
-          options);
+      const std::vector<Vec3> current =
+          report.faired ? at(curve, closest_parameters_in_order(curve, points, u)) : points;
+      const FairCurve fair = fair_points(curves_[index].name, current, options);
       curve = fair.curve;
       u = fair.parameters;
       if (!report.faired) {
@@ -396,6 +395,10 @@ void StagedFairing::run_stages(size_t index, StagedFairingResult& result) {
       if (options.smoothing == FairOptions::Smoothing::Deviation &&
           fair.deviation.max > options.deviation)
         report.exceeded_deviation = {options.deviation, fair.deviation.max};
+      const double most = largest_movement(fair.noise, bounding_box(current).diagonal().norm());
+      if (options.smoothing == FairOptions::Smoothing::CrossValidation &&
+          options.conditions.empty() && !options.drawn_by_hand && fair.deviation.rms > most)
+        report.exceeded_movement = {most, fair.deviation.rms};
     }
     result.states.push_back(curve);
     const bool whole = effects_[index][s].acts && !stages_[s].local();

@@ -86,6 +86,9 @@ struct FairedLine {
   /// Requested and reached deviation, model units, if a stage exceeded its requested deviation;
   /// otherwise unset.
   std::optional<std::pair<double, double>> exceeded_deviation;
+  /// largest_movement() and the reached RMS distance, model units, if an automatic stage moved the
+  /// points by more; otherwise unset.
+  std::optional<std::pair<double, double>> exceeded_movement;
   /// Fairness of input and result; unset for a curve of zero length.
   std::optional<Fairness> before, after;
   double seconds = 0;
