@@ -561,6 +561,13 @@ std::vector<FailedCheck> failed_fairing_checks(const std::vector<FairedLine>& cu
            "is " + format_number(c.exceeded_deviation->second) +
                " after its stage, expected at most " + format_number(c.exceeded_deviation->first) +
                ": check for a false corner, or for a condition that prevents it"});
+    if (c.exceeded_movement)
+      failed_checks.push_back(
+          {"faired_curves." + c.name + ".deviation",
+           "is " + format_number(c.exceeded_movement->second) +
+               " (RMS) after its stage, expected at most " +
+               format_number(c.exceeded_movement->first) +
+               ", twice the noise of the points: state a deviation or a noise"});
     if (c.max_residual > 1e-12)
       failed_checks.push_back({"faired_curves." + c.name + ".max_residual",
                                "is " + format_number(c.max_residual) + ", expected at most 1e-12"});

@@ -162,6 +162,7 @@ class SceneLines {
   void take(const std::vector<FairedResult>& results) {
     for (size_t i = 0; i < sources_.size(); ++i) {
       const FairedResult& result = results[i];
+      result_.warnings.insert(result_.warnings.end(), result.notes.begin(), result.notes.end());
       if (!result.warning.empty())
         throw InputError(sources_[i].at + result.warning + ", expected curves with a length");
       if (!result.report.faired) {
@@ -205,7 +206,9 @@ class SceneLines {
     const auto [lines, numbers] = drawn();
     if (lines.empty()) return;
     FairingSettings all = settings();
-    all.stages.emplace_back().options.corner_angle = scene_.skin.options.corner_angle;
+    FairOptions& options = all.stages.emplace_back().options;
+    options.corner_angle = scene_.skin.options.corner_angle;
+    options.drawn_by_hand = true;  // only lines that prove noisy are replaced
     const bool freehand = is_freehand();
     std::vector<FairedResult> faired;
     try {
