@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <optional>
 #include <string>
 
 #include "batten/core/containers.h"
@@ -39,6 +40,8 @@
 #include "batten/scenes/lines/scene_lines.h"
 #include "batten/scenes/shapes/load_effects.h"
 #include "batten/scenes/shapes/solved_shape.h"
+#include "batten/skinning/surfaces/loft_plan.h"
+#include "batten/skinning/surfaces/section_region.h"
 
 namespace batten {
 
@@ -200,19 +203,30 @@ std::string network_text(const Scene& scene) {
   for (const NetworkDiagnostic& diagnostic : network.diagnostics())
     text += std::string(diagnostic.repaired ? "  repaired: " : "  not joined: ") +
             printable(diagnostic.text) + "\n";
-  const FoundRegions found = require_regions(network, options);
-  text +=
-      std::to_string(found.regions.size()) + (found.regions.size() == 1 ? " face\n" : " faces\n");
+  std::optional<LoftNetwork> loft;
+  if (options.search.specs.empty() && options.model.joins.empty()) {
+    if (const auto plan = find_loft(network)) loft = loft_network(network, *plan, options);
+    if (const auto row = ordered_sections(network); !loft && !row.empty()) {
+      text += "1 face through the sections";
+      for (const CharacterLine& section : row) text += " " + printable(section.name);
+      return text + "\n";
+    }
+  }
+  const CurveNetwork& of_faces = loft ? loft->network : network;
+  const FoundRegions found = loft ? loft->found : require_regions(network, options);
+  text += std::to_string(found.regions.size()) +
+          (found.regions.size() == 1 ? " face" : " faces") +
+          (loft ? " between sections\n" : "\n");
   for (const NetworkRegion& region : found.regions) {
     text += "  " + printable(region.name) + (region.annulus ? "  annulus  " : "  ");
     for (size_t l = 0; l < region.loops.size(); ++l) {
       text += l ? ", [" : "[";
       for (size_t i = 0; i < region.loops[l].size(); ++i)
-        text += (i ? ", " : "") + printable(network.edges()[region.loops[l][i].edge].name);
+        text += (i ? ", " : "") + printable(of_faces.edges()[region.loops[l][i].edge].name);
       text += "]";
     }
     for (size_t i = 0; i < region.inner.size(); ++i)
-      text += (i ? ", " : "  inner ") + printable(network.edges()[region.inner[i]].name);
+      text += (i ? ", " : "  inner ") + printable(of_faces.edges()[region.inner[i]].name);
     text += "\n";
   }
   for (const AmbiguousRegion& ambiguous : found.ambiguous_regions)

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -172,33 +171,13 @@ class ModelBuilder {
   // points. Nullopt if the sections have no rails.
   std::optional<BuiltModel> between_sections(const CurveNetwork& network,
                                              const LoftPlan& plan) const {
-    const std::vector<CharacterLine> rails = loft_rails(network, plan);
-    if (rails.empty() && plan.guides.size() < 2) return std::nullopt;
-    std::vector<CharacterLine> lines = lines_;
-    lines.insert(lines.end(), rails.begin(), rails.end());
-    ModelBuildOptions options = options_;
-    options.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
+    auto loft = loft_network(network, plan, options_, progress_);
+    if (!loft) return std::nullopt;
     BuiltModel made;
-    made.network.emplace(build_network(lines, options, progress_));
-    made.found = loft_faces(*made.network, network, plan, rails);
-    if (!made.found) made.found.emplace(require_regions(*made.network, options, progress_));
+    made.network = std::move(loft->network);
+    made.found = std::move(loft->found);
     skin(made);
     return made;
-  }
-
-  // Gap tolerance that keeps rails apart, such as those along a thick trailing edge.
-  static double rail_tolerance(const std::vector<CharacterLine>& rails) {
-    constexpr double kFraction = 0.1;  // of the least distance between the ends of two rails
-    double least = std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < rails.size(); ++i)
-      for (size_t j = i + 1; j < rails.size(); ++j)
-        for (const bool end : {false, true}) {
-          const InputCurve &a = *rails[i].curve, &b = *rails[j].curve;
-          least = std::min(
-              least, (a.evaluate(end ? a.end() : a.start()) - b.evaluate(end ? b.end() : b.start()))
-                         .norm());
-        }
-    return kFraction * least;
   }
 
   const std::vector<CharacterLine>& lines_;

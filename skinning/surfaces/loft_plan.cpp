@@ -12,6 +12,7 @@
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/skinning/search/region_graph.h"
+#include "batten/skinning/surfaces/build_model.h"
 #include "batten/skinning/surfaces/section_region.h"
 
 namespace batten {
@@ -786,6 +787,42 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
     found.regions[r].name = "face " + std::to_string(r + 1);
   count_free_edges(network, found);
   return found;
+}
+
+namespace {
+
+// Gap tolerance that keeps rails apart, such as those along a thick trailing edge.
+double rail_tolerance(const std::vector<CharacterLine>& rails) {
+  constexpr double kFraction = 0.1;  // of the least distance between the ends of two rails
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < rails.size(); ++i)
+    for (size_t j = i + 1; j < rails.size(); ++j)
+      for (const bool end : {false, true}) {
+        const InputCurve &a = *rails[i].curve, &b = *rails[j].curve;
+        least = std::min(
+            least,
+            (a.evaluate(end ? a.end() : a.start()) - b.evaluate(end ? b.end() : b.start())).norm());
+      }
+  return kFraction * least;
+}
+
+}  // namespace
+
+std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
+                                        const ModelBuildOptions& options,
+                                        const Progress& progress) {
+  const std::vector<CharacterLine> rails = loft_rails(network, plan);
+  if (rails.empty() && plan.guides.size() < 2) return std::nullopt;
+  std::vector<CharacterLine> lines = network.lines();
+  lines.insert(lines.end(), rails.begin(), rails.end());
+  ModelBuildOptions finer = options;
+  finer.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
+  LoftNetwork loft{build_network(lines, finer, progress), {}};
+  if (auto faces = loft_faces(loft.network, network, plan, rails))
+    loft.found = std::move(*faces);
+  else
+    loft.found = require_regions(loft.network, finer, progress);
+  return loft;
 }
 
 }  // namespace batten

@@ -65,4 +65,20 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
                                        const LoftPlan& plan,
                                        const std::vector<CharacterLine>& rails);
 
+struct ModelBuildOptions;  // build_model.h
+
+/// The network of a loft with its rails, and the faces of the loft.
+struct LoftNetwork {
+  CurveNetwork network;
+  FoundRegions found;
+};
+
+/// Adds loft_rails() to the curves of a network and finds the faces: those of loft_faces() or, if
+/// there are none, those that the curves bound. Rails that are closer to each other than the gap
+/// tolerance stay apart. Returns nullopt if the sections have no rails. Throws as build_network()
+/// and require_regions() do.
+std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
+                                        const ModelBuildOptions& options,
+                                        const Progress& progress = {});
+
 }  // namespace batten
