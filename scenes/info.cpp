@@ -249,8 +249,7 @@ std::string loads_text(const Scene& scene) {
 
 std::string scene_text(const Scene& scene) {
   return "scene '" + printable(scene.name) + "', unit " + scene.unit + "\n" +
-         lines_text(read_sources(scene.lines, scene.file, scene.unit), scene.unit,
-                    scene.skin.options.corner_angle) +
+         lines_text(read_sources(scene), scene.unit, scene.skin.options.corner_angle) +
          (specifies_single_region(scene) ? "" : network_text(scene)) +
          parameters_text(scene.parameters()) + loads_text(scene);
 }
@@ -313,8 +312,7 @@ void draw_lines(const std::filesystem::path& picture, const std::filesystem::pat
                         kCorner);
     }
     const Scene scene = read_scene(file);
-    return draw_lines(picture, read_sources(scene.lines, scene.file, scene.unit), scene.unit,
-                      scene.skin.options.corner_angle);
+    return draw_lines(picture, read_sources(scene), scene.unit, scene.skin.options.corner_angle);
   }
   if (line_file_kind(file) == LineFileKind::None)
     throw InputError(file.string() +

@@ -484,7 +484,8 @@ struct LineArguments {
   std::string file, out, unit = "mm", screenshot, compare, show = "shaded", picture, alternatives;
   std::vector<std::string> files, inner, settings;
   std::vector<double> angles;
-  double edge_length = 0, tolerance = 0, gap_tolerance = 0, pressure = 0;
+  std::string corners;
+  double edge_length = 0, tolerance = 0, gap_tolerance = 0, corner_angle = 0, pressure = 0;
   int contours = 0;
   bool exact_step = false;
   StepFileArguments step;
@@ -497,6 +498,15 @@ Scene lines_scene(const LineArguments& a) {
   scene.skin.options.edge_length = a.edge_length;
   scene.skin.options.tolerance = a.tolerance;
   scene.network.tolerance = a.gap_tolerance;
+  if (a.corner_angle > 0) {
+    scene.skin.options.corner_angle = a.corner_angle;
+    scene.skin.corner_angle_is_stated = true;
+  }
+  for (SceneLine& line : scene.lines)
+    if (!a.corners.empty()) {
+      line.corners.emplace();
+      line.all_corners = a.corners == "all";
+    }
   scene.compare = a.compare;
   scene.step_lines = a.step.lines;
   scene.step_ap242 = a.step.ap242;
@@ -523,17 +533,8 @@ int info(LineArguments a) {
 }
 
 int view(LineArguments a, const CommonOptions& common) {
-  Scene scene;
-  if (a.file.ends_with(".toml")) {
-    scene = read_scene(a.file);
-    apply_settings(scene, a.settings);
-  } else {
-    a.files = {a.file};
-    scene = lines_scene(a);
-  }
   PictureScene look;
   using Field = PictureScene::Field;
-  look.unit = scene.unit;
   look.field = a.show == "shaded"           ? Field::None
                : a.show == "mean_curvature" ? Field::Mean
                : a.show == "faces"          ? Field::Regions
@@ -543,6 +544,19 @@ int view(LineArguments a, const CommonOptions& common) {
     look.azimuth = a.angles[0];
     look.elevation = a.angles[1];
   }
+  if (file_kind(a.file) == FileKind::Cad)
+    if (const auto report = view_cad_faces(a.file, look, a.screenshot))
+      return print_result(*report, printable(report->text) + "\n" + printable(a.screenshot) + "\n",
+                          common);
+  Scene scene;
+  if (a.file.ends_with(".toml")) {
+    scene = read_scene(a.file);
+    apply_settings(scene, a.settings);
+  } else {
+    a.files = {a.file};
+    scene = lines_scene(a);
+  }
+  look.unit = scene.unit;
   const RunReport report = view_scene(scene, look, a.screenshot, terminal_progress(common.quiet));
   return print_result(report, printable(a.screenshot) + "\n", common);
 }
@@ -573,6 +587,18 @@ Command add_skin(CommandLine& program, CommonOptions& common) {
       .positive()
       .default_text("1e-4 of the size");
   add_gap_tolerance(subcommand, a.gap_tolerance);
+  const CommandOption corners =
+      subcommand
+          .option("--corners WHICH", a.corners,
+                  "which points of the curves are corners: all of them and every kink, or none")
+          .one_of({"all", "none"})
+          .default_text("detected");
+  subcommand
+      .option("--corner-angle DEGREES", a.corner_angle,
+              "a curve has a corner wherever it turns by more than this angle")
+      .in_range(1e-3, 179.9)
+      .default_text("detected")
+      .excludes(corners);
   subcommand
       .option("--pressure NUMBER", a.pressure,
               "pressure along the normal, in relative units; 1 to 30 gives a slight bulge")
@@ -631,8 +657,8 @@ Command add_view(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<LineArguments>();
   LineArguments& a = *arguments;
   Subcommand subcommand = program.command(
-      "view", kFiles, "draw a picture of the surface of a scene or of a curve file");
-  subcommand.option("FILE", a.file, "scene (.toml) or file of curves").required();
+      "view", kFiles, "draw a picture of the surface of a scene or curve file, or of CAD faces");
+  subcommand.option("FILE", a.file, "scene (.toml), file of curves, or CAD file").required();
   subcommand.option("--screenshot FILE", a.screenshot, "picture to write (.png)").required();
   add_unit(subcommand, a.unit, "length unit of files that state none; a scene states its own");
   subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();

@@ -72,6 +72,9 @@ constexpr double kMinTurnAtEnd = 60;      // degrees, minimum if one side is a s
 constexpr double kSharpTurn = 75;         // degrees, always a corner
 constexpr double kPolygonTurn = 50;       // degrees; a closed list with this turning angle at every
                                           // point is a polygon
+constexpr double kZigzagTurn = 25;        // degrees; a run that turns so much at each point, in
+                                          // changing directions, is a zigzag
+constexpr double kStarTurn = 20;          // degrees; the same for directions that alternate
 constexpr double kUnevenTurn = 40;        // degrees, a corner if the adjacent chords have
 constexpr double kUnevenRatio = 2.5;      // at least this length ratio
 constexpr double kCertainGain = 24;       // gain that noise does not reach at some hundred
@@ -97,6 +100,8 @@ class CyclicSequence {
   double turning_angle(int i) const {
     return degrees_between(at(i) - at(i - 1), at(i + 1) - at(i));
   }
+  // Axis of the turn at a point.
+  Vec3 turn(int i) const { return (at(i) - at(i - 1)).cross(at(i + 1) - at(i)); }
 
  private:
   const std::vector<Vec3>& points_;
@@ -117,7 +122,8 @@ class CornerSearch {
   std::vector<int> run() {
     std::vector<int> found;
     if (is_polygon()) {
-      for (int i = 0; i < sequence_.count(); ++i) found.push_back(i);
+      for (int i = 0; i < sequence_.count(); ++i)
+        if (sequence_.inside(i)) found.push_back(i);
       return found;
     }
     if (sequence_.count() <= kFewPoints) return find_by_turning_angle();
@@ -138,11 +144,21 @@ class CornerSearch {
     return found;
   }
 
-  // True if a closed list turns so much at every point that it can only be a polygon.
+  // True if the list turns so much at every point that it can only be a polygon (closed lists), or
+  // a zigzag.
   bool is_polygon() const {
-    return sequence_.closed() &&
-           std::all_of(turning_angles_.begin(), turning_angles_.end(),
-                       [](double turning_angle) { return turning_angle >= kPolygonTurn; });
+    double least = 180;
+    int changes = 0, inside = 0;
+    for (int i = 0; i < sequence_.count(); ++i) {
+      if (!sequence_.inside(i)) continue;
+      ++inside;
+      least = std::min(least, turning_angle_at(i));
+      changes += changes_sense(i);
+    }
+    const bool alternates = changes > 1 && changes == inside - (sequence_.closed() ? 0 : 1);
+    return inside > 2 &&
+           ((sequence_.closed() && least >= kPolygonTurn) ||
+            (changes > 1 && least > std::max(alternates ? kStarTurn : kZigzagTurn, angle_)));
   }
 
   // True if turns of `angle` between neighbouring chords may be noise.
@@ -173,6 +189,37 @@ class CornerSearch {
   }
   double turning_angle_at(int i) const {
     return turning_angles_[static_cast<size_t>(sequence_.number(i))];
+  }
+
+  // True if the list turns the other way at the point behind i.
+  bool changes_sense(int i) const {
+    if (!sequence_.inside(i + 1)) return false;
+    const Vec3 here = sequence_.turn(i), next = sequence_.turn(i + 1);
+    return here.dot(next) < -0.5 * here.norm() * next.norm();
+  }
+
+  // Adds the points of zigzags: runs of three points or more that turn by more than kZigzagTurn
+  // each, and more than noise explains, with two changes of direction or more.
+  void add_zigzags(std::vector<int>& found) const {
+    const int n = sequence_.count();
+    const auto turns = [&](int i) {
+      if (!sequence_.inside(i)) return false;
+      const double error = error_of_turn(std::min(sequence_.step(i - 1), sequence_.step(i)));
+      return turning_angle_at(i) >
+             std::max({kZigzagTurn, angle_, kStandardErrors * error});
+    };
+    // A run may cross the seam of a closed list: start behind a point that belongs to none.
+    int start = 0;
+    while (start < n && turns(start)) ++start;
+    for (int i = start; i < start + n;) {
+      int end = i, changes = 0;
+      for (; end < start + n && turns(end); ++end)
+        changes += turns(end + 1) && changes_sense(end);
+      if (end - i > 2 && changes > 1)
+        for (int k = i; k < end; ++k) found.push_back(sequence_.number(k));
+      i = end + 1;
+    }
+    found = sorted_unique(std::move(found));
   }
 
   bool is_corner(int i) const {
@@ -222,6 +269,7 @@ class CornerSearch {
     std::vector<int> found;
     for (int i = 0; i < sequence_.count(); ++i)
       if (sequence_.inside(i) && is_corner(i)) found.push_back(i);
+    add_zigzags(found);
     return found;
   }
 

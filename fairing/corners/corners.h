@@ -39,7 +39,10 @@ namespace batten {
 ///   degrees, are half of a nose and not a corner.
 ///
 /// A closed list that turns by 50 degrees or more at every point is a polygon: all of its points
-/// are corners. (A circle therefore needs eight points, which turn by 45 degrees, or more.)
+/// are corners. (A circle therefore needs eight points, which turn by 45 degrees, or more.) All
+/// inner points of a **zigzag** are corners, too: a list, or a run of three points or more in it,
+/// that turns by more than 25 degrees at each point and changes its direction of turning at least
+/// twice (stars, gears, zigzags); 20 degrees suffice for a list that turns left and right in turns.
 ///
 /// If the points are so noisy that turns of `angle` could be noise, a likelihood test finds the
 /// corners that turning angles do not show. It compares two polynomial arms that meet at the

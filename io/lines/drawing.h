@@ -50,7 +50,7 @@ struct Drawing {
 ///          1/96 inch. The origin is the lower left corner of the page, or the point in the
 ///          attribute `data-batten-origin` of the root element, which write_svg() sets.
 ///
-/// Polylines without arcs are returned as points, in which corners are detected as in point tables.
+/// Polylines without arcs are returned as points, each of which is a corner of the polyline.
 /// Curved entities are converted exactly. Text, hatches, dimensions and images are skipped and listed in `notes`, as are all other entities that are not curves. Throws InputError if the file cannot be read, is damaged or truncated, or
 /// contains no curve.
 Drawing read_drawing(const std::filesystem::path& path);

@@ -723,6 +723,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   scene.unit = read_unit(root, "unit");
   scene.skin.options.tolerance = root.positive("fit_tolerance", 0);
   scene.skin.options.corner_angle = root.positive("corner_angle", 20);
+  scene.skin.corner_angle_is_stated = root.has("corner_angle");
   if (scene.skin.options.corner_angle >= 180)
     root.fail("corner_angle", format_number(scene.skin.options.corner_angle),
               "less than 180 degrees");

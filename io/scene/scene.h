@@ -68,6 +68,9 @@ struct SceneLine {
   AffineTransform transform;  ///< transform applied to the copied curve
   /// 0-based indices of the corner points; empty: corners are detected automatically.
   std::optional<std::vector<int>> corners;
+  bool all_corners = false;  ///< files and shape keys: every point or kink is a corner
+  /// Files only: the vertices of polylines in drawings and CAD files are points of smooth curves.
+  bool measured = false;
   CharacterLine::Role role = CharacterLine::Role::Outline;
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   /// Holes only. True: the surface passes through the curve. False: the curve only trims it.
@@ -81,6 +84,8 @@ struct SceneLine {
 struct SceneSkin {
   SkinOptions options;
   SurfaceStiffness material = SurfaceStiffness::isotropic(0, 1);
+  /// True if the scene gives the corner angle.
+  bool corner_angle_is_stated = false;
   /// True if the scene gives alpha (beta) as a single number instead of three.
   bool isotropic_alpha = true, isotropic_beta = true;
   LoadUnits units = LoadUnits::Relative;

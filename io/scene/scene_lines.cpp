@@ -180,37 +180,38 @@ CharacterLine::MeshAlignment read_mesh_alignment(const TomlTable& table) {
 }
 
 // Reads corners = [3, 7], "none" or "all".
-std::optional<std::vector<int>> read_corners(const TomlTable& table, const SceneLine& line) {
-  if (!table.has("corners")) return std::nullopt;
-  if (line.points.empty() && line.file.empty())
-    table.fail("corners", "corners for a curve that is not given by points",
-               "'corners' only with 'points' or 'file'");
-  std::vector<int> corners;
+void read_corners(const TomlTable& table, SceneLine& line) {
+  if (!table.has("corners")) return;
+  line.corners.emplace();
   if (!table.is_array("corners")) {
-    const bool all = table.choice("corners", true, {{"all", true}, {"none", false}});
-    if (all && !line.file.empty())
-      table.fail("corners", "\"all\" for the points of a file", "\"none\" or numbers of points");
-    for (int i = 1; all && i + 1 < isize(line.points); ++i) corners.push_back(i);
-    if (all) corners.push_back(0);
-    return corners;
+    line.all_corners = table.choice("corners", true, {{"all", true}, {"none", false}});
+    return;
   }
+  const bool has_points = !line.points.empty();
   for (const double number : table.list("corners")) {
     const bool whole = number == std::floor(number) && number >= 1 && number < 1e9;
-    if (!whole || (line.file.empty() && number > isize(line.points)))
+    if (!whole || (has_points && number > isize(line.points)))
       table.fail("corners", batten::format_number(number),
-                 line.file.empty() ? "numbers of points, 1 to " + std::to_string(line.points.size())
-                                   : "numbers of points, from 1 on");
-    corners.push_back(static_cast<int>(number) - 1);
+                 has_points ? "numbers of points, 1 to " + std::to_string(line.points.size())
+                            : "numbers of points, from 1 on");
+    line.corners->push_back(static_cast<int>(number) - 1);
   }
-  return corners;
+}
+
+// Reads points = "measured", which stands beside 'file'.
+void read_measured(const TomlTable& table, SceneLine& line) {
+  if (table.has("points") && !table.is_array("points"))
+    line.measured = table.choice("points", true, {{"measured", true}});
 }
 
 // Reads the shape of a line; the result is the key that defines it.
 std::string read_shape(const TomlTable& table, const std::filesystem::path& folder,
                        SceneLine& line) {
   std::vector<std::string> found;
-  for (const std::string& key : shape_keys())
-    if (table.has(key)) found.push_back(key);
+  for (const std::string& key : shape_keys()) {
+    const bool beside_file = key == "points" && table.has("file") && !table.is_array(key);
+    if (table.has(key) && !beside_file) found.push_back(key);
+  }
   if (found.size() != 1)
     table.fail("name",
                found.empty() ? "no shape for the curve '" + line.name + "'"
@@ -223,6 +224,7 @@ std::string read_shape(const TomlTable& table, const std::filesystem::path& fold
   if (key == "file") {
     line.file = folder / table.text("file");
     if (table.has("unit")) line.unit = read_unit(table, "unit");
+    read_measured(table, line);
   } else if (key == "points") {
     line.points = table.points(key);
     if (line.points.size() < 2)
@@ -252,7 +254,7 @@ SceneLine read_line(const TomlTable& table, const std::filesystem::path& folder,
   for (const std::string& key : placement_keys())
     if (table.has(key) && line.copy.empty())
       table.fail(key, "'" + key + "' without 'copy'", "both: copy = \"name of a curve\"");
-  line.corners = read_corners(table, line);
+  read_corners(table, line);
   return line;
 }
 
@@ -266,6 +268,8 @@ SceneLine read_lines(const TomlTable& table, const std::filesystem::path& folder
     line.mesh_alignment = read_mesh_alignment(table);
   }
   line.creases = table.boolean("creases", false);
+  read_measured(table, line);
+  read_corners(table, line);
   line.only = table.strings("only");
   line.skip = table.strings("skip");
   if (roles) {
@@ -292,7 +296,7 @@ std::vector<std::string> line_keys(bool roles) {
 }
 
 std::vector<std::string> lines_keys(bool roles) {
-  std::vector<std::string> keys = {"file", "unit", "only", "skip", "creases"};
+  std::vector<std::string> keys = {"file", "unit", "only", "skip", "creases", "corners", "points"};
   if (roles) keys.insert(keys.end(), {"role", "alignment", "inner", "holes", "trim_only"});
   return keys;
 }

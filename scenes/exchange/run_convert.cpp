@@ -15,6 +15,7 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/lines/drawing.h"
 #include "batten/io/meshes/mesh_file.h"
+#include "batten/scenes/lines/line_corners.h"
 #include "batten/scenes/lines/scene_lines.h"
 #include "batten/scenes/runs/run_support.h"
 
@@ -251,13 +252,21 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
                               " other than shells not written");
 }
 
+/// The curve of a line; a polyline of a drawing or CAD file has a corner at every vertex, also if it
+/// samples a smooth curve. Null for a curve that is given by points.
+std::shared_ptr<const InputCurve> curve_as_given(SourceLine line) {
+  if (line.curve || line.vertices == SourceLine::Vertices::Points) return line.curve;
+  line.corners = all_corners(line.points);
+  return line.as_curve(SkinOptions{}.corner_angle);
+}
+
 /// Replaces the curves through samples of input curves by exact ones, if the input consists of
 /// cubic pieces. Every kink becomes a corner.
 void keep_exact(const std::vector<SourceLine>& lines, std::vector<NamedCurve>& curves) {
   constexpr double kink = 1e-5;  // degrees; exact_curve() treats smaller angles as smooth
   for (size_t i = 0; i < lines.size(); ++i)
-    if (lines[i].curve && curves[i].has_curve())
-      if (auto exact = exact_curve(*lines[i].curve, kink)) curves[i].curve = *std::move(exact);
+    if (const auto given = curves[i].has_curve() ? curve_as_given(lines[i]) : nullptr)
+      if (auto exact = exact_curve(*given, kink)) curves[i].curve = *std::move(exact);
 }
 
 /// The length unit that a file of curves states; empty if it states none.

@@ -15,6 +15,7 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/lines/drawing.h"
+#include "batten/scenes/lines/line_corners.h"
 #include "batten/skinning/lines/character_line.h"
 
 namespace batten {
@@ -67,6 +68,19 @@ bool contains(const std::vector<LocatedString>& words, const std::string& name) 
                      [&](const LocatedString& w) { return w.text == name; });
 }
 
+/// Gives a line the corners that the scene states.
+void apply_corners(const SceneFile& scene, const SceneLine& source, SourceLine& line) {
+  if (source.measured && !line.points.empty()) line.vertices = SourceLine::Vertices::Measured;
+  if (!source.corners) return;
+  if (line.curve) try {
+      line.curve = with_corners(line.curve, source.all_corners, *source.corners);
+    } catch (const InputError& e) {
+      throw InputError(scene.at(source.location) + "curve '" + line.name + "': " + e.what());
+    }
+  else if (!line.points.empty())
+    line.corners = source.all_corners ? all_corners(line.points) : source.corners;
+}
+
 std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source) {
   if (source.file.empty()) {
     SourceLine line;
@@ -74,7 +88,7 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
     line.at = scene.at(source.location);
     line.points = source.points;
     line.curve = source.curve;
-    line.corners = source.corners;
+    apply_corners(scene, source, line);
     line.role = source.role;
     line.mesh_alignment = source.mesh_alignment;
     line.constrains_surface = source.constrains_surface;
@@ -87,7 +101,6 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
                        " curves in '" + source.file.string() + "', expected one for the curve '" +
                        source.name + "'; use [[curves]] for several");
     lines.front().name = source.name;
-    lines.front().corners = source.corners;
   }
   for (const auto* words : {&source.only, &source.skip, &source.inner, &source.holes})
     check_names(scene, source, *words, lines);
@@ -100,7 +113,12 @@ std::vector<SourceLine> lines_of(const SceneFile& scene, const SceneLine& source
     lines.front().notes = first.notes;
     lines.front().warnings = first.warnings;
   }
+  if (source.corners && !source.corners->empty() && lines.size() > 1)
+    throw InputError(scene.at(source.location) + "found numbers of corners for " +
+                     std::to_string(lines.size()) + " curves of '" + source.file.string() +
+                     "', expected corners = \"all\" or \"none\", or one curve in 'only'");
   for (auto& line : lines) {
+    apply_corners(scene, source, line);
     line.role = contains(source.inner, line.name)   ? CharacterLine::Role::Inner
                 : contains(source.holes, line.name) ? CharacterLine::Role::Hole
                                                     : source.role;
@@ -116,8 +134,10 @@ CurveSamples sample_line(const SourceLine& line, double corner_angle) {
   CurveSamples samples;
   if (line.curve)
     samples = sample_line(CharacterLine{line.name, line.curve}, corner_angle);
-  else
+  else {
     samples.points = line.points;
+    samples.corners = line.corners;
+  }
   samples.name = line.name;
   samples.where = line.at;
   return samples;
@@ -135,16 +155,63 @@ LineFileKind line_file_kind(const std::filesystem::path& file) {
                                  : LineFileKind::None;
 }
 
+namespace {
+
+/// The points that turn by more than `corner_angle`.
+std::vector<int> turns_above(const std::vector<Vec3>& points, double corner_angle) {
+  std::vector<int> corners;
+  for (const int i : all_corners(points)) {
+    const Vec3& before = points[i > 0 ? i - 1 : isize(points) - 2];
+    if (degrees_between(points[i] - before, points[i + 1] - points[i]) > corner_angle)
+      corners.push_back(i);
+  }
+  return corners;
+}
+
+/// The corners of a line that are not to be detected from its turning angles alone.
+std::optional<std::vector<int>> known_corners(const SourceLine& line, double corner_angle) {
+  if (line.corners) return line.corners;
+  if (line.vertices == SourceLine::Vertices::Polyline) return all_corners(line.points);
+  if (line.corner_angle_is_stated) return turns_above(line.points, corner_angle);
+  if (line.crossing_corners.empty()) return std::nullopt;
+  std::vector<int> corners = line.crossing_corners;
+  const auto curve = curve_through_points(line.name, line.points, corner_angle);
+  for (const int i : interpret_points(line, *curve).corners) corners.push_back(i - 1);
+  return sorted_unique(std::move(corners));
+}
+
+}  // namespace
+
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
   if (curve) return curve;
   try {
-    return curve_through_points(name, points, corner_angle, corners);
+    const auto known = known_corners(*this, corner_angle);
+    auto through = curve_through_points(name, points, corner_angle, known);
+    const bool seam = known && std::find(known->begin(), known->end(), 0) != known->end() &&
+                      (points.front() - points.back()).norm() < 1e-9 * through->end();
+    return seam ? with_corner_at_seam(std::move(through)) : through;
   } catch (const InputError& e) {
     throw InputError(at + e.what());
   }
 }
 
 namespace {
+
+/// Decides what the vertices of a polyline are.
+void interpret_polyline(SourceLine& line) {
+  if (line.curve) line.points = polyline_vertices(*line.curve);
+  if (line.points.empty()) return;
+  line.curve = nullptr;
+  line.vertices = SourceLine::Vertices::Polyline;
+  try {
+    if (const auto deviation = sampled_curve_deviation(line.points)) {
+      line.vertices = SourceLine::Vertices::SampledCurve;
+      line.polyline_deviation = *deviation;
+    }
+  } catch (const InputError&) {
+    // Coincident vertices and the like are reported by as_curve().
+  }
+}
 
 std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std::string& unit,
                                    double model) {
@@ -156,6 +223,7 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
     for (Vec3& p : line.points) p = to_model(p);
     lines.push_back({line.name, file.string() + ": ", std::move(line.points),
                      line.curve ? transformed(line.curve, to_model) : nullptr});
+    interpret_polyline(lines.back());
   }
   const std::string name = file.filename().string() + ": ";
   for (const std::string& note : drawing.notes) lines[0].notes.push_back(name + note);
@@ -168,6 +236,12 @@ std::vector<SourceLine> read_drawn(const std::filesystem::path& file, const std:
 
 }  // namespace
 
+std::string cad_faces_note(const std::filesystem::path& file, int faces) {
+  return file.filename().string() + ": curves only, namely the edges of its " +
+         format_count(faces, "face") +
+         "; new surfaces are made through them (batten fit takes the faces themselves)";
+}
+
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit, bool creases) {
   const double model = unit_in_metres(model_unit);
@@ -178,8 +252,12 @@ std::vector<SourceLine> read_source_file(const std::filesystem::path& file, cons
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Cad) {
-    for (const CharacterLine& line : cad_plugin().read_cad_lines(file, model, creases))
+    int faces = 0;
+    for (const CharacterLine& line : cad_plugin().read_cad_lines(file, model, creases, &faces)) {
       lines.push_back({line.name, file.string() + ": ", {}, line.curve});
+      interpret_polyline(lines.back());
+    }
+    if (faces > 0 && !creases) lines.front().notes.push_back(cad_faces_note(file, faces));
     return lines;
   }
   if (line_file_kind(file) == LineFileKind::Drawing) return read_drawn(file, unit, model);
@@ -228,6 +306,8 @@ class Copies {
     for (const Vec3& p : given.points) line.points.push_back(copy.transform(p));
     if (given.curve) line.curve = transformed(given.curve, copy.transform);
     line.corners = given.corners;
+    line.vertices = given.vertices;
+    line.polyline_deviation = given.polyline_deviation;
   }
 
   const SceneFile& scene_;
@@ -288,6 +368,13 @@ std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
   return all;
 }
 
+std::vector<SourceLine> read_sources(const Scene& scene) {
+  std::vector<SourceLine> lines = read_sources(scene.lines, scene.file, scene.unit);
+  for (SourceLine& line : lines) line.corner_angle_is_stated = scene.skin.corner_angle_is_stated;
+  find_crossing_corners(lines, scene.skin.options.corner_angle);
+  return lines;
+}
+
 std::vector<Vec3> scan_points(const Scene& scene, const SceneLoad& load) {
   if (load.type != SceneLoad::Type::PointCloudSprings) return {};
   const std::string expected = "a file of points (" + comma_separated(kPointEndings) + ")";
@@ -308,7 +395,7 @@ CharacterLine character_line(const SourceLine& line, double corner_angle) {
 
 std::vector<CharacterLine> read_lines(const Scene& scene) {
   std::vector<CharacterLine> lines;
-  for (const SourceLine& line : read_sources(scene.lines, scene.file, scene.unit))
+  for (const SourceLine& line : read_sources(scene))
     lines.push_back(character_line(line, scene.skin.options.corner_angle));
   return lines;
 }
@@ -361,6 +448,12 @@ std::string describe(const LineInterpretation& interpretation) {
 
 std::string reading_note(const SourceLine& line, const InputCurve& curve) {
   if (line.points.empty() || line.corners) return "";
+  if (line.vertices == SourceLine::Vertices::Polyline) return "";
+  if (line.vertices == SourceLine::Vertices::SampledCurve)
+    return "'" + line.name + "': a polyline of " + std::to_string(line.points.size() - 1) +
+           " segments, interpreted as points of a smooth curve, which is up to " +
+           format_number(line.polyline_deviation) +
+           " away from it (corners = \"all\" keeps straight segments)";
   const LineInterpretation interpretation = interpret_points(line, curve);
   constexpr double large = 20, slight = 40;
   std::string text;

@@ -26,6 +26,18 @@ struct SourceLine {
   std::shared_ptr<const InputCurve> curve;  ///< set for lines that are not given by points
   /// Given corners, indices of `points`; empty: detected.
   std::optional<std::vector<int>> corners = {};
+  /// What `points` are, unless `corners` is given.
+  enum class Vertices {
+    Points,        ///< points of a curve: corners are detected
+    Polyline,      ///< vertices of a polyline of a drawing or CAD file: all are corners
+    SampledCurve,  ///< vertices of such a polyline, which samples a smooth curve: as points
+    Measured       ///< vertices of such a polyline, which is to be read as points
+  } vertices = Vertices::Points;
+  double polyline_deviation = 0;  ///< SampledCurve: largest distance of the curve from the polyline
+  /// Further corners, where other lines cross (find_crossing_corners()); indices of `points`.
+  std::vector<int> crossing_corners = {};
+  /// True: all points that turn by more than the corner angle are corners, since it was stated.
+  bool corner_angle_is_stated = false;
   std::string format_note = {};  ///< how the file was interpreted, if that is not obvious
   /// About entities of the file that were not read; set at the first of its lines.
   std::vector<std::string> notes = {}, warnings = {};
@@ -45,12 +57,18 @@ struct SourceLine {
 std::vector<SourceLine> read_source_file(const std::filesystem::path& file, const std::string& unit,
                                          const std::string& model_unit, bool creases = false);
 
-/// Reads all lines of a scene, in order. `file`: the scene, for messages. Throws InputError, with
+/// The note that only the edges of a CAD file's faces are read, and not the faces.
+std::string cad_faces_note(const std::filesystem::path& file, int faces);
+
+/// Reads the lines of a list, in order. `file`: the scene, for messages. Throws InputError, with
 /// the location in the scene, for a missing file or an unknown kind. Also throws it for a file with
 /// several lines where one is expected, a name that the file does not have, and duplicate names.
 /// Names that occur in several files are preceded by the name of the file: "wing: edge 1".
 std::vector<SourceLine> read_sources(const std::vector<SceneLine>& lines,
                                      const std::filesystem::path& file, const std::string& unit);
+/// Reads all lines of the surface of a scene, with the corners at crossings
+/// (find_crossing_corners()). Throws InputError.
+std::vector<SourceLine> read_sources(const Scene& scene);
 
 /// Reads the points of a scan, from all lines of its file, in model units; empty for other loads.
 /// Throws InputError with the location in the scene or in the file.

@@ -114,7 +114,7 @@ class SceneLines {
   SceneLines(const Scene& scene, const Progress& progress)
       : scene_(scene),
         progress_(progress),
-        sources_(read_sources(scene.lines, scene.file, scene.unit)),
+        sources_(read_sources(scene)),
         texts_(sources_.size()) {}
 
   FairedLines run() && {
@@ -191,11 +191,13 @@ class SceneLines {
     return joined_fraction(result_.lines, options) < prepared;
   }
 
-  // The lines given by points, and their indices.
+  // The lines given by points whose corners are to be detected, and their indices.
   std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn() const {
     std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn;
     for (size_t i = 0; i < sources_.size(); ++i) {
-      if (sources_[i].points.empty()) continue;
+      if (sources_[i].points.empty() || sources_[i].corners ||
+          sources_[i].vertices == SourceLine::Vertices::Polyline)
+        continue;
       drawn.first.push_back(sources_[i]);
       drawn.second.push_back(i);
     }

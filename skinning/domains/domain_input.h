@@ -50,6 +50,9 @@ inline double domain_distance(const ParametricMesh& mesh, const Vec2& p, const V
 /// Computes one flag per embedded line: 1 if the line is part of the region's boundary.
 std::vector<char> boundary_line_flags(const RegionGeometry& geometry);
 
+/// Largest number of corners of a polygonal domain.
+inline constexpr size_t kMaxPolygonCorners = 100;
+
 /// Builds a polygonal domain, whose sides are the sides of the loop between its corners. Every
 /// outline line becomes edge-aligned: a straight chain of element edges.
 ///

@@ -136,7 +136,10 @@ class LoopBuilder {
       const SmoothSegment& s = segments_[end / 2];
       used[end / 2] = 1;
       Outline::OrientedSegment piece{s, flipped, 0, 0.5 * (point_[end] + point_[partner[end]])};
-      if (flipped) piece.segment.curve = reversed(s.curve);
+      if (flipped) {
+        piece.segment.curve = reversed(s.curve);
+        std::swap(piece.segment.at_corner[0], piece.segment.at_corner[1]);
+      }
       piece.length = ArcLength(piece.segment.curve).total();
       if (piece.length < 1e-9 * size_) throw InputError("curve '" + s.name + "' has zero length");
       outline.segments.push_back(std::move(piece));
@@ -211,11 +214,14 @@ std::vector<Outline> make_loops(const std::vector<SmoothSegment>& segments, doub
     if (used[first]) continue;
     const int begin = 2 * static_cast<int>(first) + (reverse_orientation && first == 0 ? 1 : 0);
     Outline outline = builder.loop(begin, partner, used);
-    for (size_t i = 0; i < outline.segments.size(); ++i)
-      if (outline.segments[i].segment.prescribed
-              ? !continues_smoothly(outline, i)
-              : turning_angle_at(outline, i) > corner_angle * pi / 180)
+    for (size_t i = 0, n = outline.segments.size(); i < n; ++i) {
+      const SmoothSegment& before = outline.segments[(i + n - 1) % n].segment;
+      const SmoothSegment& behind = outline.segments[i].segment;
+      if (behind.prescribed ? !continues_smoothly(outline, i)
+                            : turning_angle_at(outline, i) > corner_angle * pi / 180 ||
+                                  (before.at_corner[1] && behind.at_corner[0]))
         outline.corners.push_back(static_cast<int>(i));
+    }
     loops.push_back(std::move(outline));
   }
   return loops;

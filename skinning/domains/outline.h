@@ -61,7 +61,8 @@ struct Outline {
 /// Prescribed curves that are listed in the order of one loop are joined in that order, so that the
 /// loop may pass through a point twice. Two prescribed curves (CharacterLine::prescribed) make a
 /// corner unless their derivative vectors agree at the common end (relative 1e-12). Other segments
-/// make a corner if the direction changes by more than `corner_angle` (degrees).
+/// make a corner if the direction changes by more than `corner_angle` (degrees), or if both are
+/// parts of a curve that has a corner there.
 ///
 /// Throws OutlineIntersection for curves that cross or touch, and InputError for an open loop (the
 /// message contains the gap), three curves that meet at one point, curves that all lie on one

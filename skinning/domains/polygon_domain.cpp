@@ -76,11 +76,10 @@ void require_corners(const Outline& loop, double corner_angle) {
                      (sides == 1 ? " corner" : " corners") +
                      " above corner_angle = " + format_number(corner_angle) +
                      " degrees, expected three or more for domain = \"polygon\"");
-  constexpr size_t max_corners = 100;
-  if (sides > max_corners)
+  if (sides > kMaxPolygonCorners)
     throw InputError("the outline has " + std::to_string(sides) +
                      " corners above corner_angle = " + format_number(corner_angle) +
-                     " degrees, expected at most " + std::to_string(max_corners) +
+                     " degrees, expected at most " + std::to_string(kMaxPolygonCorners) +
                      "; increase corner_angle, or fair the curve if its points are noisy");
 }
 

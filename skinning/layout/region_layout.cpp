@@ -114,7 +114,8 @@ Domain automatic_domain(const JoinedLines& joined, const DomainInput& task) {
   const std::vector<Outline>& loops = joined.loops;
   if (loops.size() == 2 && loops[0].corners.empty() && loops[1].corners.empty())
     return Domain::Annulus;
-  const bool polygon = loops[0].corners.size() >= 3 && joined.to_embed.empty() &&
+  const size_t corners = loops[0].corners.size();
+  const bool polygon = corners >= 3 && corners <= kMaxPolygonCorners && joined.to_embed.empty() &&
                        !(loops.size() == 1 && has_cusp(loops[0]));
   return polygon ? Domain::Polygon : embedding_domain(loops[0], task);
 }

@@ -149,9 +149,16 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
       cuts.push_back(breaks[i]);
   }
   cuts.push_back(curve.end());
+  const bool seam = !corners.empty() && corners.front() == curve.start();
   if (cuts.size() == 2)
-    return {
-        {line.name, line.role, line.curve, line.mesh_alignment, {}, {}, line.constrains_surface}};
+    return {{line.name,
+             line.role,
+             line.curve,
+             line.mesh_alignment,
+             {},
+             {},
+             line.constrains_surface,
+             {seam, seam}}};
   std::vector<SmoothSegment> parts;
   for (size_t i = 0; i + 1 < cuts.size(); ++i)
     parts.push_back({line.name + "." + std::to_string(i + 1),
@@ -160,7 +167,8 @@ std::vector<SmoothSegment> split_at_corners(const CharacterLine& line, double co
                      line.mesh_alignment,
                      {},
                      {},
-                     line.constrains_surface});
+                     line.constrains_surface,
+                     {i > 0 || seam, i + 2 < cuts.size() || seam}});
   return parts;
 }
 

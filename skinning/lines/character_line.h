@@ -3,6 +3,7 @@
 // samples for fairing.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -69,6 +70,8 @@ struct SmoothSegment {
   /// The input curve if `prescribed` is set, otherwise null.
   std::shared_ptr<const InputCurve> input = {};
   bool constrains_surface = true;  ///< value of CharacterLine::constrains_surface
+  /// True if the input curve has a corner at the start (end) of the segment.
+  std::array<bool, 2> at_corner = {false, false};
 
   /// Converts the segment to a CharacterLine in the direction of the input curve. `flipped`: true
   /// if the segment runs against the input curve.

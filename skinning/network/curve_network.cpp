@@ -133,6 +133,20 @@ void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<Netwo
     const double s = last ? c.s1 : c.s0;
     return std::pair(last, s > length ? s - length : s);
   };
+  // True if both ends were one corner of an input curve.
+  const auto is_corner = [&](const EdgeEnd& p, const EdgeEnd& q) {
+    std::array<std::pair<int, int>, 2> ends;
+    for (const auto& [e, end] : {std::pair(p, &ends[0]), std::pair(q, &ends[1])}) {
+      const auto [last, s] = position_along(e);
+      const int k = drafts[e.edge].interval->sampled_curve;
+      const double length = sampled_curves.sampled_curves[k].length;
+      if (std::abs(s - (last ? length : 0)) > 1e-9 * length) return false;
+      *end = {k, last};
+    }
+    const auto& corners = sampled_curves.corners;
+    return std::binary_search(corners.begin(), corners.end(), ends) ||
+           std::binary_search(corners.begin(), corners.end(), std::array{ends[1], ends[0]});
+  };
   for (const NetworkNode& node : nodes) {
     std::vector<Vec3> direction;
     for (const EdgeEnd& e : node.ends) direction.push_back(outward_tangent(drafts[e.edge], e.end));
@@ -148,7 +162,7 @@ void find_partners(const std::vector<EdgeDraft>& drafts, const std::vector<Netwo
         const bool one = k == drafts[q.edge].interval->sampled_curve && last_p != last_q &&
                          sampled_curve.between(s_p, s_q) <= 1e-9 * sampled_curve.length &&
                          (sampled_curve.closed || (s_p > 0 && s_p < sampled_curve.length));
-        if (one || angle_deg <= tangent_angle)
+        if (one || (angle_deg <= tangent_angle && !is_corner(p, q)))
           pairs.push_back({one ? 0 : 1, std::llround(angle_deg * (1 << 20)), p, q});
       }
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {

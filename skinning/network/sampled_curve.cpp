@@ -117,8 +117,11 @@ std::vector<SampledCurve> cut_line(const CharacterLine& line, int index, double 
             corner_angle ||
         std::binary_search(corners.begin(), corners.end(), breaks[i]))
       cuts.push_back(breaks[i]);
+  const std::vector<double> given = line.curve->corners();
+  const bool corner_at_seam = !given.empty() && given.front() == line.curve->start();
   const bool smooth_seam =
-      closed && degrees_between(tangent(*whole, b, -1), tangent(*whole, a, 1)) <= corner_angle;
+      closed && !corner_at_seam &&
+      degrees_between(tangent(*whole, b, -1), tangent(*whole, a, 1)) <= corner_angle;
 
   std::vector<SampledCurve> sampled_curves;
   const auto add = [&](double from, double to, bool corner_before, bool corner_after) {

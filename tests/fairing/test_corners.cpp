@@ -109,6 +109,40 @@ TEST_CASE("rounded corners and noses are none", "[fairing][corners]") {
   CHECK(find_corners(hook, false, 8) == Numbers{11});
 }
 
+TEST_CASE("zigzags, stars and gears have a corner at every point", "[fairing][corners]") {
+  const auto every = [](int first, int end) {
+    Numbers all;
+    for (int i = first; i < end; ++i) all.push_back(i);
+    return all;
+  };
+  for (const double turn : {40.0, 60.0, 100.0}) {
+    INFO(turn);
+    const auto zigzag = path({turn / 2, -turn, turn, -turn, turn, -turn, turn / 2}, 1);
+    CHECK(find_corners({zigzag.begin() + 1, zigzag.end() - 1}, false, 20) == every(1, 6));
+    // In the middle of a straight line, and with uneven legs.
+    const auto inside = path({0, 0, turn, -2 * turn, 2 * turn, -turn, 0, 0}, 1);
+    CHECK(find_corners(inside, false, 20) == every(3, 7));
+  }
+  for (const int tips : {4, 5, 8, 24}) {
+    INFO(tips);
+    std::vector<Vec3> star;
+    for (int i = 0; i < 2 * tips; ++i) {
+      const double t = pi * i / tips, r = i % 2 ? 3 : 5;
+      star.emplace_back(r * std::cos(t), r * std::sin(t), 0);
+    }
+    CHECK(find_corners(star, true, 20) == every(0, 2 * tips));
+    CHECK(find_corners(star, true, 179).size() < star.size());
+  }
+  // A wave of few points is smooth: its turning angles grow and fade.
+  std::vector<Vec3> wave;
+  for (int i = 0; i <= 24; ++i) wave.emplace_back(i, 2 * std::sin(i * pi / 4), 0);
+  CHECK(find_corners(wave, false, 20).empty());
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    INFO(seed);
+    CHECK(find_corners(noisy(path({}, 100), 0.5, seed), false, 20).empty());
+  }
+}
+
 TEST_CASE("noise makes no corners, and hides none that stand far above it", "[fairing][corners]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO(seed);
