@@ -156,8 +156,9 @@ class ModelBuilder {
   }
 
   // Skins the regions of the network.
-  void skin(BuiltModel& made) const {
+  void skin(BuiltModel& made, const std::vector<JoinSpec>& more_joins = {}) const {
     ModelOptions options = options_.model;
+    options.joins.insert(options.joins.end(), more_joins.begin(), more_joins.end());
     if (options_.tolerance)
       options.skin.tolerance = options_.tolerance(sampled_size(made.network->lines()));
     made.model = skin_network(*made.network, *made.found, options, progress_);
@@ -176,7 +177,10 @@ class ModelBuilder {
     BuiltModel made;
     made.network = std::move(loft->network);
     made.found = std::move(loft->found);
-    skin(made);
+    std::vector<JoinSpec> creases;
+    for (const std::string& rail : loft->creases)
+      creases.push_back({rail, JoinSpec::Kind::Crease, ""});
+    skin(made, creases);
     return made;
   }
 

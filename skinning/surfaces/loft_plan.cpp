@@ -806,6 +806,21 @@ double rail_tolerance(const std::vector<CharacterLine>& rails) {
   return kFraction * least;
 }
 
+// True if a rail runs through a corner of a section.
+bool meets_corner(const CurveNetwork& network, const LoftPlan& plan, const CharacterLine& rail) {
+  const std::vector<double> at = rail.curve->breaks();
+  for (size_t k = 0; k < plan.sections.size(); ++k) {
+    const LoftPlan::Section& section = plan.sections[k];
+    const Vec3 p = rail.curve->evaluate(at[k]);
+    for (size_t i = 0; i < section.edges.size(); ++i) {
+      const Vec3& corner = network.nodes()[start_node(network, section.edges[i])].position;
+      if (has_corner(network, section, i) && (corner - p).norm() <= network.tolerance())
+        return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
@@ -817,7 +832,9 @@ std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftP
   lines.insert(lines.end(), rails.begin(), rails.end());
   ModelBuildOptions finer = options;
   finer.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
-  LoftNetwork loft{build_network(lines, finer, progress), {}};
+  LoftNetwork loft{build_network(lines, finer, progress), {}, {}};
+  for (const CharacterLine& rail : rails)
+    if (meets_corner(network, plan, rail)) loft.creases.push_back(rail.name);
   if (auto faces = loft_faces(loft.network, network, plan, rails))
     loft.found = std::move(*faces);
   else

@@ -71,6 +71,8 @@ struct ModelBuildOptions;  // build_model.h
 struct LoftNetwork {
   CurveNetwork network;
   FoundRegions found;
+  /// Names of the rails through a corner of some section: creases, even if the corner fades out.
+  std::vector<std::string> creases;
 };
 
 /// Adds loft_rails() to the curves of a network and finds the faces: those of loft_faces() or, if

@@ -114,6 +114,34 @@ TEST_CASE("corners of twisted sections correspond to the nearest ones, however b
     }
 }
 
+TEST_CASE("shallow corners that fade out stay creases, so that the loft is ruled",
+          "[skinning][surfaces]") {
+  // 16 corners of 22.5 degrees, and a circle.
+  constexpr int kCorners = 16, kSteps = 200;
+  std::vector<int> all;
+  for (int k = 0; k <= kCorners; ++k) all.push_back(k);
+  std::vector<Vec3> points = regular(kCorners, 1, 0, 0.05);
+  points.push_back(points.front());
+  CharacterLine polygon;
+  polygon.name = "polygon";
+  polygon.curve = curve_through_points("polygon", points, 20, all);
+  const BuiltModel made = build_model({polygon, closed_line("circle", regular(90, 1, 0.5))}, {});
+  const double step = 2 * kPi / kCorners;
+  double exact = 0;
+  for (int k = 0; k < kSteps; ++k)
+    for (int j = 0; j < kSteps; ++j) {
+      const auto at = [&](int i, int h) {
+        const double s = i / double(kSteps), t = h / double(kSteps);
+        const Vec3 a = (1 - s) * Vec3(1, 0, 0) + s * Vec3(std::cos(step), std::sin(step), 0);
+        return Vec3((1 - t) * a + t * Vec3(std::cos(s * step), std::sin(s * step), 0.5));
+      };
+      exact +=
+          kCorners * 0.5 * (at(k + 1, j + 1) - at(k, j)).cross(at(k, j + 1) - at(k + 1, j)).norm();
+    }
+  CHECK(made.region_names().size() == kCorners);
+  CHECK(area_of(made) == Approx(exact).epsilon(1e-4));
+}
+
 TEST_CASE("a triangle and a hexagon correspond by their corners in order", "[skinning][surfaces]") {
   const std::vector<CharacterLine> lines{closed_line("three", regular(3, 1, 0), 1, true),
                                          closed_line("six", regular(6, 1.2, 1), 4)};
