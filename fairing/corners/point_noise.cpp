@@ -15,14 +15,30 @@
 namespace batten {
 namespace {
 
-// Normalised sizes, perpendicular to the chord, of the finite differences with these weights at all
-// positions without a corner inside their stencil.
+// Weights of the divided difference over these parameters, up to a factor. Empty if two of them
+// coincide.
+std::vector<double> difference_weights(const std::vector<double>& t) {
+  std::vector<double> weights;
+  for (const double a : t) {
+    double product = 1;
+    for (const double b : t)
+      if (a != b) product *= (a - b) / (t.back() - t.front());
+    weights.push_back(1 / product);
+  }
+  const bool is_finite = std::all_of(weights.begin(), weights.end(),
+                                     [](double weight) { return std::isfinite(weight); });
+  return is_finite ? weights : std::vector<double>();
+}
+
+// Normalised sizes, perpendicular to the chord, of the differences of `m` points at all positions
+// without a corner inside their stencil. `t`: parameters of the points; empty: even.
 std::vector<double> differences(const std::vector<Vec3>& points, bool closed,
-                                const std::vector<int>& corners,
-                                const std::vector<double>& weights) {
-  const int n = isize(points), m = isize(weights);
-  double norm = 0;
-  for (const double w : weights) norm += w * w;
+                                const std::vector<int>& corners, int m,
+                                const std::vector<double>& t) {
+  const int n = isize(points);
+  std::vector<double> at(static_cast<size_t>(m));
+  for (int k = 0; k < m; ++k) at[k] = k;
+  const std::vector<double> even = difference_weights(at);
   std::vector<double> sizes;
   for (int i = 0; i < (closed ? n : n - m + 1); ++i) {
     const bool cornered = std::any_of(corners.begin(), corners.end(), [&](int c) {
@@ -30,8 +46,15 @@ std::vector<double> differences(const std::vector<Vec3>& points, bool closed,
       return k > 0 && k < m - 1;
     });
     if (cornered) continue;
+    for (int k = 0; k < m && !t.empty(); ++k) at[k] = t[(i + k) % n] + (i + k < n ? 0 : t.back());
+    const std::vector<double> weights = t.empty() ? even : difference_weights(at);
+    if (weights.empty()) continue;
+    double norm = 0;
     Vec3 d = Vec3::Zero();
-    for (int k = 0; k < m; ++k) d += weights[k] * points[(i + k) % n];
+    for (int k = 0; k < m; ++k) {
+      d += weights[k] * (points[(i + k) % n] - points[i]);
+      norm += weights[k] * weights[k];
+    }
     // The chord extends beyond the stencil, because the chord of a few points would be noise
     // itself.
     constexpr int beyond = 3;
@@ -45,14 +68,14 @@ std::vector<double> differences(const std::vector<Vec3>& points, bool closed,
 
 }  // namespace
 
-double estimate_noise(const std::vector<Vec3>& points, bool closed,
-                      const std::vector<int>& corners) {
+double estimate_noise(const std::vector<Vec3>& points, bool closed, const std::vector<int>& corners,
+                      const std::vector<double>& parameters) {
   constexpr int fewest_points = 11, fewest = 4;
   if (isize(points) < fewest_points) return 0;
   double least = std::numeric_limits<double>::infinity();
-  for (const std::vector<double>& weights :
-       {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1}}) {
-    std::vector<double> sizes = differences(points, closed, corners, weights);
+  for (const int m : {4, 6, 8}) {
+    if (m > 6 && parameters.empty()) break;
+    std::vector<double> sizes = differences(points, closed, corners, m, parameters);
     if (isize(sizes) < fewest) continue;
     // Quantile of |Gaussian|. In short lists, corners that are not known yet affect up to half of
     // all positions.

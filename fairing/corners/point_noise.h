@@ -15,8 +15,13 @@ namespace batten {
 /// takes the smaller of both estimates. Each is a median, so that a few undetected corners do not
 /// count as noise. Variation along the curve is not noise: the points may be spaced unevenly. Model
 /// units; 0 for fewer than eleven points.
+///
+/// `parameters`: ascending parameters of the points, and if closed, the total. Divided differences
+/// of up to seventh order then replace the differences, so that uneven spacing on a bend does not
+/// count as noise. Empty: even parameters.
 double estimate_noise(const std::vector<Vec3>& points, bool closed,
-                      const std::vector<int>& corners = {});
+                      const std::vector<int>& corners = {},
+                      const std::vector<double>& parameters = {});
 
 // Averages of neighbouring points, for samples whose steps from point to point are mostly noise.
 

@@ -19,7 +19,12 @@ SmoothingSplineSolver::SmoothingSplineSolver(const std::string& name,
                                              const std::vector<Vec3>& given,
                                              const PointSequence& row, const FairOptions& options)
     : name_(name), given_(given), sequence_(row), options_(options), count_(row.count()) {
-  noise_ = estimate_noise(row.points, row.closed, row.corners);
+  // Uneven spacing of exact points is no noise. The factor keeps the second estimate, whose weights
+  // are noisy, from reducing the first one by chance.
+  constexpr double by_chance = 2;
+  noise_ = std::min(
+      estimate_noise(row.points, row.closed, row.corners),
+      by_chance * estimate_noise(row.points, row.closed, row.corners, row.averaged_chord()));
   begin();
 }
 
@@ -308,9 +313,9 @@ double SmoothingSplineSolver::choose_wavelength(PenalisedLeastSquares& smoothing
       if (smoothing.rms_residual(smoothing.solve(finest)) > most) return min_wavelength_;
       const double low = before > 0 ? std::max(finest, before / 3) : finest,
                    high = before > 0 ? std::min(coarsest, before * 3) : coarsest;
-      return std::exp(golden_section_minimum(
-          [&](double x) { return smoothing.gcv_score(std::exp(x), most); }, std::log(low),
-          std::log(high), before > 0 ? 6 : 16));
+      return std::exp(
+          golden_section_minimum([&](double x) { return smoothing.gcv_score(std::exp(x), most); },
+                                 std::log(low), std::log(high), before > 0 ? 6 : 16));
     }
     case FairOptions::Smoothing::Noise:
       return longest_wavelength([&](double wavelength) {
@@ -517,8 +522,8 @@ std::vector<double> interpolating_parameters(const PointSequence& sequence) {
     const bool end = !sequence.closed && (i == 0 || i == n - 1);
     if (end || std::binary_search(sequence.corners.begin(), sequence.corners.end(), i)) return 0.0;
     constexpr double quarter = 0.5 * std::numbers::pi;
-    const double angle = std::min(
-        degrees_between(chord(i + n - 1), chord(i)) * std::numbers::pi / 180, quarter);
+    const double angle =
+        std::min(degrees_between(chord(i + n - 1), chord(i)) * std::numbers::pi / 180, quarter);
     return angle * angle / quarter;
   };
   std::vector<double> u = {0};

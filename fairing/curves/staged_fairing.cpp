@@ -268,8 +268,8 @@ class StagedFairing {
     for (const CurvePart& part : local_parts(s, curve)) {
       HermiteCurve result = fair_part(curve, part, wavelength);
       longest = std::max(longest, part_length(curve, part));
-      changed = changed || result.node_count() != curve.node_count() ||
-                result.dofs() != curve.dofs();
+      changed =
+          changed || result.node_count() != curve.node_count() || result.dofs() != curve.dofs();
       curve = std::move(result);
     }
     if (!(longest > 0)) return curve;

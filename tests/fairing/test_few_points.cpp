@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 // Fairing of few points, whose noise cannot be distinguished from their shape.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -140,6 +141,24 @@ TEST_CASE("exact points move by twice their estimated noise at most", "[fairing]
     const FairCurve fair = fair_points("exact", points);
     CHECK(fair.deviation.rms <= 2 * fair.noise + 1e-6 * size);
   }
+}
+
+TEST_CASE("uneven spacing of exact points is no noise", "[fairing][curves]") {
+  using std::numbers::pi;
+  std::vector<double> moved;
+  for (int seed = 0; seed < 40; ++seed) {
+    std::mt19937 engine(static_cast<unsigned>(seed));
+    std::uniform_real_distribution<double> uniform(-0.2, 0.2);
+    std::vector<Vec3> points;
+    for (int i = 0; i <= 60; ++i) {
+      const double t = (i + (i > 0 && i < 60 ? uniform(engine) : 0)) / 60;
+      points.emplace_back(10 * t, std::sin(4 * pi * t) + 0.3 * std::cos(6 * pi * t + seed), 0);
+    }
+    const FairCurve fair = fair_points("exact", points);
+    moved.push_back(fair.deviation.max / bounding_box(points).diagonal().norm());
+  }
+  std::nth_element(moved.begin(), moved.begin() + 20, moved.end());
+  CHECK(moved[20] < 1e-5);
 }
 
 TEST_CASE("parameters of points on a straight line are chord lengths", "[fairing][curves]") {
