@@ -65,6 +65,19 @@ std::string summary(const Report& report, const std::filesystem::path& folder);
 /// changes each decision.
 std::string network_summary(const Report& report, const std::filesystem::path& folder);
 
+/// Report of view_cad_faces().
+struct ViewReport : RunReport {
+  std::string text;  ///< what was drawn, one line
+};
+
+/// Draws the faces of a CAD file, shaded, with their edges, and no other surfaces. The result is
+/// empty, and nothing is drawn, if the file has no faces. `look`: only the view is used. Throws
+/// InputError if `look` requests more than shaded faces, if the file cannot be read, or if there is
+/// no display.
+std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad,
+                                         const PictureScene& look,
+                                         const std::filesystem::path& picture);
+
 // The scene of `batten fit`.
 
 /// Adds feature lines of a mesh to a network scene: its creases ("crease 1", …) and boundary edges

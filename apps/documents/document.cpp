@@ -13,6 +13,7 @@
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/command_files.h"
 #include "batten/io/files/input_file.h"
+#include "batten/io/lines/cad_plugin.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/io/scene/scene_paths.h"
 #include "batten/scenes/commands.h"
@@ -131,6 +132,9 @@ void Document::open(const std::filesystem::path& file, const Progress& progress)
     return start(SceneText(read_input_file(file, "a scene, a mesh or a curve file"), file), file,
                  progress);
   start(scene_around(file), {}, progress);
+  if (kind != FileKind::Cad) return;
+  if (const int faces = cad_plugin().read_cad_contents(file).faces; faces > 0)
+    run_messages_ = cad_faces_note(file, faces) + "\n";
 }
 
 // Opens in a new document first, so that this one stays unchanged if the file is no scene.

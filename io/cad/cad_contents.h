@@ -10,6 +10,7 @@
 #include "batten/core/eigen.h"
 #include "batten/mesh/pn_triangle_mesh.h"
 #include "batten/mesh/shell_mesh.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
 
@@ -78,6 +79,12 @@ struct CadFacets {
   /// requested.
   std::vector<PnTriangle::Corners> normals;
   std::vector<int> faces;  ///< 0-based index of the CAD face of each triangle
+  /// The primitive of each CAD face, Kind::Free if it has none; empty unless curved triangles were
+  /// requested.
+  std::vector<FittedPrimitive> primitives;
+  /// For each CAD face, 1 if it lies on a surface of revolution or an extruded surface, else 0; empty
+  /// as `primitives`.
+  std::vector<char> swept;
   std::vector<FacetGroup> groups;
   CadContents contents;  ///< summary of the CAD file, in the unit of the file
   double unit_in_metres = 1e-3;

@@ -29,6 +29,7 @@
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_mesher.h"
 #include "batten/io/cad/cad_parts.h"
+#include "batten/io/cad/cad_primitive.h"
 #include "batten/io/cad/cad_writer.h"
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
@@ -258,6 +259,12 @@ std::string to_bytes(const CadFacets& f) {
     for (const Vec3& n : triple) normals.insert(normals.end(), {n[0], n[1], n[2]});
   out.add(normals.data(), normals.size());
   out.add(f.faces.data(), f.faces.size());
+  std::vector<double> primitives;
+  for (const FittedPrimitive& p : f.primitives)
+    primitives.insert(primitives.end(),
+                      {static_cast<double>(p.kind), p.origin.x(), p.origin.y(), p.origin.z(),
+                       p.axis.x(), p.axis.y(), p.axis.z(), p.radius, p.major_radius, p.half_angle});
+  out.add(primitives.data(), primitives.size()).add(f.swept.data(), f.swept.size());
   out.put(f.size).put(f.chord).put(f.deviation);
   out.put(f.shells).put(f.free_edges).put(f.cracks).put(f.unmeshed);
   return out.take();
@@ -284,6 +291,13 @@ CadFacets facets_from_bytes(const std::string& bytes) {
     f.normals.push_back({n.col(0), n.col(1), n.col(2)});
   }
   f.faces = in.list<int>();
+  const auto primitives = in.list<double>();
+  for (size_t k = 0; k + 9 < primitives.size(); k += 10) {
+    const double* n = primitives.data() + k;
+    f.primitives.push_back({static_cast<FittedPrimitive::Kind>(static_cast<int>(n[0])),
+                            Vec3(n[1], n[2], n[3]), Vec3(n[4], n[5], n[6]), n[7], n[8], n[9]});
+  }
+  f.swept = in.list<char>();
   for (double* number : {&f.size, &f.chord, &f.deviation}) *number = in.get<double>();
   for (int* number : {&f.shells, &f.free_edges, &f.cracks, &f.unmeshed}) *number = in.get<int>();
   return f;
@@ -291,7 +305,31 @@ CadFacets facets_from_bytes(const std::string& bytes) {
 
 void scale(CadFacets& f, double factor) {
   f.mesh.points *= factor;
+  for (FittedPrimitive& p : f.primitives) {
+    p.origin *= factor;
+    p.radius *= factor;
+    p.major_radius *= factor;
+  }
   for (double* length : {&f.size, &f.chord, &f.deviation}) *length *= factor;
+}
+
+bool has_only_primitives(const std::vector<CadPart>& parts) {
+  for (const CadPart& part : parts)
+    for (const CadFace& face : part.faces)
+      if (primitive_of(face.face).kind == FittedPrimitive::Kind::Free) return false;
+  return true;
+}
+
+/// Recognises the primitives of the faces with triangles, in the order of their triangles.
+void recognise_primitives(const std::vector<CadPart>& parts, CadFacets& facets) {
+  for (const CadPart& part : parts)
+    for (const CadFace& face : part.faces) {
+      TopLoc_Location location;
+      const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face.face, location);
+      if (mesh.IsNull() || mesh->NbTriangles() == 0) continue;
+      facets.primitives.push_back(primitive_of(face.face));
+      facets.swept.push_back(is_swept(face.face));
+    }
 }
 
 /// Meshes a file that was read in this process, in millimetres.
@@ -307,7 +345,9 @@ CadFacets tessellate_file(const std::filesystem::path& file, const CadFile& cad,
     throw InputError(
         file.string() + ": found a chord of " + format_number(chord) +
         " mm, expected 1e-7 of the size or more: " + format_number(1e-7 * joined.size) + " mm");
+  if (curved && has_only_primitives(joined.parts)) chord = std::max(chord, 1e-3 * joined.size);
   CadFacets facets = mesh_parts(joined.parts, joined.size, chord, curved);
+  if (curved) recognise_primitives(joined.parts, facets);
   facets.contents = contents_of(cad);
   return facets;
 }

@@ -59,7 +59,9 @@ struct CadFacetOptions {
   /// the size of the model.
   double chord = 0;
   /// True: compute curved triangles (PnTriangle). Far fewer curved than flat triangles are needed
-  /// for a given chord tolerance, but mesh edges on edges of CAD faces stay straight.
+  /// for a given chord tolerance, but mesh edges on edges of CAD faces stay straight. If all faces
+  /// are primitives (CadFacets::primitives), which need no triangles for exact points, the chord
+  /// tolerance is at least 1e-3 of the size of the model.
   bool curved = false;
 };
 

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MPL-2.0
 // Curves and names of the edges of CAD files, and shape healing.
+#include <BRepAlgoAPI_Splitter.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
+#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
 #include <Geom2d_Curve.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_Surface.hxx>
@@ -14,6 +20,7 @@
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <ShapeUpgrade_ShapeDivideContinuity.hxx>
+#include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -22,10 +29,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
 #include "batten/io/cad/cad_file.h"
 #include "batten/io/cad/cad_parts.h"
 #include "batten/io/cad/continuity_report.h"
@@ -94,10 +104,30 @@ void project_edges(const TopoDS_Face& face) {
   }
 }
 
-/// Replaces the shape of `cad`. `became` maps an old edge to the new edges, which inherit its
-/// label.
+/// Names of the faces after a change: the parts of face NAME are NAME.1, NAME.2, …
+std::vector<std::string> face_names_after(
+    const CadFile& cad, const TopTools_IndexedMapOfShape& faces,
+    const std::function<TopoDS_Shape(const TopoDS_Shape&)>& became) {
+  std::vector<std::string> names(static_cast<size_t>(faces.Extent()));
+  for (int f = 1; f <= cad.faces.Extent(); ++f) {
+    TopTools_IndexedMapOfShape parts;
+    TopExp::MapShapes(became(cad.faces(f)), TopAbs_FACE, parts);
+    for (int p = 1; p <= parts.Extent(); ++p)
+      if (const int at = faces.FindIndex(parts(p)))
+        names[at - 1] =
+            cad.face_names[f - 1] + (parts.Extent() > 1 ? "." + std::to_string(p) : "");
+  }
+  int added = cad.faces.Extent();
+  for (std::string& name : names)
+    if (name.empty()) name = "face " + std::to_string(++added);
+  return names;
+}
+
+/// Replaces the shape of `cad`. `became` maps an old edge or face to the new ones; the edges inherit
+/// its label. Edges that come from no edge get the label `added`.
 void replace(CadFile& cad, const TopoDS_Shape& shape,
-             const std::function<TopoDS_Shape(const TopoDS_Shape&)>& became) {
+             const std::function<TopoDS_Shape(const TopoDS_Shape&)>& became,
+             const std::string& added = "") {
   TopoDS_Compound whole;
   BRep_Builder builder;
   builder.MakeCompound(whole);
@@ -105,14 +135,18 @@ void replace(CadFile& cad, const TopoDS_Shape& shape,
   TopTools_IndexedMapOfShape edges, faces;
   TopExp::MapShapes(whole, TopAbs_EDGE, edges);
   TopExp::MapShapes(whole, TopAbs_FACE, faces);
-  std::vector<std::string> labels(static_cast<size_t>(edges.Extent()));
+  std::vector<std::string> labels(static_cast<size_t>(edges.Extent()), added);
+  std::vector<char> known(labels.size(), 0);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {
     TopTools_IndexedMapOfShape parts;
     TopExp::MapShapes(became(cad.edges(e)), TopAbs_EDGE, parts);
     for (int p = 1; p <= parts.Extent(); ++p)
-      if (const int at = edges.FindIndex(parts(p)))
-        if (std::string& label = labels[at - 1]; label.empty()) label = cad.labels[e - 1];
+      if (const int at = edges.FindIndex(parts(p)); at && (!known[at - 1] || labels[at - 1].empty())) {
+        labels[at - 1] = cad.labels[e - 1];
+        known[at - 1] = 1;
+      }
   }
+  cad.face_names = face_names_after(cad, faces, became);
   cad.shape = whole;
   cad.edges = edges;
   cad.faces = faces;
@@ -138,8 +172,10 @@ void merge_coincident_edges(CadFile& cad) {
     TopExp::MapShapes(cad.faces(f), TopAbs_EDGE, of_faces);
   for (int e = 1; e <= cad.edges.Extent(); ++e)
     if (!of_faces.Contains(cad.edges(e))) builder.Add(all, cad.edges(e));
-  replace(cad, all, [&](const TopoDS_Shape& edge) {
-    return sewing.IsModifiedSubShape(edge) ? sewing.ModifiedSubShape(edge) : edge;
+  replace(cad, all, [&](const TopoDS_Shape& old) {
+    return sewing.IsModifiedSubShape(old) ? sewing.ModifiedSubShape(old)
+           : sewing.IsModified(old)       ? sewing.Modified(old)
+                                          : old;
   });
 }
 
@@ -157,15 +193,155 @@ void divide_at_creases(CadFile& cad) {
   divide.SetTolerance(Precision::Confusion());
   if (!divide.Perform() || divide.Result().IsNull()) return;
   replace(cad, divide.Result(),
-          [&](const TopoDS_Shape& edge) { return divide.GetContext()->Apply(edge); });
+          [&](const TopoDS_Shape& old) { return divide.GetContext()->Apply(old); });
+}
+
+/// The closed chains of edges around a face, without seams and poles.
+std::vector<std::vector<TopoDS_Edge>> boundary_chains(const TopoDS_Face& face) {
+  TopTools_IndexedMapOfShape vertices;
+  std::vector<TopoDS_Edge> edges;
+  std::vector<int> ends;
+  for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(e.Current());
+    if (BRep_Tool::Degenerated(edge) || is_seam(edge, face)) continue;
+    edges.push_back(edge);
+    for (const TopoDS_Vertex& end : {TopExp::FirstVertex(edge), TopExp::LastVertex(edge)})
+      ends.push_back(vertices.Add(end) - 1);
+  }
+  DisjointSets together(static_cast<size_t>(vertices.Extent()));
+  for (size_t e = 0; e < edges.size(); ++e) together.unite(ends[2 * e], ends[2 * e + 1]);
+  std::map<int, std::vector<TopoDS_Edge>> chains;
+  for (size_t e = 0; e < edges.size(); ++e) chains[together.find(ends[2 * e])].push_back(edges[e]);
+  std::vector<std::vector<TopoDS_Edge>> result;
+  for (auto& [root, chain] : chains) result.push_back(std::move(chain));
+  return result;
+}
+
+/// True if the tangents of all edges that meet at a vertex of a chain agree.
+bool is_smooth(const std::vector<TopoDS_Edge>& chain) {
+  constexpr double corner_deg = 1;
+  TopTools_IndexedMapOfShape vertices;
+  std::vector<std::vector<Vec3>> leaving;
+  for (const TopoDS_Edge& edge : chain) {
+    double start, end;
+    const Handle(Geom_Curve) curve = curve_of(edge, start, end);
+    if (curve.IsNull()) return false;
+    for (const bool last : {false, true}) {
+      const TopoDS_Edge along = TopoDS::Edge(edge.Oriented(TopAbs_FORWARD));
+      const int v = vertices.Add(last ? TopExp::LastVertex(along) : TopExp::FirstVertex(along));
+      leaving.resize(static_cast<size_t>(vertices.Extent()));
+      gp_Pnt at;
+      gp_Vec slope;
+      curve->D1(last ? end : start, at, slope);
+      leaving[v - 1].push_back((last ? -1 : 1) * from_occ(slope.XYZ()));
+    }
+  }
+  return std::all_of(leaving.begin(), leaving.end(), [](const std::vector<Vec3>& at) {
+    return at.size() == 2 && degrees_between(at[0], -at[1]) <= corner_deg;
+  });
+}
+
+/// The seams and poles of a face.
+struct Closures {
+  bool in_u = false, in_v = false;  // directions in which the face is closed
+  int poles = 0;
+};
+Closures closures_of(const TopoDS_Face& face) {
+  Closures found;
+  for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(e.Current());
+    if (BRep_Tool::Degenerated(edge)) {
+      ++found.poles;
+    } else if (is_seam(edge, face)) {
+      double first, last;
+      const Handle(Geom2d_Curve) line = BRep_Tool::CurveOnSurface(edge, face, first, last);
+      const gp_Pnt2d a = line->Value(first), b = line->Value(last);
+      (std::abs(a.X() - b.X()) < std::abs(a.Y() - b.Y()) ? found.in_u : found.in_v) = true;
+    }
+  }
+  return found;
+}
+
+/// Adds isoparametric curves that divide a closed face. See heal_shape().
+void add_divisions(const TopoDS_Face& face, TopTools_ListOfShape& divisions) {
+  const Closures closed = closures_of(face);
+  if (!(closed.in_u || closed.in_v) || is_tube(face)) return;
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  double u0, u1, v0, v1;
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  const auto parts = [&](bool is_closed, bool other_closed) {
+    if (is_closed) return closed.poles > 0 ? 4 : 2;
+    return other_closed && closed.poles > 1 ? 2 : 1;
+  };
+  const auto add = [&](const Handle(Geom_Curve) & curve, double first, double last) {
+    BRepBuilderAPI_MakeEdge edge(curve, first, last);
+    if (edge.IsDone()) divisions.Append(edge.Edge());
+  };
+  const int columns = parts(closed.in_u, closed.in_v), rows = parts(closed.in_v, closed.in_u);
+  for (int i = 1; i < columns; ++i) add(surface->UIso(u0 + (u1 - u0) * i / columns), v0, v1);
+  for (int i = 1; i < rows; ++i) add(surface->VIso(v0 + (v1 - v0) * i / rows), u0, u1);
+}
+
+double area_of(const TopoDS_Shape& shape) {
+  GProp_GProps found;
+  BRepGProp::SurfaceProperties(shape, found);
+  return found.Mass();
+}
+
+void divide_closed_faces(CadFile& cad) {
+  TopTools_ListOfShape divisions, whole;
+  for (int f = 1; f <= cad.faces.Extent(); ++f) add_divisions(TopoDS::Face(cad.faces(f)), divisions);
+  if (divisions.IsEmpty()) return;
+  whole.Append(cad.shape);
+  try {
+    BRepAlgoAPI_Splitter splitter;
+    splitter.SetArguments(whole);
+    splitter.SetTools(divisions);
+    splitter.SetNonDestructive(true);
+    splitter.Build();
+    constexpr double same_area = 1e-3;
+    if (!splitter.IsDone() || !BRepCheck_Analyzer(splitter.Shape()).IsValid() ||
+        !(std::abs(area_of(splitter.Shape()) / area_of(cad.shape) - 1) < same_area))
+      return;
+    const auto became = [&](const TopoDS_Shape& old) {
+      const TopTools_ListOfShape& parts = splitter.Modified(old);
+      if (parts.IsEmpty()) return old;
+      TopoDS_Compound all;
+      BRep_Builder builder;
+      builder.MakeCompound(all);
+      for (const TopoDS_Shape& part : parts) builder.Add(all, part);
+      return TopoDS_Shape(all);
+    };
+    replace(cad, splitter.Shape(), became, "division");
+  } catch (const Standard_Failure&) {
+    return;  // the faces stay whole
+  }
 }
 
 }  // namespace
 
+bool is_seam(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+  if (BRep_Tool::Degenerated(edge) || !BRep_Tool::IsClosed(edge, face)) return false;
+  int uses = 0;
+  for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next()) uses += e.Current().IsSame(edge);
+  return uses > 1;
+}
+
+bool is_tube(const TopoDS_Face& face) {
+  const Closures closed = closures_of(face);
+  if (closed.in_u == closed.in_v || closed.poles > 0) return false;
+  const auto chains = boundary_chains(face);
+  return chains.size() == 2 && std::all_of(chains.begin(), chains.end(), is_smooth);
+}
+
 void heal_shape(CadFile& cad) {
   const OccSettings occ;
+  cad.face_names.clear();
+  for (int f = 1; f <= cad.faces.Extent(); ++f)
+    cad.face_names.push_back("face " + std::to_string(f));
   merge_coincident_edges(cad);
   divide_at_creases(cad);
+  divide_closed_faces(cad);
 }
 
 }  // namespace batten

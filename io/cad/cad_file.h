@@ -49,6 +49,9 @@ struct CadFile {
   TopoDS_Compound shape;
   TopTools_IndexedMapOfShape edges, faces;
   std::vector<std::string> labels;  // label of each edge in `edges`; "" if it has none
+  /// Names of `faces` after heal_shape(): "face 1" … in file order, "face 1.1" … for the parts of a
+  /// divided face. Empty before.
+  std::vector<std::string> face_names;
   std::string found;                // number or kinds of entities in the file, for messages
   /// The product structure with placements, names, colours and layers. `document` and `header` are
   /// set by read_cad_here() only.
@@ -79,11 +82,23 @@ std::vector<std::string> edge_names(const CadFile& cad);
 
 // Prepares CAD files for fitting a model to them.
 
-/// Merges coincident edges and splits faces at creases. Faces that have edges of their own, as in
-/// IGES files, share edges that lie within 1e-5 of the model size of each other. Faces are then
-/// split along the curves where their surface is only C0 (knots as multiple as the degree). There
-/// the surface may have an angle like at an edge, so a curve is needed. Parts of a split edge keep
-/// its label. Other faces and edges do not change.
+/// True if the face is on both sides of the edge. (BRep_Tool::IsClosed() alone is also true for
+/// former seams along which a face was divided.)
+bool is_seam(const TopoDS_Edge& edge, const TopoDS_Face& face);
+
+/// True if a face is a tube: it has a seam and two boundary loops without corners, and no pole.
+bool is_tube(const TopoDS_Face& face);
+
+/// Merges coincident edges, splits faces at creases and divides closed faces.
+///
+/// Faces that have edges of their own, as in IGES files, share edges that lie within 1e-5 of the
+/// model size of each other. Faces are then split along the curves where their surface is only C0
+/// (knots as multiple as the degree). There the surface may have an angle like at an edge, so a
+/// curve is needed. Faces with a seam other than tubes (spheres, tori, cones with an apex, cylinders
+/// with holes) are divided along isoparametric curves, so that no part has the same curve on both
+/// sides: in halves, and in quarters around a pole. These curves have the label "division". Parts of
+/// a split edge keep its label. Other faces and edges do not change. A face that OpenCASCADE cannot
+/// divide into valid parts stays whole.
 void heal_shape(CadFile& cad);
 
 }  // namespace batten

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "batten/fem/curves/bspline.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
 
@@ -53,6 +55,9 @@ struct StepFaceOptions {
   /// True: write a face as an exact plane, cylinder, sphere, cone or torus if one of these fits the
   /// surface within `tolerance`.
   bool analytic = true;
+  /// Primitives of model faces, by name, if they are known: used instead of fitted ones where the
+  /// surface lies within `tolerance` of them.
+  std::map<std::string, FittedPrimitive> primitives = {};
   int max_poles = 400;  ///< maximum number of poles of a face in u, and in v; 16 or more
   /// Maximum number of poles of a face in total (u times v), 256 or more. A face of 60,000 poles
   /// takes about 6 MB in the file.

@@ -38,7 +38,6 @@
 #include <limits>
 #include <locale>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "batten/core/containers.h"
@@ -141,22 +140,33 @@ class CadCurve : public InputCurve {
   bool cubic_ = false;
 };
 
+void add_seams(const TopoDS_Face& face, TopTools_IndexedMapOfShape& seams) {
+  for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
+    if (is_seam(TopoDS::Edge(e.Current()), face)) seams.Add(e.Current());
+}
+
 }  // namespace
 
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
-                                          double model_unit_in_metres, bool creases) {
+                                          double model_unit_in_metres, bool creases,
+                                          int* face_count) {
   const double scale = scale_to(model_unit_in_metres);
   CadFile cad = read_cad(file);
+  if (face_count) *face_count = cad.faces.Extent();
   if (creases) heal_shape(cad);
-  TopTools_IndexedMapOfShape of_faces;
-  for (int f = 1; f <= cad.faces.Extent(); ++f)
+  TopTools_IndexedMapOfShape of_faces, seams;
+  for (int f = 1; f <= cad.faces.Extent(); ++f) {
     TopExp::MapShapes(cad.faces(f), TopAbs_EDGE, of_faces);
+    add_seams(TopoDS::Face(cad.faces(f)), seams);
+  }
   std::vector<CharacterLine> lines;
   const std::vector<std::string> names = edge_names(cad);
   for (int e = 1; e <= cad.edges.Extent(); ++e) {
-    if (names[e - 1].empty() || (creases && !of_faces.Contains(cad.edges(e)))) continue;
+    const TopoDS_Shape& edge = cad.edges(e);
+    if (names[e - 1].empty() || (creases && (!of_faces.Contains(edge) || seams.Contains(edge))))
+      continue;
     double start, end;
-    const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(cad.edges(e)), start, end);
+    const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(edge), start, end);
     lines.push_back({names[e - 1], std::make_shared<CadCurve>(curve, start, end, scale),
                      CharacterLine::Role::Outline});
   }
@@ -456,22 +466,17 @@ void write_cad_curves(const fs::path& path, const std::vector<NamedCurve>& curve
 
 namespace {
 
-/// Groups the edges of a wire into connected chains. Degenerate edges are skipped; seams are added
-/// to `seams`.
+/// Groups the edges of a wire into connected chains, without degenerate edges and seams.
 std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Face& face,
-                                        const CadFile& cad, const std::vector<std::string>& names,
-                                        std::set<int>& seams) {
+                                        const CadFile& cad,
+                                        const std::vector<std::string>& names) {
   std::vector<int> edges;
   TopTools_IndexedMapOfShape vertices;
   std::vector<std::pair<int, int>> ends;
   for (TopExp_Explorer e(wire, TopAbs_EDGE); e.More(); e.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(e.Current());
     const int index = cad.edges.FindIndex(edge) - 1;
-    if (index < 0 || names[index].empty()) continue;
-    if (BRep_Tool::IsClosed(edge, face)) {
-      seams.insert(index);
-      continue;
-    }
+    if (index < 0 || names[index].empty() || is_seam(edge, face)) continue;
     edges.push_back(index);
     ends.emplace_back(vertices.Add(TopExp::FirstVertex(edge)) - 1,
                       vertices.Add(TopExp::LastVertex(edge)) - 1);
@@ -534,18 +539,17 @@ CadFaceBoundary loops_of(const TopoDS_Face& face, const CadFile& cad,
                          const std::vector<std::string>& names) {
   CadFaceBoundary result;
   const TopoDS_Wire outer = BRepTools::OuterWire(face);
-  std::set<int> seams;
   for (TopExp_Explorer w(face, TopAbs_WIRE); w.More(); w.Next()) {
     const TopoDS_Wire wire = TopoDS::Wire(w.Current());
-    for (const auto& chain : chains_of(wire, face, cad, names, seams)) {
+    for (const auto& chain : chains_of(wire, face, cad, names)) {
       std::vector<std::string> loop;
       for (const int e : chain) loop.push_back(names[e]);
       result.loops.insert(wire.IsSame(outer) ? result.loops.begin() : result.loops.end(),
                           std::move(loop));
     }
   }
-  for (const int e : seams) result.inner.push_back(names[e]);
-  result.convex = result.loops.size() == 1 && seams.empty() && is_convex(face);
+  result.tube = is_tube(face);
+  result.convex = result.loops.size() == 1 && is_convex(face);
   return result;
 }
 
@@ -581,7 +585,7 @@ CadFaceTopology read_cad_loops(const std::filesystem::path& file, double model_u
   Bnd_Box box;
   for (int f = 1; f <= cad.faces.Extent(); ++f) {
     result.faces.push_back(loops_of(TopoDS::Face(cad.faces(f)), cad, names));
-    result.faces.back().name = "face " + std::to_string(f);
+    result.faces.back().name = cad.face_names[f - 1];
   }
   for (int e = 1; e <= cad.edges.Extent(); ++e) BRepBndLib::Add(cad.edges(e), box, false);
   const double scale = 1e-3 / model_unit_in_metres;

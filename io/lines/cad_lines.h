@@ -15,8 +15,9 @@ namespace batten {
 
 /// Reads every curve of an IGES (.igs, .iges), STEP (.stp, .step) or BREP (.brep, .brp; in mm)
 /// file: the edges of its shapes and the free curves. An edge that is shared by faces is read once.
-/// If `creases` is true, only the edges of faces and the creases inside faces are read; a crease
-/// splits the edges on which it ends. Coordinates are converted from the unit of the file to the
+/// If `creases` is true, only the edges of faces are read, after heal_shape() (io/cad/cad_file.h):
+/// also creases inside faces and the curves that divide closed faces, but not the seams of tubes.
+/// These curves split the edges on which they end. Coordinates are converted from the unit of the file to the
 /// model unit. Pcurves (in parameter planes of faces) and edges of length zero are skipped.
 ///
 /// The name of a curve is its label in the file. If several curves have the same label, numbers are
@@ -26,11 +27,14 @@ namespace batten {
 /// all knots. For other B-splines, breaks() are the knots whose multiplicity allows a C1
 /// discontinuity.
 ///
+/// `face_count`: gets the number of faces of the file, before heal_shape(); may be null.
+///
 /// Throws InputError if the file is missing, empty, truncated, of another format (with the line, if
 /// it is known) or without curves; if the extension is unknown; if OpenCASCADE cannot convert an
 /// entity; or if the unit is not positive.
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
-                                          double model_unit_in_metres, bool creases = false);
+                                          double model_unit_in_metres, bool creases = false,
+                                          int* face_count = nullptr);
 
 /// A trimmed face of a CAD file, for distance queries. Copies share the data of the face.
 class CadSurface {
@@ -65,13 +69,13 @@ std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
 /// The boundary loops of a face of a CAD file. The names of the curves are those of
 /// read_cad_lines() with `creases` = true.
 struct CadFaceBoundary {
-  std::string name;  ///< name of the face: "face 1", "face 2" … in file order
+  /// Name of the face: "face 1", "face 2" … in file order; "face 1.1" … for the parts of a face that
+  /// heal_shape() divides.
+  std::string name;
   /// Names of the curves of each boundary loop, starting with the outer loop.
   std::vector<std::vector<std::string>> loops;
-  std::vector<std::string> inner;  ///< names of seams: curves along which the face meets itself
+  bool tube = false;    ///< true: a seam joins two boundary loops without corners
   bool convex = false;  ///< true: a single loop without re-entrant corners (tolerance 0.1 rad)
-  /// True if the face is a tube: it has a seam and two boundary loops.
-  bool annulus() const { return !inner.empty() && loops.size() == 2; }
 };
 
 /// A curve shared by two faces of a CAD file.
@@ -80,7 +84,8 @@ struct CadSharedEdge {
   double angle_deg = 0;  ///< largest angle between the two faces, degrees
 };
 
-/// All faces of a CAD file, with their shared edges. Faces with creases are split at the creases.
+/// All faces of a CAD file, with their shared edges. Faces with creases are split at the creases,
+/// and closed faces are divided (heal_shape()).
 struct CadFaceTopology {
   std::vector<CadFaceBoundary> faces;
   std::vector<CadSharedEdge> joins;
@@ -88,8 +93,7 @@ struct CadFaceTopology {
   double gap = 0;   ///< largest distance between curve ends at one vertex, model units
 };
 
-/// Reads the boundary loops of all faces of a CAD file. A closed face (sphere, torus) has no loops.
-/// Adjacent faces of an IGES file may have separate edges. If these edges cannot be merged, the
+/// Reads the boundary loops of all faces of a CAD file. Adjacent faces of an IGES file may have separate edges. If these edges cannot be merged, the
 /// loops contain different, coincident curves. Throws InputError for a file or entity that cannot
 /// be read, as read_cad_lines() does.
 CadFaceTopology read_cad_loops(const std::filesystem::path& file, double model_unit_in_metres);

@@ -269,6 +269,7 @@ Json json_of(const Report::Step& s, bool of_network) {
     json["poles"] = {s.poles_u, s.poles_v};
     json["faces_by_kind"] = s.faces_by_kind;
   }
+  if (!s.source.empty()) json["source"] = s.source;
   json["edges"] = {{"G0", s.creases},
                    {"G1", s.tangent},
                    {"G2", s.curvature},

@@ -14,6 +14,7 @@
 #include "batten/io/report/run_report.h"
 #include "batten/sculpting/session/session_results.h"
 #include "batten/skinning/region/skinned_region.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
 
@@ -169,6 +170,8 @@ struct Report : RunReport {
     Vec3 where = Vec3::Zero();  ///< point of the fitted shape that is farthest from the target
     int iterations = 0, refinements = 0;
     bool reached = false;
+    bool analytic = false;  ///< ModelFit::analytic
+    std::map<std::string, FittedPrimitive> primitives;  ///< of targets, by the name of the face
     struct Line {
       std::string name;
       double distance = 0;
@@ -187,6 +190,9 @@ struct Report : RunReport {
     /// Number of faces per surface type ("B-spline", "cylinder", …). The type is "face" if `form`
     /// is "face".
     std::map<std::string, int> faces_by_kind;
+    /// Name of the CAD file whose own faces the STEP file contains; empty: the faces were made from
+    /// the model.
+    std::string source = "";
     int lines = 0;         ///< number of curves written in addition to the faces
     double tolerance = 0;  ///< requested tolerance of fitted faces, model units; 0: exact faces
     int poles_u = 0, poles_v = 0;

@@ -20,6 +20,7 @@
 #include "batten/fem/curves/cubic.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/fem/trim.h"
+#include "batten/io/cad/cad_primitive.h"
 #include "batten/io/cad/occ_settings.h"
 
 namespace batten {
@@ -607,37 +608,6 @@ Handle(Geom2d_BSplineCurve) AnalyticSurface::pcurve(const Geom_Curve& curve, dou
   }
   near = after;
   return hermite_spline(t, uv, d);
-}
-
-FittedPrimitive shape_of(const Handle(Geom_Surface) & surface) {
-  FittedPrimitive shape;
-  const auto take = [&](const gp_Ax3& frame, ShapeKind kind) {
-    shape.kind = kind;
-    shape.origin = from_occ(frame.Location());
-    shape.axis = from_occ(frame.Direction().XYZ());
-  };
-  if (const auto plane = Handle(Geom_Plane)::DownCast(surface); !plane.IsNull()) {
-    take(plane->Position(), ShapeKind::Plane);
-  } else if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(surface);
-             !cylinder.IsNull()) {
-    take(cylinder->Position(), ShapeKind::Cylinder);
-    shape.radius = cylinder->Radius();
-  } else if (const auto sphere = Handle(Geom_SphericalSurface)::DownCast(surface);
-             !sphere.IsNull()) {
-    take(sphere->Position(), ShapeKind::Sphere);
-    shape.radius = sphere->Radius();
-  } else if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(surface); !cone.IsNull()) {
-    take(cone->Position(), ShapeKind::Cone);
-    shape.half_angle = std::abs(cone->SemiAngle());
-    shape.radius = cone->RefRadius();
-    shape.origin = from_occ(cone->Apex());
-    if (cone->SemiAngle() < 0) shape.axis = -shape.axis;
-  } else if (const auto torus = Handle(Geom_ToroidalSurface)::DownCast(surface); !torus.IsNull()) {
-    take(torus->Position(), ShapeKind::Torus);
-    shape.radius = torus->MinorRadius();
-    shape.major_radius = torus->MajorRadius();
-  }
-  return shape;
 }
 
 }  // namespace batten

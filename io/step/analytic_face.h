@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/io/cad/cad_primitive.h"
 #include "batten/io/step/face_boundary.h"
 #include "batten/skinning/surfaces/fitted_primitive.h"
 
@@ -55,9 +56,6 @@ class AnalyticSurface {
   double radius_ = 0;    // of a cone at v = 0
   Handle(Geom_Surface) geometry_;
 };
-
-/// Recognises the primitive of an OpenCASCADE surface; Kind::Free for any other surface.
-FittedPrimitive shape_of(const Handle(Geom_Surface) & surface);
 
 /// A model face as a face on a plane, cylinder, sphere, cone or torus.
 struct AnalyticFace {

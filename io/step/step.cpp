@@ -559,6 +559,18 @@ bool lines_have_names(const StepPlan& plan) {
   return true;
 }
 
+/// True if the vertices and centroids of a model face are within a distance of a primitive.
+bool is_within(const SkinnedRegion& region, const FittedPrimitive& primitive, double distance) {
+  const Surface& surface = region.surface;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (surface.trim() && surface.trim()->side(t) != Trim::Side::Inside) continue;
+    for (const Vec3& L : {Vec3(Vec3::Constant(1.0 / 3)), Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()),
+                          Vec3(Vec3::UnitZ())})
+      if (!(std::abs(primitive.distance(surface.position({t, L}))) <= distance)) return false;
+  }
+  return true;
+}
+
 /// The model faces that are planes, cylinders … within the tolerance.
 MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& options) {
   MeasuredShapes shapes;
@@ -569,8 +581,12 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     // The file is measured between the samples used here.
     constexpr double most = 0.95;
     const double size = kInfinity;
-    found[k] = fit_primitive(region,
-                             std::min(most * options.tolerance, primitive_tolerance(region, size)));
+    const double tolerance =
+        std::min(most * options.tolerance, primitive_tolerance(region, size));
+    const auto known = options.primitives.find(region.name);
+    found[k] = known != options.primitives.end() && is_within(region, known->second, tolerance)
+                   ? known->second
+                   : fit_primitive(region, tolerance);
   });
   for (size_t k = 0; k < found.size(); ++k)
     if (found[k].kind != FittedPrimitive::Kind::Free && !plan.regions[k]->boundary.empty())

@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "batten/core/cancellation.h"
 #include "batten/core/containers.h"
@@ -17,6 +19,7 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/display.h"
+#include "batten/io/pictures/mesh_pictures.h"
 #include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/scenes/lines/scene_lines.h"
@@ -226,7 +229,9 @@ std::string kinds_of(const Report::Step& step) {
 
 /// Summary of the STEP file.
 std::string step_summary(const Report::Step& step, const std::string& unit) {
-  return summary_line("STEP", format_count(step.faces, "face") + kinds_of(step) + " in " +
+  return summary_line("STEP", format_count(step.faces, "face") + kinds_of(step) +
+                                  (step.source.empty() ? "" : ", those of " + step.source + ",") +
+                                  " in " +
                                   (step.solids ? format_count(step.solids, "solid")
                                                : format_count(step.shells, "shell")) +
                                   ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
@@ -413,6 +418,59 @@ RunReport view_scene(const Scene& scene, const PictureScene& look,
 
 namespace {
 
+/// The edges of CAD faces in their triangle mesh, as pairs of nodes: mesh edges between the
+/// triangles of different faces, and free ones.
+std::vector<std::vector<int>> edges_of_facets(const CadFacets& facets) {
+  std::map<std::pair<int, int>, std::vector<int>> faces;  // of each mesh edge
+  for (int t = 0; t < facets.mesh.face_count(); ++t) {
+    const auto corners = facets.mesh.face(t);
+    for (size_t c = 0; c < 3; ++c) {
+      const auto [low, high] = std::minmax(corners[c], corners[(c + 1) % 3]);
+      faces[{low, high}].push_back(facets.faces[static_cast<size_t>(t)]);
+    }
+  }
+  std::vector<std::vector<int>> edges;
+  for (const auto& [nodes, beside] : faces)
+    if (beside.size() != 2 || beside[0] != beside[1]) edges.push_back({nodes.first, nodes.second});
+  return edges;
+}
+
+}  // namespace
+
+std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad,
+                                         const PictureScene& look,
+                                         const std::filesystem::path& picture) {
+  const CommandFiles files;
+  record_input(cad);
+  if (cad_plugin().read_cad_contents(cad).faces == 0) return std::nullopt;
+  if (look.field != PictureScene::Field::None || look.contours > 0)
+    throw InputError(cad.string() +
+                     ": found a CAD file with faces, which are drawn shaded; expected a scene or "
+                     "curves for colours and contour lines. Fit a model to the faces (batten fit) "
+                     "and draw its scene, or draw the curvature across their edges (batten info "
+                     "--picture)");
+  require_display();
+  const CadFacets facets = cad_plugin().tessellate_cad(cad, {});
+  MeshPicture drawing;
+  drawing.shells = &facets.mesh;
+  drawing.points = facets.mesh.points;
+  drawing.lines = edges_of_facets(facets);
+  drawing.azimuth = look.azimuth;
+  drawing.elevation = look.elevation;
+  draw_meshes(picture, {drawing}, 1);
+  ViewReport report;
+  report.name = cad.stem().string();
+  report.files = {picture.string()};
+  report.text = cad.filename().string() + ": its own " +
+                format_count(isize(std::set(facets.faces.begin(), facets.faces.end())), "face");
+  if (facets.unmeshed > 0)
+    report.warnings.push_back(format_count(facets.unmeshed, "face") + " of " + cad.string() +
+                              " could not be drawn");
+  return report;
+}
+
+namespace {
+
 // Summary of lines that only trim, with their distance from the surface.
 std::string trimming_summary(const Report& report, const std::string& unit) {
   std::string text;
@@ -556,8 +614,7 @@ void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
     if (!once) continue;
     spec.name = face.name;
     spec.loops = face.loops;
-    spec.inner = face.inner;
-    spec.annulus = face.annulus();
+    spec.annulus = face.tube;
     spec.skin.convex = face.convex;
     scene.network.regions.push_back(std::move(spec));
   }

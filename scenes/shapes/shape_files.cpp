@@ -212,6 +212,7 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
   options.file = words;
   constexpr double usual = 1e-4;
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
+  if (report.target) options.primitives = report.target->primitives;
   const StepReport step =
       cad_plugin().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
   report.step->tolerance = options.tolerance;
@@ -220,6 +221,61 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
     report.step->poles_v = std::max(report.step->poles_v, patch.poles_v);
     ++report.step->faces_by_kind[patch.surface];
   }
+  return step;
+}
+
+/// True if each face of the model is a whole analytic face of one CAD file, or a part of it, and lies
+/// on it within the tolerance: nothing but the faces of that file has been fitted or sculpted.
+bool reproduces_target(const Report& report, const Scene& scene, const BuiltModel& made,
+                       const Regions& regions) {
+  if (!report.target || !report.target->analytic || !report.target->reached || scene.is_sculpted() ||
+      scene.step_form == Scene::StepForm::Exact || scene.step_lines || scene.targets.size() != 1 ||
+      scene.lines.size() != 1 || scene.network.symmetry)
+    return false;
+  const SceneLine& lines = scene.lines.front();
+  return lines.creases && lines.file == scene.targets.front().file && lines.only.empty() &&
+         lines.skip.empty() && made.found && regions.size() == made.model.regions.size() &&
+         regions.size() == scene.network.regions.size() &&
+         report.target->back_excluded * 100 <= report.target->back_points;
+}
+
+/// Numbers of CAD faces per surface, from the names "face 3" or "face 3.1" of the model's faces.
+std::map<std::string, int> kinds_of_target(const BuiltModel& made) {
+  std::map<std::string, std::string> kinds;
+  for (const ModelRegion& region : made.model.regions) {
+    const std::string& name = region.plan.name;
+    const std::string kind = primitive_name(region.shape.kind);
+    kinds[name.substr(0, name.find('.'))] = kind.empty() ? "swept surface" : kind;
+  }
+  std::map<std::string, int> counts;
+  for (const auto& [face, kind] : kinds) ++counts[kind];
+  return counts;
+}
+
+/// Writes the faces of the target's file, with their names and colours, in the unit of the scene.
+/// nullopt, without a file, if they are not as closed as the model: the faces of many IGES files
+/// share no edges.
+std::optional<StepReport> target_step(Report& report, const Scene& scene, const BuiltModel& made,
+                                      const std::filesystem::path& file) {
+  const double unit = unit_in_metres(scene.unit);
+  CadConvertOptions options;
+  options.unit_in_metres = unit;
+  options.ap242 = scene.step_ap242;
+  const CadConversion made_of = cad_plugin().convert_cad(scene.targets.front().file, file, options);
+  const bool closed = std::all_of(made.model.shells.begin(), made.model.shells.end(),
+                                  [](const ModelShell& shell) { return shell.closed; });
+  const CadContents& after = made_of.after;
+  if (after.faces != made_of.before.faces || (closed && after.closed_shells != after.shells)) {
+    std::filesystem::remove(file);
+    return std::nullopt;
+  }
+  StepReport step = cad_plugin().check_step(file, unit, {});
+  step.continuity = cad_plugin().measure_continuity(file, unit, {});
+  step.max_normal_jump_deg = 0;  // check_step() counts the creases of the part
+  step.max_deviation = std::max(report.target->max, report.target->back_max);
+  report.step->tolerance = report.target->tolerance;
+  report.step->faces_by_kind = kinds_of_target(made);
+  report.step->source = scene.targets.front().file.filename().string();
   return step;
 }
 
@@ -260,8 +316,13 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   words.ap242 = scene.step_ap242;
   if (scene.step_lines)
     words.lines = model_curves(made.model, made.network ? &*made.network : nullptr);
-  StepReport step = (s.form == "face" ? face_step : exact_step)(report, scene, words, regions,
-                                                                out.file(scene.step));
+  const std::filesystem::path file = out.file(scene.step);
+  std::optional<StepReport> of_target;
+  if (reproduces_target(report, scene, made, regions))
+    of_target = target_step(report, scene, made, file);
+  StepReport step = of_target ? *std::move(of_target)
+                              : (s.form == "face" ? face_step : exact_step)(report, scene, words,
+                                                                            regions, file);
   constexpr int few_triangles = 10'000;
   if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {

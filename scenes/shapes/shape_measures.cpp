@@ -236,6 +236,10 @@ void measure_target(Report& report, const ModelFit& fit, const Scene& scene) {
         {"target", "is at a distance of " + format_number(std::max(t.max, t.back_max)) +
                        " from the surface, expected at most " + format_number(t.tolerance) + why});
   }
+  t.analytic = fit.analytic;
+  for (int r = 0; r < fit.layout->region_count(); ++r)
+    if (fit.primitives[r].kind != FittedPrimitive::Kind::Free)
+      t.primitives[fit.layout->region(r).name()] = fit.primitives[r];
   report.target = std::move(t);
 }
 

@@ -313,6 +313,10 @@ void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& targ
   options.chord = chord;
   options.curved = true;
   const CadFacets facets = cad_plugin().tessellate_cad(target.file, options);
+  for (int f = 0; f < isize(facets.primitives); ++f)
+    if (facets.primitives[f].kind != FittedPrimitive::Kind::Free || facets.swept[f])
+      all.analytic[all.next_part + f] = facets.primitives[f];
+  all.deviation = std::max(all.deviation, facets.deviation);
   all.append(facets.mesh, 1, facets.normals, facets.faces);
 }
 

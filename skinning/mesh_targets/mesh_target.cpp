@@ -5,46 +5,123 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/skinning/target/primitive_projection.h"
 
 namespace batten {
 namespace {
 
+/// The analytic faces of some triangles.
+struct AnalyticParts {
+  std::vector<FittedPrimitive> primitives;
+  std::vector<int> of_triangle;  ///< index into `primitives`, or -1; empty: no analytic faces
+  double deviation = 0;          ///< largest distance of the triangles from their faces
+  /// For each triangle with a corner on an edge of its face: the primitives of the other faces there.
+  std::map<int, std::vector<const FittedPrimitive*>> beside = {};
+  /// For each primitive, 1 if its face has the outward normals of the primitive, else -1.
+  std::vector<double> sides = {};
+
+  const FittedPrimitive* primitive_of(int triangle) const {
+    if (of_triangle.empty() || of_triangle[triangle] < 0) return nullptr;
+    const FittedPrimitive& found = primitives[of_triangle[triangle]];
+    return found.kind == FittedPrimitive::Kind::Free ? nullptr : &found;
+  }
+  bool one_face() const {
+    return primitives.size() == 1 &&
+           std::none_of(of_triangle.begin(), of_triangle.end(), [](int at) { return at < 0; });
+  }
+
+  /// Finds the sides of the primitives. Near an apex, the triangles may be on the wrong side.
+  void find_sides(const TriangleMesh& mesh) {
+    sides.assign(primitives.size(), 0);
+    for (int t = 0; t < isize(of_triangle); ++t) {
+      if (!primitive_of(t)) continue;
+      const auto& [a, b, c] = mesh.triangles()[t];
+      const Vec3 middle = (mesh.point(a) + mesh.point(b) + mesh.point(c)) / 3;
+      sides[of_triangle[t]] += primitive_of(t)->normal(middle).dot(mesh.area_vector(t));
+    }
+    for (double& side : sides) side = side < 0 ? -1 : 1;
+  }
+
+  /// Finds the faces beside each triangle.
+  void find_beside(const TriangleMesh& mesh) {
+    if (primitives.size() < 2) return;
+    std::vector<std::map<int, int>> at_vertex(mesh.vertex_count());  // face → one of its triangles
+    for (int t = 0; t < mesh.triangle_count(); ++t)
+      for (const int v : mesh.triangles()[t]) at_vertex[v].emplace(of_triangle[t], t);
+    for (int t = 0; t < mesh.triangle_count(); ++t) {
+      std::map<int, int> others;
+      for (const int v : mesh.triangles()[t])
+        for (const auto& other : at_vertex[v])
+          if (other.first != of_triangle[t]) others.insert(other);
+      for (const auto& [face, triangle] : others)
+        if (const FittedPrimitive* primitive = primitive_of(triangle)) beside[t].push_back(primitive);
+    }
+  }
+};
+
 class MeshTarget : public TargetSurface {
  public:
-  explicit MeshTarget(PnTriangleMesh mesh) : mesh_(std::move(mesh)) {}
+  MeshTarget(PnTriangleMesh mesh, AnalyticParts exact)
+      : mesh_(std::move(mesh)), exact_(std::move(exact)) {
+    exact_.find_sides(mesh_.mesh());
+    exact_.find_beside(mesh_.mesh());
+  }
 
   std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const override {
     const auto found =
         mesh_.nearest(p, along.isZero(0) ? std::optional<Vec3>() : std::optional<Vec3>(along));
     if (!found) return {};
-    return Nearest{found->at, found->normal, found->on_boundary};
+    return exact({found->at, found->normal, found->on_boundary}, found->triangle, p);
   }
+
+  const FittedPrimitive* primitive() const override {
+    return exact_.one_face() ? exact_.primitive_of(0) : nullptr;
+  }
+  bool is_analytic() const override { return exact_.one_face(); }
 
   std::vector<Nearest> samples() const override {
     constexpr double spacing = 0.01;  // relative to the size
     constexpr int most = 64;
     const TriangleMesh& flat = mesh_.mesh();
     const double step = spacing * flat.size();
+    const auto count = [&](double length) {
+      return std::clamp(static_cast<int>(std::ceil(length / step)), 1, most);
+    };
     std::vector<Nearest> points;
     for (int t = 0; t < flat.triangle_count(); ++t) {
-      const auto& [a, b, c] = flat.triangles()[t];
-      const Vec3 u = flat.point(b) - flat.point(a), v = flat.point(c) - flat.point(a);
-      const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
-      const Vec3 normal = u.cross(v).normalized();
+      const std::array<int, 3>& corners = flat.triangles()[t];
+      const auto length = [&](size_t c) {  // of the edge opposite to a corner
+        return (flat.point(corners[(c + 2) % 3]) - flat.point(corners[(c + 1) % 3])).norm();
+      };
+      size_t top = 0;
+      for (const size_t c : {1, 2})
+        if (length(c) > length(top)) top = c;
+      const double height = flat.area_vector(t).norm() / length(top);  // twice the area over the base
+      const Vec3 normal = flat.area_vector(t).normalized();
       const PnTriangle triangle = mesh_.triangle(t);
-      const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, most);
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; i + j < n; ++j) {
-          const double s = (i + 1.0 / 3) / n, r = (j + 1.0 / 3) / n;
-          points.push_back({triangle.at({1 - s - r, s, r}), normal, false});
+      const int rows = count(height);
+      for (int row = 0; row < rows; ++row) {
+        const double up = (row + 1.0 / 3) / rows;
+        const int columns = count((1 - up) * length(top));
+        for (int column = 0; column < columns; ++column) {
+          const double along = (1 - up) * (column + 0.5) / columns;
+          Vec3 weights;
+          weights[top] = up;
+          weights[(top + 1) % 3] = 1 - up - along;
+          weights[(top + 2) % 3] = along;
+          const Vec3 x = triangle.at(weights);
+          points.push_back(exact({x, normal, false}, t, x));
         }
+      }
     }
     return points;
   }
@@ -60,7 +137,33 @@ class MeshTarget : public TargetSurface {
   }
 
  private:
+  /// Replaces the closest point of a triangle to p by that of its face's primitive or, at an edge,
+  /// of the nearest face there. Keeps it if p is beyond the boundary, where the two differ by more
+  /// than the triangles from the primitives.
+  Nearest exact(const Nearest& of_triangle, int triangle, const Vec3& p) const {
+    const FittedPrimitive* own = exact_.primitive_of(triangle);
+    if (!own) return of_triangle;
+    Nearest best = of_triangle;
+    double least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](const FittedPrimitive& primitive) {
+      const PrimitiveProjection found = project_onto(primitive, p);
+      const double distance = (p - found.at).norm();
+      // The foot points of a point off the surface differ by the angle between the normals.
+      constexpr double off_surface = 0.1;
+      const double slack = 2 * exact_.deviation + off_surface * distance;
+      if (!((found.at - of_triangle.at).norm() <= slack) || distance >= least) return;
+      least = distance;
+      best.at = found.at;
+      if (&primitive == own) best.normal = exact_.sides[exact_.of_triangle[triangle]] * found.normal;
+    };
+    consider(*own);
+    if (const auto beside = exact_.beside.find(triangle); beside != exact_.beside.end())
+      for (const FittedPrimitive* primitive : beside->second) consider(*primitive);
+    return best;
+  }
+
   PnTriangleMesh mesh_;
+  AnalyticParts exact_;
 };
 
 /// True for a degenerate triangle of a CAD face: no point is nearest to its interior.
@@ -137,6 +240,30 @@ PnTriangleMesh part_of(const PnTriangleMesh& whole, const std::vector<int>& tria
 
 }  // namespace
 
+namespace {
+
+/// The analytic faces of triangles of a prepared mesh.
+AnalyticParts analytic_parts(const TargetFaces& faces, const PreparedMesh& prepared,
+                             const std::vector<int>& triangles) {
+  AnalyticParts result;
+  if (faces.analytic.empty()) return result;
+  result.deviation = faces.deviation;
+  std::map<int, int> index;
+  for (const int t : triangles) {
+    const int part = faces.part[prepared.face_of_triangle[t]];
+    const auto primitive = faces.analytic.find(part);
+    int at = -1;
+    if (primitive != faces.analytic.end()) {
+      at = index.emplace(part, isize(result.primitives)).first->second;
+      if (at == isize(result.primitives)) result.primitives.push_back(primitive->second);
+    }
+    result.of_triangle.push_back(at);
+  }
+  return result;
+}
+
+}  // namespace
+
 void TargetFaces::append(const ShellMesh& more, double scale,
                          const std::vector<PnTriangle::Corners>& corners,
                          const std::vector<int>& faces) {
@@ -162,10 +289,15 @@ TargetParts target_parts(const TargetFaces& faces) {
   PnTriangleMesh whole(prepared.mesh, corner_normals(faces, prepared));
   TargetParts result;
   const auto parts = parts_of(faces, prepared);
+  std::vector<int> all(prepared.mesh.triangle_count());
+  std::iota(all.begin(), all.end(), 0);
+  AnalyticParts exact = analytic_parts(faces, prepared, all);
   if (parts.size() > 1)
     for (const auto& [number, triangles] : parts)
-      result.parts.push_back(std::make_shared<MeshTarget>(part_of(whole, triangles)));
-  result.whole = std::make_shared<MeshTarget>(std::move(whole));
+      result.parts.push_back(std::make_shared<MeshTarget>(
+          part_of(whole, triangles), analytic_parts(faces, prepared, triangles)));
+  result.whole = std::make_shared<MeshTarget>(std::move(whole), std::move(exact));
+  if (parts.size() == 1 && result.whole->is_analytic()) result.parts = {result.whole};
   return result;
 }
 

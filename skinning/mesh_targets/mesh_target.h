@@ -2,6 +2,7 @@
 // Target surfaces for fit_model(), given by triangle meshes and by curved facets of CAD faces.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,11 @@ struct TargetFaces {
   std::vector<int> part;  ///< for each facet, index of its CAD face; -1: from a mesh
   /// Smallest unused index of a CAD face.
   int next_part = 0;
+  /// Primitives of the CAD faces that are analytic (TargetSurface::is_analytic()); Kind::Free for
+  /// surfaces of revolution and extruded surfaces that are no primitives.
+  std::map<int, FittedPrimitive> analytic;
+  /// Largest distance of facets from the CAD faces that they approximate, model units.
+  double deviation = 0;
 
   TargetFaces() { shells.points.resize(0, 3); }
   /// Appends the facets `more`, with coordinates multiplied by `scale`. `corners`: unit normals at
@@ -40,7 +46,9 @@ struct TargetParts {
 };
 
 /// Creates a target surface for fit_model() from facets. Facets with normals are curved PN
-/// triangles (PnTriangle) [Vlachos2001]; the others are flat.
+/// triangles (PnTriangle) [Vlachos2001]; the others are flat. Points on CAD faces that are primitives
+/// (planes, cylinders, cones, spheres, tori) are exact: the closest points of their facets are
+/// replaced by those of the primitive.
 ///
 /// The distance between samples is at most 1/100 of the size of the target, with at most 64 samples
 /// per triangle edge. A part with a single boundary loop has a harmonic parametrization

@@ -2,6 +2,7 @@
 #include "batten/skinning/target/fit_model.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "batten/skinning/model/model_layout.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/region/skinned_region.h"
+#include "batten/skinning/target/primitive_projection.h"
 #include "batten/skinning/target/target_fit_iterations.h"
 #include "batten/skinning/target/target_surface.h"
 
@@ -50,6 +52,9 @@ std::vector<int> indices_of_positions(const ModelLayout& layout) {
   return indices;
 }
 
+// Accepted distance from primitives, relative to the tolerance.
+constexpr double kExact = 0.05;
+
 class ModelFitter {
  public:
   ModelFitter(std::shared_ptr<const ModelLayout> layout, const Points& start,
@@ -73,21 +78,11 @@ class ModelFitter {
     for (auto& part : target_of_region_)
       if (!part) part = &target_;
     sides_ = target_orientations(*fit_.layout, fit_.dofs, target_of_region_);
-    on_first_mesh();
-    // Continues although the largest distance stagnates, because other distances may fall.
-    constexpr int max_idle = 2;
-    ModelFit best = fit_;
-    double least = violation(), now = least;
-    for (int idle = 0; idle < max_idle && now > 1 && fit_.refinements < options_.max_refinements;) {
-      if (!refine()) break;
-      constexpr double max_ratio = 0.9;
-      now = violation();
-      idle = now < max_ratio * least ? 0 : idle + 1;
-      if (now >= least) continue;
-      least = now;
-      best = fit_;
-    }
-    fit_ = std::move(best);
+    fit_.analytic = std::all_of(target_of_region_.begin(), target_of_region_.end(),
+                                [](const TargetSurface* target) { return target->is_analytic(); });
+    for (const TargetSurface* target : target_of_region_)
+      fit_.primitives.push_back(target->primitive() ? *target->primitive() : FittedPrimitive{});
+    if (!on_primitives()) iterate_on_meshes();
     if (fit_.after.there() > fit_.before.there()) revert_to_start();
     if (fit_.after.back.points == 0)
       fit_.after.back = distances_from_target(*fit_.layout, fit_.dofs, target_);
@@ -96,6 +91,90 @@ class ModelFitter {
   }
 
  private:
+  /// Fits a model all of whose faces have a primitive as target: interpolates the projection of a
+  /// regular shape onto the primitives, on finer meshes until the interpolation error is far below
+  /// the tolerance. Returns false, with the initial shape, if the result would be inverted or misses
+  /// the tolerance.
+  bool on_primitives() {
+    if (!std::all_of(target_of_region_.begin(), target_of_region_.end(),
+                     [](const TargetSurface* target) { return target->primitive() != nullptr; }))
+      return false;
+    fit_.after = fit_.before;
+    {
+      TargetFitIterations iterations(fit_.layout, target_of_region_, target_);
+      const bool far = std::any_of(parametrizations_.begin(), parametrizations_.end(),
+                                   [](const auto& map) { return !!map; });
+      if (far) step_to_parametrizations(iterations);
+      if (far || is_far_from_primitives()) approach_primitives();
+      if (iterations.stiffen_inverted(fit_.dofs, sides_)) return reset();
+    }
+    constexpr int most = 6;
+    for (int round = 0; round < most && is_far_from_primitives(); ++round) {
+      const ModelFit coarse = fit_;
+      if (!refine(kExact, [&] { approach_primitives(); })) break;
+      if (fit_.after.there() < coarse.after.there()) continue;
+      fit_ = coarse;
+      break;
+    }
+    fit_.after.back = distances_from_target(*fit_.layout, fit_.dofs, target_);
+    return violation() <= 1 || reset();
+  }
+
+  bool is_far_from_primitives() const { return fit_.after.there() > kExact * tolerance_; }
+
+  /// Alternates between the primitives and the constraints, which move the surface along the
+  /// primitives where the parameters of embedded curves do not match, until the distance stagnates.
+  void approach_primitives() {
+    constexpr int most = 5;
+    constexpr double slow = 0.5;
+    double last = std::numeric_limits<double>::infinity();
+    for (int step = 0; step < most; ++step) {
+      project_onto_primitives();
+      fit_.after = measured(false);
+      const double now = fit_.after.there();
+      if (!is_far_from_primitives() || now > slow * last) break;
+      last = now;
+    }
+  }
+
+  /// Interpolates the projection of the shape onto the primitives, subject to the constraints.
+  void project_onto_primitives() {
+    fit_.dofs = primitive_dofs(*fit_.layout, fit_.dofs, target_of_region_);
+    auto planned = std::make_shared<ModelLayout>(*fit_.layout);
+    planned->plan_joins(fit_.dofs);
+    fit_.dofs = planned->nearest(fit_.dofs);
+    fit_.layout = std::move(planned);
+    ++fit_.iterations;
+  }
+
+  bool reset() {
+    fit_.layout = start_layout_;
+    fit_.dofs = start_;
+    fit_.refinements = fit_.iterations = 0;
+    sides_ = target_orientations(*fit_.layout, fit_.dofs, target_of_region_);
+    return false;
+  }
+
+  void iterate_on_meshes() {
+    on_first_mesh();
+    // Continues although the largest distance stagnates, because other distances may fall.
+    constexpr int max_idle = 2;
+    ModelFit best = fit_;
+    double least = violation(), now = least;
+    for (int idle = 0; idle < max_idle && now > 1 && fit_.refinements < options_.max_refinements;) {
+      // Of the tolerance: the largest distance will be elsewhere next time.
+      constexpr double margin = 0.5;
+      if (!refine(margin, [&] { on_finer_mesh(); })) break;
+      constexpr double max_ratio = 0.9;
+      now = violation();
+      idle = now < max_ratio * least ? 0 : idle + 1;
+      if (now >= least) continue;
+      least = now;
+      best = fit_;
+    }
+    fit_ = std::move(best);
+  }
+
   /// Keeps parametrizations only for regions whose lines define the surface poorly. Closest points
   /// suffice for near surfaces, and give a better distribution at sharp corners.
   void choose_parametrizations() {
@@ -115,6 +194,19 @@ class ModelFitter {
   /// nearest one.
   void on_first_mesh() {
     TargetFitIterations iterations(fit_.layout, target_of_region_, target_);
+    step_to_parametrizations(iterations);
+    constexpr std::pair<double, int> fair[] = {
+        {1, 4}, {0.03, 4}, {kSmoothingEpsilon, 8}};  // ε, iterations
+    for (const auto& [epsilon, most] : fair) {
+      iterate(iterations, epsilon, most);
+      if (clearly_near(iterations)) return finish(iterations);
+    }
+    iterate_with_least_bending(iterations);
+    finish(iterations);
+  }
+
+  /// Moves the faces with parametrizations close to them.
+  void step_to_parametrizations(TargetFitIterations& iterations) {
     const bool all = std::all_of(parametrizations_.begin(), parametrizations_.end(),
                                  [](const auto& map) { return !!map; });
     for (double epsilon = all ? 1 : kInitialEpsilon; epsilon > 0.5; epsilon /= 10) {
@@ -125,14 +217,6 @@ class ModelFitter {
     const auto sides = target_orientations(*fit_.layout, fit_.dofs, target_of_region_);
     for (size_t r = 0; r < parametrizations_.size(); ++r)
       if (parametrizations_[r]) sides_[r] = sides[r];
-    constexpr std::pair<double, int> fair[] = {
-        {1, 4}, {0.03, 4}, {kSmoothingEpsilon, 8}};  // ε, iterations
-    for (const auto& [epsilon, most] : fair) {
-      iterate(iterations, epsilon, most);
-      if (clearly_near(iterations)) return finish(iterations);
-    }
-    iterate_with_least_bending(iterations);
-    finish(iterations);
   }
 
   bool clearly_near(TargetFitIterations& iterations) {
@@ -224,13 +308,12 @@ class ModelFitter {
     fit_.after = measured(true);
   }
 
-  /// Refines the mesh and iterates. Returns false if there is nothing to gain.
-  bool refine() {
+  /// Bisects triangles whose distance exceeds `margin` times the tolerance, and fits again. Returns
+  /// false if there is nothing to gain.
+  bool refine(double margin, const std::function<void()>& fit_again) {
     const ModelLayout& layout = *fit_.layout;
     std::vector<char> marks(layout.mesh()->triangle_count(), 0);
     int count = 0;
-    // Of the tolerance: the largest distance will be elsewhere next time.
-    constexpr double margin = 0.5;
     const std::vector<double> line_distance = line_distances();
     for (int r = 0; r < layout.region_count(); ++r)
       mark_gaps(layout.skinned(r, fit_.dofs), 0.5 * layout.tolerance(),
@@ -249,7 +332,7 @@ class ModelFitter {
     finer->plan_joins(fit_.dofs);
     fit_.layout = std::move(finer);
     ++fit_.refinements;
-    on_finer_mesh();
+    fit_again();
     return true;
   }
 

@@ -33,6 +33,10 @@ struct ModelFit {
   int refinements = 0;
   TargetDistances before, after;
   bool reached = false;  ///< true: after.largest() is at most the tolerance
+  /// True if the target of each face is_analytic().
+  bool analytic = false;
+  /// The primitive of the target of each face; Kind::Free if it has none.
+  std::vector<FittedPrimitive> primitives = {};
 };
 
 /// Computes the shape that satisfies the constraints C x = c of the model's curves and smooth joins
@@ -56,6 +60,11 @@ struct ModelFit {
 /// in pockets that are deeper than wide. If triangles become inverted relative to the target, the
 /// bending term of these and of adjacent triangles is multiplied by 100. There is no attraction
 /// beyond the boundary of the target.
+///
+/// If the target of every face is a primitive (TargetSurface::primitive()), the shape is computed
+/// without iterations: the initial shape is projected onto the primitives, and the projection is
+/// interpolated (primitive_dofs()). Triangles are bisected until the distances are at most 0.05 of
+/// the tolerance.
 ///
 /// The system matrix (mass plus ε h⁴ times bending) changes only with ε, the mesh and the
 /// constraints, so that one factorization is used for many iterations. Anderson acceleration

@@ -86,7 +86,8 @@ class TargetFitIterations {
     const Surface surface = layout_->surface(dofs);
     std::vector<char> marks(mesh.triangle_count(), 0);
     parallel_for_each<64>(mesh.triangle_count(), [&](int t) {
-      marks[t] = is_inverted(surface, t, sides[layout_->region_of(t)]);
+      if (!layout_->trim() || layout_->trim()->side(t) != Trim::Side::Outside)
+        marks[t] = is_inverted(surface, t, sides[layout_->region_of(t)]);
     });
     if (std::none_of(marks.begin(), marks.end(), [](char m) { return m; })) return false;
     constexpr int rings = 2;
@@ -140,7 +141,9 @@ class TargetFitIterations {
     double mean = 0;
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
-        const Vec3 L(double(i) / n, double(j) / n, double(n - i - j) / n);
+        // Not in the corners: the normal is undefined at the apex of a cone.
+        constexpr double inwards = 0.02;
+        const Vec3 L = (1 - inwards) * Vec3(i, j, n - i - j) / n + Vec3::Constant(inwards / 3);
         jets.push_back(surface.jet({t, L}));
         sum += jets.back().area_vector();
         mean += jets.back().area_vector().norm();

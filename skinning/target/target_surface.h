@@ -9,6 +9,7 @@
 
 #include "batten/core/eigen.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
 
@@ -28,6 +29,12 @@ class TargetSurface {
   virtual std::optional<Nearest> nearest(const Vec3& p, const Vec3& along) const = 0;
   /// Samples of the target, dense and evenly distributed, to measure distances to a model.
   virtual std::vector<Nearest> samples() const = 0;
+  /// The plane, cylinder, cone, sphere or torus on which all points of the target lie; null if the
+  /// target has another shape or several. The default implementation returns null.
+  virtual const FittedPrimitive* primitive() const { return nullptr; }
+  /// True if the target is one face with a primitive, a surface of revolution or an extruded surface
+  /// in its CAD file. The default implementation returns false.
+  virtual bool is_analytic() const { return false; }
   /// Computes a parametrization of the target: a function from the (u, v) plane to points of the
   /// target. `rim`: maps points on the boundary of the target to the plane; the parametrization
   /// distributes the interior between these boundary values. Returns an empty function if there is
