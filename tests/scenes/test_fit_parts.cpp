@@ -106,7 +106,6 @@ std::vector<Part> parts() {
           {"cone", BRepPrimAPI_MakeCone(20, 0, 40).Shape()},
           {"sphere", BRepPrimAPI_MakeSphere(25).Shape()},
           {"torus", BRepPrimAPI_MakeTorus(30, 8).Shape()},
-          {"segment", BRepPrimAPI_MakeTorus(30, 8, 2.1).Shape()},
           {"plate", drilled_plate()},
           {"box", filleted(BRepPrimAPI_MakeBox(60, 40, 20).Shape(), 4, all)},
           {"vase", vase(), false}};
