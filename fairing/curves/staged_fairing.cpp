@@ -450,7 +450,11 @@ bool FairedLine::was_noisy(bool freehand) const {
   constexpr int most_left = 3, fewest = 4;
   const int gone = before->extrema - after->extrema;
   if (freehand) return gone > 0;
-  return noise > 0 && gone >= fewest && most_left * after->extrema <= before->extrema;
+  // The shape of few points is not to be told from noise, nor is rounding.
+  constexpr int few_points = 15;
+  constexpr double rounding = 1e-6;
+  return points >= few_points && noise > rounding * size && gone >= fewest &&
+         most_left * after->extrema <= before->extrema;
 }
 
 double corner_angle_of(const std::vector<FairStage>& stages, int curve) {

@@ -93,8 +93,8 @@ struct FairedLine {
   std::optional<Fairness> before, after;
   double seconds = 0;
 
-  /// True if the input was noisy: fairing removed at least two thirds of its curvature extrema, and
-  /// no fewer than four. If `freehand` is true (hand-drawn curve), one removed extremum is enough.
+  /// True if the input was noisy: it has 15 points or more, noise above 1e-6 of its size, and
+  /// fairing removed at least two thirds of its curvature extrema, and no fewer than four. If `freehand` is true (hand-drawn curve), one removed extremum is enough.
   bool was_noisy(bool freehand) const;
 };
 

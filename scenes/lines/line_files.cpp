@@ -168,24 +168,23 @@ std::vector<int> turns_above(const std::vector<Vec3>& points, double corner_angl
   return corners;
 }
 
-/// The corners of a line that are not to be detected from its turning angles alone.
-std::optional<std::vector<int>> known_corners(const SourceLine& line, double corner_angle) {
-  if (line.corners) return line.corners;
-  if (line.vertices == SourceLine::Vertices::Polyline) return all_corners(line.points);
-  if (line.corner_angle_is_stated) return turns_above(line.points, corner_angle);
-  if (line.crossing_corners.empty()) return std::nullopt;
-  std::vector<int> corners = line.crossing_corners;
-  const auto curve = curve_through_points(line.name, line.points, corner_angle);
-  for (const int i : interpret_points(line, *curve).corners) corners.push_back(i - 1);
-  return sorted_unique(std::move(corners));
-}
-
 }  // namespace
+
+std::optional<std::vector<int>> SourceLine::known_corners(double corner_angle) const {
+  if (corners) return corners;
+  if (vertices == Vertices::Polyline) return all_corners(points);
+  if (corner_angle_is_stated) return turns_above(points, corner_angle);
+  if (crossing_corners.empty()) return std::nullopt;
+  std::vector<int> known = crossing_corners;
+  const auto by_angles = curve_through_points(name, points, corner_angle);
+  for (const int i : interpret_points(*this, *by_angles).corners) known.push_back(i - 1);
+  return sorted_unique(std::move(known));
+}
 
 std::shared_ptr<const InputCurve> SourceLine::as_curve(double corner_angle) const {
   if (curve) return curve;
   try {
-    const auto known = known_corners(*this, corner_angle);
+    const auto known = known_corners(corner_angle);
     auto through = curve_through_points(name, points, corner_angle, known);
     const bool seam = known && std::find(known->begin(), known->end(), 0) != known->end() &&
                       (points.front() - points.back()).norm() < 1e-9 * through->end();

@@ -45,6 +45,10 @@ struct SourceLine {
   CharacterLine::MeshAlignment mesh_alignment = CharacterLine::MeshAlignment::Auto;
   bool constrains_surface = true;
 
+  /// The corners of `points` that do not follow from their turning angles alone: those given, those
+  /// of a polyline, those of a stated corner angle, and those at crossings together with all others.
+  /// Empty: all corners are detected.
+  std::optional<std::vector<int>> known_corners(double corner_angle) const;
   /// The curve, or one through the points. Throws InputError like curve_through_points().
   std::shared_ptr<const InputCurve> as_curve(double corner_angle) const;
 };

@@ -195,9 +195,9 @@ class SceneLines {
   std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn() const {
     std::pair<std::vector<SourceLine>, std::vector<size_t>> drawn;
     for (size_t i = 0; i < sources_.size(); ++i) {
-      if (sources_[i].points.empty() || sources_[i].corners ||
-          sources_[i].vertices == SourceLine::Vertices::Polyline)
-        continue;
+      if (sources_[i].points.empty()) continue;
+      const auto known = sources_[i].known_corners(scene_.skin.options.corner_angle);
+      if (known && (sources_[i].corners || !known->empty())) continue;
       drawn.first.push_back(sources_[i]);
       drawn.second.push_back(i);
     }
