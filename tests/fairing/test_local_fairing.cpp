@@ -63,11 +63,6 @@ std::vector<Bumpy> bumpy_curves(int pieces) {
           {through(oval, 2 * pi, pieces, true), oval(1.5)}};
 }
 
-Vec3 curvature_vector(const HermiteCurve& curve, CurveMesh::SegmentPoint at) {
-  const Vec3 d = curve.evaluate(at, 1), dd = curve.evaluate(at, 2);
-  return d.cross(dd).cross(d) / std::pow(d.squaredNorm(), 2);
-}
-
 /// Largest jump of the curvature at the nodes, over the largest curvature.
 double relative_jump(const HermiteCurve& curve) {
   const Fairness f = fairness(curve);

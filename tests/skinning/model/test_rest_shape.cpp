@@ -581,7 +581,7 @@ TEST_CASE("a patch that fills a round hole continues the dome, which keeps its s
   open.loops = {{"equator"}};
   search.specs = {open};
   ModelOptions options;
-  options.joins = {{"hole", JoinSpec::Kind::Smooth}};
+  options.joins = {{"hole", JoinSpec::Kind::Smooth, ""}};
   const SurfaceModel model = model_of(lines, search, options);
   REQUIRE(model.skinned().size() == 5);
   int smooth = 0;
