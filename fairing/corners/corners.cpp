@@ -157,7 +157,7 @@ class CornerSearch {
     }
     const bool alternates = changes > 1 && changes == inside - (sequence_.closed() ? 0 : 1);
     return inside > 2 &&
-           ((sequence_.closed() && least >= kPolygonTurn) ||
+           ((sequence_.closed() && least >= kPolygonTurn && least > angle_) ||
             (changes > 1 && least > std::max(alternates ? kStarTurn : kZigzagTurn, angle_)));
   }
 

@@ -127,7 +127,7 @@ TEST_CASE("zigzags, stars and gears have a corner at every point", "[fairing][co
     INFO(tips);
     std::vector<Vec3> star;
     for (int i = 0; i < 2 * tips; ++i) {
-      const double t = pi * i / tips, r = i % 2 ? 3 : 5;
+      const double t = pi * i / tips, r = i % 2 ? 2 : 5;
       star.emplace_back(r * std::cos(t), r * std::sin(t), 0);
     }
     CHECK(find_corners(star, true, 20) == every(0, 2 * tips));
