@@ -440,6 +440,14 @@ LoopPoints sample_loop(const Outline& outline, const Vec3& normal) {
   return points;
 }
 
+// The difference between the sum of the interior angles and that of a polygon, radians.
+double angle_sum_error(const Outline& outline, const std::vector<char>& left) {
+  double sum = 2 * pi;
+  for (size_t i = 0; i < left.size(); ++i)
+    sum -= (left[i] ? 1 : -1) * turning_angle_at(outline, static_cast<size_t>(outline.corners[i]));
+  return std::abs(sum);
+}
+
 // Tests whether the loop turns left at each of its corners. It is decided in projection along the
 // loop's normal if the loop is nearly planar, and the corner is not nearly perpendicular to its
 // plane, as it is at the nose of a wing section. Otherwise it is decided on a triangulation,
@@ -473,6 +481,11 @@ std::vector<char> left_at_corners(const Outline& outline) {
                                     corner_data[piece * static_cast<size_t>(points.each)])
                        : facing[i] >= 0);
   }
+  // Deep sides, such as the nose of a wing between two lines along the span, hide the inside of
+  // the loop from the triangulation, but the angles of a polygon have a known sum.
+  if (triangulation && angle_sum_error(outline, std::vector<char>(left.size(), 1)) <
+                           angle_sum_error(outline, left))
+    left.assign(left.size(), 1);
   return left;
 }
 
@@ -494,24 +507,15 @@ bool encloses_area(const Outline& outline) {
 double enclosed_area(const Outline& outline) { return area_vector(outline).norm(); }
 
 std::vector<double> corner_angles(const Outline& outline, bool convex) {
-  constexpr double pi = std::numbers::pi;
   const std::vector<char> left =
       convex ? std::vector<char>(outline.corners.size(), 1) : left_at_corners(outline);
-  std::vector<double> angles, all_convex;
-  double sum = 0, convex_sum = 0;
+  std::vector<double> angles;
   for (size_t i = 0; i < left.size(); ++i) {
-    const LoopVertex vertex = loop_vertex_at(outline, static_cast<size_t>(outline.corners[i]));
-    const double turning_angle = std::atan2(vertex.incoming.cross(vertex.outgoing).norm(),
-                                            vertex.incoming.dot(vertex.outgoing));
+    const double turning_angle =
+        turning_angle_at(outline, static_cast<size_t>(outline.corners[i]));
     angles.push_back(left[i] ? pi - turning_angle : pi + turning_angle);
-    all_convex.push_back(pi - turning_angle);
-    sum += angles.back();
-    convex_sum += all_convex.back();
   }
-  // Deep sides, such as the nose of a wing between two lines along the span, hide the inside of
-  // the loop, but the angles of a polygon have a known sum.
-  const double expected = (static_cast<double>(left.size()) - 2) * pi;
-  return std::abs(convex_sum - expected) < std::abs(sum - expected) ? all_convex : angles;
+  return angles;
 }
 
 }  // namespace batten

@@ -152,8 +152,8 @@ double enclosed_area(const Outline& outline);
 /// loop_normal(). In two cases, developable_triangulation() of the loop is used instead of the
 /// projection: if the loop deviates from a plane by more than a fifth of its size, or if the plane
 /// of the two curves at the corner is within 30 degrees of perpendicular to the plane of the loop.
-/// If the sum of the angles is then farther from that of a polygon, (n - 2) π, than it is with all
-/// corners convex, all corners are convex.
+/// If the sum of the angles from the triangulation is farther from that of a polygon, (n - 2) π,
+/// than it is with all corners convex, all corners are convex.
 ///
 /// Throws as loop_normal() does. Cost: microseconds, or up to 10 ms if the triangulation is needed.
 std::vector<double> corner_angles(const Outline& outline, bool convex);

@@ -101,7 +101,7 @@ class CurveInput(PropertyTests):
             for table in ('[[curves]]\nfile = "p.dxf"\n', '[[curve]]\nname = "rim"\nfile = "p.dxf"\n'):
                 with self.subTest(key=key, table=table):
                     scene = self.written("s.toml", self.scene(table + key + "\n"))
-                    self.assertRelative(batten.load(scene).area, np.pi * 30**2, 1e-4)
+                    self.assertRelative(batten.load(scene).area, np.pi * 30**2, 3e-4)
 
     def test_numbers_of_corners_for_files(self):
         points = ring(np.full(16, 30.0))
@@ -154,7 +154,7 @@ class CurveInput(PropertyTests):
         model = batten.load(self.written("hull.csv", text + "\n"))
         self.assertEqual(len(model.faces), 14)
         between = [edge for edge in model.edges if edge.name.startswith("edge")]
-        self.assertEqual([edge.continuity for edge in between], ["crease"] * 7)
+        self.assertEqual([edge.continuity for edge in between], ["G0"] * 7)
         # Both strips are ruled between their curves, as a plate of a hard-chine hull is.
         for edge in model.edges:
             if edge.name.startswith("station"):
