@@ -347,4 +347,9 @@ std::vector<int> find_outliers(const std::vector<Vec3>& points, bool closed) {
   return isize(points) < fewest ? std::vector<int>() : OutlierSearch(points, closed).run();
 }
 
+double largest_movement(double noise, double size) {
+  constexpr double none = 1e-6;
+  return 2 * noise + none * size;
+}
+
 }  // namespace batten

@@ -23,6 +23,11 @@ double estimate_noise(const std::vector<Vec3>& points, bool closed,
                       const std::vector<int>& corners = {},
                       const std::vector<double>& parameters = {});
 
+/// Largest RMS distance by which fair_points() moves points, unless a noise, a deviation or a
+/// wavelength is stated: twice their estimated noise, because larger distances cannot be noise,
+/// plus 1e-6 of their size. Conditions and FairOptions::drawn_by_hand permit more.
+double largest_movement(double noise, double size);
+
 // Averages of neighbouring points, for samples whose steps from point to point are mostly noise.
 
 /// True if the polyline through all points is much longer than the one through every fourth point.

@@ -11,7 +11,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/solvers/band_cholesky.h"
 #include "batten/elements/quadrature.h"
-#include "batten/fairing/curves/fair_curve.h"
+#include "batten/fairing/curves/fairness.h"
 #include "batten/fem/curves/bspline.h"
 
 namespace batten {

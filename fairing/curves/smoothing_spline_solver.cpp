@@ -11,7 +11,6 @@
 #include "batten/core/geometry.h"
 #include "batten/fairing/corners/point_noise.h"
 #include "batten/fairing/corners/point_sequence.h"
-#include "batten/fairing/curves/fair_curve.h"
 
 namespace batten {
 

@@ -15,6 +15,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
+#include "batten/fairing/corners/point_noise.h"
 #include "batten/fairing/corners/point_sequence.h"
 #include "batten/fairing/curves/curve_fit.h"
 #include "batten/fairing/curves/fair_curve.h"

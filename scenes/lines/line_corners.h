@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// Corners of input curves that do not follow from the points of a curve alone: polylines of
-// drawings, and points at which other curves end or pass.
+// Corners of polylines in drawings and CAD files, and of curves whose corners are given.
 #pragma once
 
 #include <memory>
@@ -11,8 +10,6 @@
 #include "batten/fairing/curves/input_curve.h"
 
 namespace batten {
-
-struct SourceLine;  // scenes/lines/line_files.h
 
 /// The vertices of a curve of straight segments (a CAD curve of degree 1); empty if the curve has a
 /// curved segment, or only one segment. `curve`: collinear within 1e-12 of its size.
@@ -28,6 +25,9 @@ std::vector<Vec3> polyline_vertices(const InputCurve& curve);
 /// end of closed polylines. Cost: that of curve_through_points().
 std::optional<double> sampled_curve_deviation(const std::vector<Vec3>& points);
 
+/// True if the last point of more than three is the first one, within 1e-9 of the size.
+bool is_closed_polyline(const std::vector<Vec3>& points);
+
 /// All inner vertices of a polyline, and for closed ones also the first: indices of its corners.
 std::vector<int> all_corners(const std::vector<Vec3>& points);
 
@@ -39,19 +39,5 @@ std::shared_ptr<const InputCurve> with_corners(std::shared_ptr<const InputCurve>
 
 /// A closed curve that also has a corner where it starts and ends.
 std::shared_ptr<const InputCurve> with_corner_at_seam(std::shared_ptr<const InputCurve> curve);
-
-/// Finds corners at points where another curve ends or passes, such as the chine in the stations of
-/// a hard-chine hull, and adds them to SourceLine::crossing_corners.
-///
-/// Only curves through points whose corners are not given are changed. The candidates are points
-/// within 1e-4 of the size of all curves from another curve, at which the turning angle is at least
-/// 20 degrees and twice as large as at the points beside it. A candidate is a corner if
-/// find_corners() has found one there. Beside an end of its curve, where find_corners() demands
-/// more, it is also a corner if it turns by at least 45 degrees and by three times as much as the
-/// point on its other side. If at least half of the candidates on one curve are corners, a crease
-/// runs along that curve, and all of them are corners.
-///
-/// `corner_angle`: see find_corners(). Cost: O(points · curves) distances to sampled curves.
-void find_crossing_corners(std::vector<SourceLine>& lines, double corner_angle);
 
 }  // namespace batten

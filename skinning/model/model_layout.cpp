@@ -15,7 +15,6 @@
 #include "batten/fem/refinement.h"
 #include "batten/fem/surface_assembler.h"
 #include "batten/fem/surface_projector.h"
-#include "batten/skinning/model/model_shapes.h"
 
 namespace batten {
 
@@ -317,18 +316,33 @@ SkinnedRegion ModelLayout::skinned(int r, const Points& all) const {
 }
 
 Points ModelLayout::minimize_energy(const SurfaceStiffness& material, const Points& rest) const {
-  return minimize_difference(
-      material, rest.rows() > 0 ? rest : Points(Points::Zero(position_dofs().size(), 3)));
+  return nearest_shape(
+      {material}, rest.rows() > 0 ? rest : Points(Points::Zero(position_dofs().size(), 3)));
 }
 
 Points ModelLayout::nearest(const Points& wanted) const {
-  return minimize_difference(SurfaceStiffness::isotropic(0, 1), wanted);
+  return nearest_shape({SurfaceStiffness::isotropic(0, 1)}, wanted);
 }
 
-// The shape through the lines for which the energy of (x - wanted) is minimal.
-Points ModelLayout::minimize_difference(const SurfaceStiffness& material,
-                                        const Points& wanted) const {
-  return nearest_shape(*this, {material}, wanted);
+Points ModelLayout::nearest_shape(const std::vector<SurfaceStiffness>& materials,
+                                  const Points& wanted) const {
+  const SurfaceAssembler assembler(*mesh_, element(), trim_);
+  SparseMatrix K = assembler.pattern();
+  const std::vector<SurfaceStiffness> scaled = scale_to_regions(materials);
+  if (scaled.size() == 1)
+    assembler.stiffness(scaled[0], K);
+  else
+    assembler.stiffness(scaled, K);
+  const VecX ones = position_dofs();
+  const Points about_origin = ones * origin().transpose();
+  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
+  // The join penalty applies to the shape itself, so it is added after the load is computed.
+  double beta = 0;
+  for (const SurfaceStiffness& m : materials) beta = std::max(beta, (m.beta[0] + m.beta[2]) / 2);
+  if (const SparseMatrix joins = join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
+  const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
+                                 dof_order());
+  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }
 
 // Edits are made on copies of the regions, which replace the originals only if nothing was thrown.

@@ -204,10 +204,14 @@ class ModelLayout {
   /// remove a crease at the end of a join, or reject a join. Call plan_joins() if the value is not
   /// small.
   double gluing_change(const Points& shape) const;
+  /// Computes the shape that satisfies line_constraints() and for which the energy of its
+  /// difference from `wanted` is least. `materials`: one for all triangles, or one per triangle.
+  /// Dofs are in absolute coordinates. Cost: one factorization. Throws ConflictError,
+  /// NoSolutionError.
+  Points nearest_shape(const std::vector<SurfaceStiffness>& materials, const Points& wanted) const;
 
  private:
   void assign_dof_offsets();
-  Points minimize_difference(const SurfaceStiffness& material, const Points& wanted) const;
   std::vector<const RegionLayout*> layouts() const;
   std::vector<Points> of_regions(const Points& all) const;
   ConstraintSet gather(ConstraintSet (RegionLayout::*constraints)() const, bool name_regions) const;

@@ -7,7 +7,6 @@
 #include <limits>
 #include <set>
 
-#include "batten/constraints/constrained_solver.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/core/parallel.h"
@@ -67,7 +66,7 @@ void continue_neighbours(const ModelLayout& layout, const std::vector<int>& patc
     std::fill_n(materials.begin() + layout.first_triangle(r),
                 layout.region(r).mesh()->triangle_count(), SurfaceStiffness::isotropic(0, kSoft));
   for (int round = 0; round < kRounds; ++round) {
-    const Points shape = nearest_shape(layout, materials, all);
+    const Points shape = layout.nearest_shape(materials, all);
     for (const int r : patches) {
       const Points own = layout.region_dofs(r, shape);
       for (int d = 0; d < own.rows(); ++d) all.row(layout.dof_offsets(r)(d)) = own.row(d);
@@ -89,27 +88,6 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
     if (const std::vector<int> patches = patches_between(layout, of_regions); !patches.empty())
       continue_neighbours(layout, patches, all);
   return all;
-}
-
-Points nearest_shape(const ModelLayout& layout, const std::vector<SurfaceStiffness>& materials,
-                     const Points& wanted) {
-  const SurfaceAssembler assembler(*layout.mesh(), layout.element(), layout.trim());
-  SparseMatrix K = assembler.pattern();
-  const std::vector<SurfaceStiffness> scaled = layout.scale_to_regions(materials);
-  if (scaled.size() == 1)
-    assembler.stiffness(scaled[0], K);
-  else
-    assembler.stiffness(scaled, K);
-  const VecX ones = layout.position_dofs();
-  const Points about_origin = ones * layout.origin().transpose();
-  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
-  // The join penalty applies to the shape itself, so it is added after the load is computed.
-  double beta = 0;
-  for (const SurfaceStiffness& m : materials) beta = std::max(beta, (m.beta[0] + m.beta[2]) / 2);
-  if (const SparseMatrix joins = layout.join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
-  const ConstrainedSolver solver(layout.line_constraints().translated(ones, layout.origin()),
-                                 std::move(K), layout.dof_order());
-  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
 }
 
 namespace {

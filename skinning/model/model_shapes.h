@@ -41,13 +41,6 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
 /// has no rest shape.
 Points rest_dofs(const RegionLayout& region);
 
-/// Computes the shape that satisfies ModelLayout::line_constraints() and for which the energy of
-/// its difference from `wanted` is least. `materials`: one for all triangles, or one per triangle.
-/// Dofs are in absolute coordinates. Cost: one factorization. Throws ConflictError,
-/// NoSolutionError.
-Points nearest_shape(const ModelLayout& layout, const std::vector<SurfaceStiffness>& materials,
-                     const Points& wanted);
-
 /// True if the face has five or more sides that are not coplanar. Such a face has no pairs of
 /// opposite sides, and therefore no rest shape. The minimum-variation surface (fair_shape()) is the
 /// best choice among the surfaces through the boundary curves: see the table in docs/fairness.md.

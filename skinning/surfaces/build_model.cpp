@@ -229,6 +229,24 @@ FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOption
   throw InputError(text);
 }
 
+std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
+                                        const ModelBuildOptions& options,
+                                        const Progress& progress) {
+  const std::vector<CharacterLine> rails = loft_rails(network, plan);
+  if (rails.empty() && plan.guides.size() < 2) return std::nullopt;
+  std::vector<CharacterLine> lines = network.lines();
+  lines.insert(lines.end(), rails.begin(), rails.end());
+  ModelBuildOptions finer = options;
+  finer.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
+  LoftNetwork loft{build_network(lines, finer, progress), {}, {}};
+  loft.creases = rails_at_corners(network, plan, rails);
+  if (auto faces = loft_faces(loft.network, network, plan, rails))
+    loft.found = std::move(*faces);
+  else
+    loft.found = require_regions(loft.network, finer, progress);
+  return loft;
+}
+
 namespace {
 
 void log_model(const SurfaceModel& model) {

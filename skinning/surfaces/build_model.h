@@ -68,6 +68,24 @@ CurveNetwork build_network(const std::vector<CharacterLine>& lines,
 FoundRegions require_regions(const CurveNetwork& network, const ModelBuildOptions& options,
                              const Progress& progress = {});
 
+struct LoftPlan;  // loft_plan.h
+
+/// The network of a loft with its rails, and the faces of the loft.
+struct LoftNetwork {
+  CurveNetwork network;
+  FoundRegions found;
+  /// Names of the rails through a corner of some section: creases, even if the corner fades out.
+  std::vector<std::string> creases;
+};
+
+/// Adds loft_rails() to the curves of a network and finds the faces: those of loft_faces() or, if
+/// there are none, those that the curves bound. Rails that are closer to each other than the gap
+/// tolerance stay apart. Returns nullopt if the sections have no rails. Throws as build_network()
+/// and require_regions() do.
+std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
+                                        const ModelBuildOptions& options,
+                                        const Progress& progress = {});
+
 /// Builds a model from curves given in any order. The first applicable row determines the model:
 ///
 ///     single_face                           one face; a loft if `sections` are all of the curves

@@ -12,7 +12,6 @@
 #include "batten/core/eigen.h"
 #include "batten/core/geometry.h"
 #include "batten/skinning/search/region_graph.h"
-#include "batten/skinning/surfaces/build_model.h"
 #include "batten/skinning/surfaces/section_region.h"
 
 namespace batten {
@@ -789,9 +788,6 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
   return found;
 }
 
-namespace {
-
-// Gap tolerance that keeps rails apart, such as those along a thick trailing edge.
 double rail_tolerance(const std::vector<CharacterLine>& rails) {
   constexpr double kFraction = 0.1;  // of the least distance between the ends of two rails
   double least = std::numeric_limits<double>::infinity();
@@ -805,6 +801,8 @@ double rail_tolerance(const std::vector<CharacterLine>& rails) {
       }
   return kFraction * least;
 }
+
+namespace {
 
 // True if a rail runs through a corner of a section.
 bool meets_corner(const CurveNetwork& network, const LoftPlan& plan, const CharacterLine& rail) {
@@ -823,23 +821,12 @@ bool meets_corner(const CurveNetwork& network, const LoftPlan& plan, const Chara
 
 }  // namespace
 
-std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
-                                        const ModelBuildOptions& options,
-                                        const Progress& progress) {
-  const std::vector<CharacterLine> rails = loft_rails(network, plan);
-  if (rails.empty() && plan.guides.size() < 2) return std::nullopt;
-  std::vector<CharacterLine> lines = network.lines();
-  lines.insert(lines.end(), rails.begin(), rails.end());
-  ModelBuildOptions finer = options;
-  finer.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
-  LoftNetwork loft{build_network(lines, finer, progress), {}, {}};
+std::vector<std::string> rails_at_corners(const CurveNetwork& network, const LoftPlan& plan,
+                                          const std::vector<CharacterLine>& rails) {
+  std::vector<std::string> names;
   for (const CharacterLine& rail : rails)
-    if (meets_corner(network, plan, rail)) loft.creases.push_back(rail.name);
-  if (auto faces = loft_faces(loft.network, network, plan, rails))
-    loft.found = std::move(*faces);
-  else
-    loft.found = require_regions(loft.network, finer, progress);
-  return loft;
+    if (meets_corner(network, plan, rail)) names.push_back(rail.name);
+  return names;
 }
 
 }  // namespace batten

@@ -65,22 +65,12 @@ std::optional<FoundRegions> loft_faces(const CurveNetwork& network, const CurveN
                                        const LoftPlan& plan,
                                        const std::vector<CharacterLine>& rails);
 
-struct ModelBuildOptions;  // build_model.h
+/// Names of the rails of loft_rails() that run through a corner of some section.
+std::vector<std::string> rails_at_corners(const CurveNetwork& network, const LoftPlan& plan,
+                                          const std::vector<CharacterLine>& rails);
 
-/// The network of a loft with its rails, and the faces of the loft.
-struct LoftNetwork {
-  CurveNetwork network;
-  FoundRegions found;
-  /// Names of the rails through a corner of some section: creases, even if the corner fades out.
-  std::vector<std::string> creases;
-};
-
-/// Adds loft_rails() to the curves of a network and finds the faces: those of loft_faces() or, if
-/// there are none, those that the curves bound. Rails that are closer to each other than the gap
-/// tolerance stay apart. Returns nullopt if the sections have no rails. Throws as build_network()
-/// and require_regions() do.
-std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftPlan& plan,
-                                        const ModelBuildOptions& options,
-                                        const Progress& progress = {});
+/// Gap tolerance that keeps rails apart, such as those along a thick trailing edge: a tenth of the
+/// least distance between the ends of two rails; infinite for a single rail.
+double rail_tolerance(const std::vector<CharacterLine>& rails);
 
 }  // namespace batten
