@@ -334,7 +334,8 @@ void recognise_primitives(const std::vector<CadPart>& parts, CadFacets& facets) 
 
 /// Meshes a file that was read in this process, in millimetres.
 CadFacets tessellate_file(const std::filesystem::path& file, const CadFile& cad, double chord,
-                          bool curved) {
+                          const CadFacetOptions& options) {
+  const bool curved = options.curved;
   const JoinedParts joined = joined_parts(cad);
   int faces = 0;
   for (const CadPart& part : joined.parts) faces += isize(part.faces);
@@ -345,7 +346,8 @@ CadFacets tessellate_file(const std::filesystem::path& file, const CadFile& cad,
     throw InputError(
         file.string() + ": found a chord of " + format_number(chord) +
         " mm, expected 1e-7 of the size or more: " + format_number(1e-7 * joined.size) + " mm");
-  if (curved && has_only_primitives(joined.parts)) chord = std::max(chord, 1e-3 * joined.size);
+  if (curved && options.coarse_primitives && has_only_primitives(joined.parts))
+    chord = std::max(chord, 1e-3 * joined.size);
   CadFacets facets = mesh_parts(joined.parts, joined.size, chord, curved);
   if (curved) recognise_primitives(joined.parts, facets);
   facets.contents = contents_of(cad);
@@ -363,7 +365,7 @@ CadFacets tessellate_cad(const std::filesystem::path& file, const CadFacetOption
         const double unit =
             options.unit_in_metres > 0 ? options.unit_in_metres : cad.header.unit_in_metres;
         try {
-          return to_bytes(tessellate_file(file, cad, options.chord * unit / 1e-3, options.curved));
+          return to_bytes(tessellate_file(file, cad, options.chord * unit / 1e-3, options));
         } catch (const Standard_Failure& failure) {
           throw InputError(file.string() +
                            ": OpenCASCADE cannot mesh this file: " + failure.GetMessageString());

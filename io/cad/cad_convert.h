@@ -59,10 +59,11 @@ struct CadFacetOptions {
   /// the size of the model.
   double chord = 0;
   /// True: compute curved triangles (PnTriangle). Far fewer curved than flat triangles are needed
-  /// for a given chord tolerance, but mesh edges on edges of CAD faces stay straight. If all faces
-  /// are primitives (CadFacets::primitives), which need no triangles for exact points, the chord
-  /// tolerance is at least 1e-3 of the size of the model.
+  /// for a given chord tolerance, but mesh edges on edges of CAD faces stay straight.
   bool curved = false;
+  /// True: if all faces are primitives (CadFacets::primitives), which need no triangles for exact
+  /// points, the chord tolerance of curved triangles is at least 1e-3 of the size of the model.
+  bool coarse_primitives = false;
 };
 
 /// Reads a STEP, IGES or BREP file and triangulates its faces. Adjacent faces share the nodes on

@@ -312,6 +312,7 @@ void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& targ
   options.unit_in_metres = unit;
   options.chord = chord;
   options.curved = true;
+  options.coarse_primitives = true;
   const CadFacets facets = cad_plugin().tessellate_cad(target.file, options);
   for (int f = 0; f < isize(facets.primitives); ++f)
     if (facets.primitives[f].kind != FittedPrimitive::Kind::Free || facets.swept[f])
