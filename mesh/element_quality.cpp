@@ -270,14 +270,21 @@ QualitySummary summarize(const ShellMesh& shells, const Points& points,
           jacobian.summary(),  smallest.summary(), largest.summary()};
 }
 
+namespace {
+
+/// Faces with a smaller ratio were bad before the edit: a straight corner has 0, up to rounding.
+constexpr double kSoundJacobian = 1e-6;
+
+}  // namespace
+
 std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before,
                                 const Points& after) {
   check_size(shells, before);
   check_size(shells, after);
   std::vector<char> inverted(shells.face_count(), 0);
   for (int f = 0; f < shells.face_count(); ++f)
-    inverted[f] =
-        quality_of(shells, before, f).jacobian > 0 && !(quality_of(shells, after, f).jacobian > 0);
+    inverted[f] = quality_of(shells, before, f).jacobian > kSoundJacobian &&
+                  !(quality_of(shells, after, f).jacobian > 0);
 
   const std::vector<Vec3> normal_before = area_vectors(shells, before),
                           normal_after = area_vectors(shells, after);
@@ -371,12 +378,17 @@ std::vector<int> inverted_solids(std::span<const NonShellElement> elements, cons
   std::vector<int> result;
   for (int e = 0; e < isize(elements); ++e) {
     const auto corners = solid_corners_of(corner_count(elements[e]));
-    double largest = 0;
-    for (const Corner& c : corners)
-      largest = std::max(largest, std::abs(volume(before, elements[e].nodes, c)));
+    double largest = 0, sum = 0;
+    for (const Corner& c : corners) {
+      const double v0 = volume(before, elements[e].nodes, c);
+      largest = std::max(largest, std::abs(v0));
+      sum += v0;
+    }
+    // Corners of the other sign were inverted before the edit.
     if (std::any_of(corners.begin(), corners.end(), [&](const Corner& c) {
           const double v0 = volume(before, elements[e].nodes, c);
-          return std::abs(v0) > 1e-9 * largest && !(volume(after, elements[e].nodes, c) * v0 > 0);
+          return v0 * sum > 0 && std::abs(v0) > 1e-9 * largest &&
+                 !(volume(after, elements[e].nodes, c) * v0 > 0);
         }))
       result.push_back(e);
   }

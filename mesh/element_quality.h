@@ -74,7 +74,7 @@ QualitySummary summarize(const ShellMesh& shells, const Points& points,
 /// Indices of the faces that a deformation inverted or folded, ascending. `before` and `after` are
 /// the node positions before and after the deformation (n×3). The faces listed are:
 ///
-/// - Faces whose `jacobian` (see ElementQuality) was positive before and is zero, negative or NaN
+/// - Faces whose `jacobian` (see ElementQuality) was above 1e-6 before and is zero, negative or NaN
 ///   afterwards. These are quads that fold onto themselves and triangles that lost their area.
 /// - Folded faces. At a folded edge, which two faces share (and no third one), the angle between
 ///   the normals of these faces was below 90 degrees before and is above 120 degrees afterwards.
@@ -92,7 +92,8 @@ std::vector<int> inverted_faces(const ShellMesh& shells, const Points& before, c
 /// its corners, the Jacobian determinant (triple product of the three edges) changes its sign or
 /// becomes 0. `before`, `after`: node positions before and after the deformation (n×3). Tetrahedra,
 /// pyramids (except at the apex), wedges and hexahedra are supported; their corner nodes come
-/// first. Corners with a determinant of 0 before the deformation are ignored. O(elements).
+/// first. Corners whose determinant before the deformation is 0, or has not the sign of the sum over
+/// all corners, are ignored: they were bad before. O(elements).
 std::vector<int> inverted_solids(std::span<const NonShellElement> elements, const Points& before,
                                  const Points& after);
 

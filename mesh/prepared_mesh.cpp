@@ -97,7 +97,12 @@ class Splitter {
       const auto length = [&](int i, int j) {
         return (points_.row(v[i]) - points_.row(v[j])).squaredNorm();
       };
-      if (length(0, 2) <= length(1, 3)) {
+      // Near a straight corner, one of the diagonals leaves a triangle without area.
+      constexpr double kSliver = 0.1;
+      const double first = std::min(quality(v[0], v[1], v[2]), quality(v[0], v[2], v[3])),
+                   second = std::min(quality(v[0], v[1], v[3]), quality(v[1], v[2], v[3]));
+      const bool shorter = length(0, 2) <= length(1, 3);
+      if (shorter ? first >= kSliver * second : second < kSliver * first) {
         out.push_back({v[0], v[1], v[2]});
         out.push_back({v[0], v[2], v[3]});
       } else {
@@ -339,7 +344,6 @@ PreparedMesh prepare(const ShellMesh& shells, const std::function<std::string(in
   add_note(d.duplicate_faces, "face", "with the same nodes as another face (ignored)");
   add_note(d.flipped_faces, "face",
            "with reversed orientation (corrected in the computation only)");
-  add_note(d.unused_nodes, "node", "without a face");
   add_note(d.coincident_nodes, "node",
            "at the position of another node: the surface is open there");
   if (d.components > 1) notes.push_back("the mesh has " + std::to_string(d.components) + " parts");

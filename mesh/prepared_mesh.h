@@ -42,8 +42,8 @@ struct MeshDiagnosis {
 /// shell mesh; duplicates of nodes that belong to several patches follow (see MeshTopology). The
 /// shell elements are not changed.
 ///
-/// Every face is split into triangles: quads along their shorter diagonal (ties: 1-3), second-order
-/// elements through their midside nodes, polygons by clipping the ear of best quality.
+/// Every face is split into triangles: quads along their shorter diagonal (ties: 1-3), or along the
+/// other one if a corner is nearly straight there, second-order elements through their midside nodes, polygons by clipping the ear of best quality.
 ///
 /// Non-manifold edges (three or more faces) are resolved as follows. Two faces continue the same
 /// patch if the angle between their normals is less than 45°, and if the cosine of this angle

@@ -69,4 +69,19 @@ struct NonShellElement {
   std::vector<double> weights;  ///< for Kind::Interpolation: one per node after the first
 };
 
+/// A connection of nodes with surfaces that do not share nodes with them: a tie (adhesive), or a spot
+/// weld. The nodes follow the closest points of the surfaces.
+struct SurfaceTie {
+  enum class Kind {
+    Tie,  ///< each node follows the closest point of the surface
+    Weld  ///< all nodes and the closest face of each side form a rigid body
+  };
+  Kind kind = Kind::Tie;
+  std::string name;        ///< "*TIE GLUE", "CWELD 12"
+  std::vector<int> nodes;  ///< nodes that follow; nodes of shells or of other elements
+  /// Shell faces that the nodes follow, one list per side of a weld; empty: all faces.
+  std::vector<std::vector<int>> sides;
+  double reach = 0;  ///< largest distance that is tied; 0: the longest edge of the closest face
+};
+
 }  // namespace batten

@@ -318,6 +318,12 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(mesh), tree_(triang
 
 std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest(
     const Vec3& p, const std::optional<Vec3>& normal) const {
+  if (!normal) return nearest_among(p, [](int) { return true; });
+  return nearest_among(p, [&](int t) { return mesh_.area_vector(t).dot(*normal) > 0; });
+}
+
+std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest_among(
+    const Vec3& p, const std::function<bool(int triangle)>& accepts) const {
   Vec3 at, weights;
   const auto distance2_of = [&](int t) {
     const auto& [a, b, c] = mesh_.triangles()[t];
@@ -325,9 +331,8 @@ std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest(
     at = weights[0] * mesh_.point(a) + weights[1] * mesh_.point(b) + weights[2] * mesh_.point(c);
     return (at - p).squaredNorm();
   };
-  const auto [triangle, distance2] = tree_.nearest(p, [&](int t) {
-    return normal && mesh_.area_vector(t).dot(*normal) <= 0 ? kInfinity : distance2_of(t);
-  });
+  const auto [triangle, distance2] =
+      tree_.nearest(p, [&](int t) { return accepts(t) ? distance2_of(t) : kInfinity; });
   if (triangle < 0) return {};
   distance2_of(triangle);
   return ClosestPoint{triangle, at, weights, std::sqrt(distance2)};

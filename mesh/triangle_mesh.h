@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -175,6 +176,9 @@ class TriangleTree {
   /// is given, only triangles whose normal has a positive dot product with `normal` are considered.
   /// Empty if there is no such triangle.
   std::optional<ClosestPoint> nearest(const Vec3& p, const std::optional<Vec3>& normal = {}) const;
+  /// The closest point of the triangles for which `accepts` is true; empty if there is none.
+  std::optional<ClosestPoint> nearest_among(const Vec3& p,
+                                            const std::function<bool(int triangle)>& accepts) const;
 
  private:
   TriangleMesh mesh_;

@@ -63,7 +63,8 @@ struct EditedMesh::State {
       : scene(s),
         source(std::move(mesh)),
         select(scene, source->file, source->prepared.mesh),
-        attached(source->file.other_elements(), source->prepared.mesh, scene.following) {}
+        attached(source->file.other_elements(), source->prepared.mesh, scene.following,
+                 source->file.ties(), source->prepared.face_of_triangle) {}
 
   const TriangleMesh& mesh() const { return source->prepared.mesh; }
   const Points& shape() const { return edits.empty() ? mesh().points() : edits.back()->shape(); }
@@ -262,11 +263,13 @@ std::string EditedMesh::export_shape(const std::filesystem::path& file, const Pr
   const MeshFile& read = made_->source->file;
   const Points places = node_positions(shape(), read);
   if (lower_extension(file) == lower_extension(scene_.mesh)) {
-    const double rounding = read.write(file, places).largest;
-    return rounding <= 1e-9 * made_->mesh().size()
-               ? ""
-               : "the number fields of this deck round coordinates by up to " +
-                     format_number(rounding) + " " + scene_.unit + "\n";
+    const MeshFile::Rounding written = read.write(file, places);
+    std::string notes;
+    if (written.largest > 1e-9 * made_->mesh().size())
+      notes = "the number fields of this deck round coordinates by up to " +
+              format_number(written.largest) + " " + scene_.unit + "\n";
+    for (const std::string& note : written.notes) notes += note + "\n";
+    return notes;
   }
   ShellMesh shells = read.shells();
   shells.points = places;

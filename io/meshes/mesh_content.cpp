@@ -85,7 +85,19 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face) {
   const auto length = [&](int a, int b) {
     return (mesh.points.row(a) - mesh.points.row(b)).squaredNorm();
   };
-  if (rest.size() == 4 && length(rest[1], rest[3]) < length(rest[0], rest[2]))
+  const auto area = [&](int a, int b, int c) {
+    const Vec3 p = mesh.points.row(a), q = mesh.points.row(b), r = mesh.points.row(c);
+    return (q - p).cross(r - p).norm();
+  };
+  const auto least = [&](size_t k) {
+    return std::min(area(rest[k], rest[k + 1], rest[k + 2]),
+                    area(rest[k], rest[k + 2], rest[(k + 3) % 4]));
+  };
+  // Near a straight corner, one of the diagonals leaves a triangle without area.
+  constexpr double kSliver = 0.1;
+  if (rest.size() == 4 && (length(rest[1], rest[3]) < length(rest[0], rest[2])
+                               ? least(1) >= kSliver * least(0)
+                               : least(0) < kSliver * least(1)))
     std::rotate(rest.begin(), rest.begin() + 1, rest.end());
   for (size_t i = 2; i < rest.size(); ++i) triangles.push_back({rest[0], rest[i - 1], rest[i]});
   return triangles;

@@ -64,7 +64,9 @@ struct MeshContent {
   Labels node_labels, face_labels;
   std::vector<MeshSet> sets, properties;
   std::vector<NonShellElement> other_elements;
+  std::vector<SurfaceTie> ties;
   std::vector<std::string> warnings;
+  std::string element_counts;  ///< the warning that counts what is not a shell; may be empty
   CageTags cage_tags;
   /// Reason why `cage_tags` does not represent all cage tags of the file, as "file:line:column: …";
   /// empty if it does.

@@ -39,9 +39,10 @@ const std::map<std::string, MeshContentReader*>& readers() {
   static const std::map<std::string, MeshContentReader*> all{
       {".obj", read_obj_mesh},     {".off", read_off_mesh},     {".ply", read_ply_mesh},
       {".stl", read_stl_mesh},     {".vtp", read_vtk_mesh},     {".vtu", read_vtk_mesh},
-      {".bdf", read_nastran_deck}, {".nas", read_nastran_deck}, {".dat", read_nastran_deck},
-      {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},    {".key", read_lsdyna_deck},
-      {".dyn", read_lsdyna_deck},  {".rad", read_radioss_deck}};
+      {".vtk", read_vtk_mesh},     {".bdf", read_nastran_deck}, {".nas", read_nastran_deck},
+      {".dat", read_nastran_deck}, {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},
+      {".key", read_lsdyna_deck},  {".dyn", read_lsdyna_deck},  {".rad", read_radioss_deck},
+      {".fem", read_nastran_deck}};
   return all;
 }
 
@@ -90,11 +91,13 @@ const std::vector<MeshFile::Set>& MeshFile::properties() const { return content_
 const std::vector<NonShellElement>& MeshFile::other_elements() const {
   return content_->other_elements;
 }
+const std::vector<SurfaceTie>& MeshFile::ties() const { return content_->ties; }
 const CageTags& MeshFile::cage_tags() const {
   if (!content_->cage_problem.empty()) throw InputError(content_->cage_problem);
   return content_->cage_tags;
 }
 const std::vector<std::string>& MeshFile::warnings() const { return content_->warnings; }
+const std::string& MeshFile::element_counts() const { return content_->element_counts; }
 const std::string& MeshFile::format() const { return content_->format; }
 
 std::vector<fs::path> MeshFile::included_files() const { return content_->included_files(); }

@@ -25,12 +25,13 @@ struct MeshContent;
 ///   .ply               text, or binary with either byte order
 ///   .stl               text or binary; corners with equal coordinates become one node; sets
 ///                      from `solid`
-///   .vtp .vtu          VTK XML
-///   .bdf .nas .dat     Nastran bulk data: GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
+///   .vtp .vtu .vtk     VTK XML and legacy: two-dimensional cells; other cells in other_elements()
+///   .bdf .nas .dat .fem  Nastran bulk data (OptiStruct): GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
 ///                      small, large and free fields; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C,
 ///                      CORD2S; INCLUDE; properties from PID, node sets from SET1
-///   .inp               Abaqus and CalculiX: at most one part with one instance; shells, membranes
-///                      and plane elements with 3, 4, 6 and 8 nodes; *SYSTEM, *NODE with SYSTEM=,
+///   .inp               Abaqus and CalculiX: at most one part with one instance, nodes of the
+///                      assembly; shells, membranes, plane, axisymmetric and thermal elements with
+///                      3, 4, 6, 8 and 9 nodes; *SYSTEM, *NODE with SYSTEM=,
 ///                      *PARAMETER, *INCLUDE, INPUT=; sets from *NSET, *ELSET; properties from
 ///                      *… SECTION
 ///   .k .key .dyn       LS-DYNA keyword: *NODE, *ELEMENT_SHELL, *PART, *SET_NODE, *SET_SHELL,
@@ -38,8 +39,9 @@ struct MeshContent;
 ///   .rad               Radioss starter, version 51 and later: /NODE, /SHELL, /SH3N, /PART,
 ///                      /GRNOD/NODE, include files
 ///
-/// The connectivity of non-shell elements in decks is read, and other_elements() lists them. All
-/// other content is copied verbatim; warnings() gives the number of elements in it.
+/// The connectivity of non-shell elements in decks is read, and other_elements() lists them; ties()
+/// lists ties and spot welds. Directions rotate with the nodes to which they belong. All other
+/// content is copied verbatim; warnings() gives the number of elements in it.
 ///
 /// Coordinates are global. A node in a local coordinate system is transformed when it is read, and
 /// transformed back when it is written. A coordinate system defined by nodes follows these nodes.
@@ -85,6 +87,8 @@ class MeshFile {
   const std::vector<Set>& properties() const;
   /// The non-shell elements and connections of a deck, in file order. Empty for other formats.
   const std::vector<NonShellElement>& other_elements() const;
+  /// Ties and spot welds of a deck: connections of nodes with surfaces. Empty for other formats.
+  const std::vector<SurfaceTie>& ties() const;
   /// Semi-sharp creases and corners, for a mesh that is used as a Catmull-Clark control cage. They
   /// are read from the OBJ tags `t crease 2/1/0 a b s` and `t corner n/n/0 …`, whose node indices
   /// are 0-based. Empty for other formats.
@@ -96,6 +100,9 @@ class MeshFile {
   const CageTags& cage_tags() const;
   /// Warnings, in complete sentences, about content of the file that is not part of the mesh.
   const std::vector<std::string>& warnings() const;
+  /// The one of warnings() that counts the elements of a deck that are not shells, and the nodes
+  /// without shells; empty if there are none.
+  const std::string& element_counts() const;
   /// Name of the file format for messages, such as "Nastran bulk data".
   const std::string& format() const;
 

@@ -30,11 +30,14 @@ struct MeshWriteOptions {
   std::filesystem::path destination_folder = {};
 };
 
-/// Rounding error of the written coordinates, caused by the limited width of number fields.
+/// Rounding error of the written coordinates, caused by the limited width of number fields, and
+/// what the file says about directions.
 struct MeshRounding {
   double largest = 0;  ///< largest |written − given| of a coordinate, model units
   /// Number in the file of the node with the largest rounding error; -1: all coordinates are exact.
   long max_error_label = -1;
+  /// Sentences about cards with directions that are not rotated with the mesh, or only on average.
+  std::vector<std::string> notes = {};
 };
 
 }  // namespace batten

@@ -274,6 +274,9 @@ int width_of(FieldKind kind) {
   switch (kind) {
     case FieldKind::Nastran8:
       return 8;
+    case FieldKind::Dyna10:
+    case FieldKind::DynaFree10:
+      return 10;
     case FieldKind::Nastran16:
     case FieldKind::NastranFree:
     case FieldKind::Dyna16:
@@ -289,7 +292,8 @@ int width_of(FieldKind kind) {
 }
 
 bool is_fixed_width(FieldKind kind) {
-  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna16 ||
+  return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna10 ||
+         kind == FieldKind::Dyna16 ||
          kind == FieldKind::Dyna20;
 }
 

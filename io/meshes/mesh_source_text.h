@@ -24,8 +24,10 @@ enum class FieldKind : std::uint8_t {
   Nastran16,    ///< 16 fixed columns
   NastranFree,  ///< at most 16 characters, between commas
   Abaqus,       ///< at most 20 characters
+  Dyna10,       ///< 10 fixed columns
   Dyna16,       ///< 16 fixed columns
   Dyna20,       ///< 20 fixed columns
+  DynaFree10,   ///< at most 10 characters, between commas
   DynaFree16,   ///< at most 16 characters, between commas
   DynaFree20,   ///< at most 20 characters, between commas
   Float32,      ///< binary, little-endian

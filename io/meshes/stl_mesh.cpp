@@ -274,7 +274,7 @@ class StlMesh : public MeshContent {
                              " is too large for single precision");
           store_float(record + 12 + 12 * k + 4 * c, value);
           const double error = std::abs(static_cast<double>(value) - points(node, c));
-          if (error > rounding.largest) rounding = {error, node};
+          if (error > rounding.largest) rounding = {error, node, {}};
         }
     }
     return out;

@@ -10,28 +10,43 @@
 #include <numbers>
 #include <ostream>
 #include <set>
+#include <span>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/geometry.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/meshes/mesh_source_text.h"
+#include "batten/mesh/node_rotations.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
 
-/// The text of one file with new coordinates.
+/// The text of one file with new coordinates and directions.
 struct Output {
+  struct Replacement {
+    size_t begin, end;  // in the text of the source
+    std::string by;
+  };
   const MeshSourceText::Source* source;
+  std::vector<Replacement> replacements;
   std::string text;
-  size_t done = 0;  // end of the source text copied so far
-  int node = -1;    // a node that changes; -1: none
+  std::string changed;  // an entity that changes, for messages; empty: none
 
-  void replace(size_t begin, size_t end, const std::string& by) {
-    begin -= source->base;
-    text.append(source->text, done, begin - done);
-    text += by;
-    done = end - source->base;
+  void replace(size_t begin, size_t end, std::string by) {
+    replacements.push_back({begin - source->base, end - source->base, std::move(by)});
+  }
+  void finish() {
+    std::stable_sort(replacements.begin(), replacements.end(),
+                     [](const auto& a, const auto& b) { return a.begin < b.begin; });
+    size_t done = 0;
+    for (const Replacement& r : replacements) {
+      text.append(source->text, done, r.begin - done);
+      text += r.by;
+      done = r.end;
+    }
+    text.append(source->text, done);
   }
 };
 
@@ -44,7 +59,7 @@ class Rewriting {
         large_field_nodes_(large_field_nodes),
         size_(mesh.shells.points.size() ? mesh.shells.points.cwiseAbs().maxCoeff() : 0),
         frames_(mesh.systems, mesh.file, [this](int node) { return written_position(node); }) {
-    for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), "", 0, -1});
+    for (const auto& source : mesh.file.sources()) outputs_.push_back({source.get(), {}, {}, {}});
   }
 
   /// Rewrites the coordinates of a node. Nodes are processed in the order of the text.
@@ -54,15 +69,18 @@ class Rewriting {
     if (!node.changes()) return;
     check_not_fixed(i);
     Output& output = outputs_[mesh_.file.source_index(node.fields[0].begin)];
-    output.node = i;
+    output.changed = "node " + std::to_string(mesh_.node_labels.of(i)) + " moves";
     if (node.wide)
       widen(node, output);
     else
       replace_fields(node, output);
   }
 
+  /// Rewrites the directions of all cards that rotate with the mesh.
+  void rewrite_directions();
+
   std::vector<Output>& finish() {
-    for (Output& output : outputs_) output.text.append(output.source->text, output.done);
+    for (Output& output : outputs_) output.finish();
     return outputs_;
   }
   const MeshRounding& rounding() const { return rounding_; }
@@ -140,7 +158,9 @@ class Rewriting {
     const Vec3 written =
         system < 0 ? node.local_coordinates : frames_.of(system).position(node.local_coordinates);
     const double error = (written - given_position(node.index)).cwiseAbs().maxCoeff();
-    if (error > rounding_.largest) rounding_ = {error, mesh_.node_labels.of(node.index)};
+    if (error <= rounding_.largest) return;
+    rounding_.largest = error;
+    rounding_.max_error_label = mesh_.node_labels.of(node.index);
   }
 
   void check_not_fixed(int i) const {
@@ -198,6 +218,20 @@ class Rewriting {
     }
   }
 
+  using Motion = NodeRotations::Motion;
+  Vec3 rotated(const RotatingCard& card, const RotatingCard::Numbers& numbers,
+               const Motion& motion);
+  void rewrite_numbers(const std::string& name, std::span<const Field> fields, const Vec3& old,
+                       const Vec3& desired);
+  bool on_one_line(const Field& a, const Field& b) const;
+  void rewrite_card(const RotatingCard& card, const Motion& motion);
+  void rewrite_material_direction(const MaterialDirection& material,
+                                  const NodeRotations& rotations);
+  void note_moved_axis(const RotatingCard& card, const Motion& motion);
+  void note_positions();
+  void note_left(const std::string& name, const Motion& motion);
+  void note_spread(const std::map<std::string, std::pair<int, double>>& spread);
+
   const TextMeshContent& mesh_;
   const Points& points_;
   bool large_field_nodes_;
@@ -207,19 +241,213 @@ class Rewriting {
   MeshRounding rounding_;
 };
 
+/// Angles below are not worth a note: a mean rotation serves all elements of a card.
+constexpr double kSmallSpread = std::numbers::pi / 180;
+
+/// The basis vectors of a coordinate system at a position, as columns.
+Mat3 basis_at(const CoordinateFrame& frame, const Vec3& position) {
+  using Kind = CoordinateFrame::Kind;
+  if (frame.kind == Kind::Rectangular) return frame.axes;
+  const Vec3 p = frame.axes.transpose() * (position - frame.origin);
+  const Vec3 radial(p.x(), p.y(), 0);
+  if (!(radial.norm() > 1e-12 * p.norm())) return frame.axes;
+  const Vec3 around = Vec3::UnitZ().cross(radial).normalized();
+  Mat3 local;
+  if (frame.kind == Kind::Cylindrical)
+    local << radial.normalized(), around, Vec3::UnitZ();
+  else if (frame.kind == Kind::Spherical)
+    local << p.normalized(), around.cross(p).normalized(), around;
+  else
+    local << p.normalized(), around, p.cross(around).normalized();
+  return frame.axes * local;
+}
+
+/// The new value of three numbers of a card.
+Vec3 Rewriting::rotated(const RotatingCard& card, const RotatingCard::Numbers& numbers,
+                        const Motion& motion) {
+  using Kind = RotatingCard::Numbers::Kind;
+  const bool local = card.system >= 0;
+  if (numbers.kind == Kind::Vector && local) {
+    const CoordinateFrame& frame = frames_.of(card.system);
+    const int node = card.nodes.front();
+    const Vec3 global = basis_at(frame, mesh_.shells.points.row(node).transpose()) * numbers.value;
+    return basis_at(frame, given_position(node)).transpose() * (motion.R * global);
+  }
+  if (numbers.kind == Kind::Vector) return motion.R * numbers.value;
+  const Vec3 point = local ? frames_.of(card.system).position(numbers.value) : numbers.value;
+  const Vec3 origin = local ? frames_.of(card.system).position(numbers.origin) : numbers.origin;
+  const Vec3 moved = numbers.kind == Kind::Point ? Vec3(motion.R * point + motion.translation)
+                                                 : Vec3(origin + motion.R * (point - origin));
+  return local ? frames_.of(card.system).local_coordinates(moved, numbers.value) : moved;
+}
+
+void Rewriting::rewrite_numbers(const std::string& name, std::span<const Field> fields,
+                                const Vec3& old, const Vec3& desired) {
+  std::array<std::string, 3> text{};
+  std::array<bool, 3> changed{};
+  const double noise = 1e-13 * std::max(old.norm(), desired.norm());
+  for (size_t c = 0; c < fields.size(); ++c) {
+    text[c] = trimmed(mesh_.file.part(fields[c].begin, fields[c].length));
+    const double value = std::abs(desired[c]) <= noise ? 0 : desired[c];
+    if (std::abs(value - old[c]) <= noise) continue;
+    double written = 0;
+    const std::string by = format_field(value, fields[c].kind, written);
+    if (by.empty() || !std::isfinite(written))
+      mesh_.file.fail(fields[c].begin, "the number " + format_number(value) + " of " + name +
+                                           " does not fit into its field");
+    if (std::abs(old[c] - value) <= std::abs(written - value)) continue;
+    changed[c] = true;
+    text[c] = by;
+  }
+  bool open = false;
+  for (size_t c = 0; c < fields.size(); ++c) open |= changed[c] && fields[c].open;
+  for (size_t c = 0; c < fields.size(); ++c) {
+    if (!changed[c] && !(open && fields[c].open)) continue;
+    const Field& field = fields[c];
+    std::string by = aligned(text[c], field, mesh_.file.part(field.begin, field.length));
+    if (field.open) by = std::string(field.gap, is_fixed_width(field.kind) ? ' ' : ',') + by;
+    Output& output = outputs_[mesh_.file.source_index(field.begin)];
+    output.changed = name + " rotates";
+    output.replace(field.begin, field.begin + field.length, by);
+  }
+}
+
+bool Rewriting::on_one_line(const Field& a, const Field& b) const {
+  const auto [low, high] = std::minmax(a.begin, b.begin);
+  if (mesh_.file.source_index(low) != mesh_.file.source_index(high)) return false;
+  return mesh_.file.part(low, high - low).find('\n') == std::string_view::npos;
+}
+
+void Rewriting::rewrite_card(const RotatingCard& card, const Motion& motion) {
+  using Kind = RotatingCard::Numbers::Kind;
+  for (const RotatingCard::Numbers& numbers : card.numbers) {
+    if (!motion.is_rotated && numbers.kind != Kind::Point && card.system < 0) continue;
+    const Vec3 desired = rotated(card, numbers, motion);
+    // Fields of two lines are written line by line.
+    size_t first = 0;
+    for (size_t c = 1; c <= 3; ++c) {
+      if (c < 3 && on_one_line(numbers.fields[first], numbers.fields[c])) continue;
+      Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+      for (size_t k = first; k < c; ++k) {
+        from[static_cast<int>(k - first)] = numbers.value[static_cast<int>(k)];
+        to[static_cast<int>(k - first)] = desired[static_cast<int>(k)];
+      }
+      rewrite_numbers(card.name, std::span(numbers.fields).subspan(first, c - first), from, to);
+      first = c;
+    }
+  }
+}
+
+/// Writes the angle from the first edge of a shell to its material direction.
+void Rewriting::rewrite_material_direction(const MaterialDirection& material,
+                                           const NodeRotations& rotations) {
+  const auto corners = mesh_.shells.corners(material.face);
+  const Motion motion = rotations.of(corners);
+  if (!motion.is_rotated) return;
+  const auto point = [&](const Points& at, size_t k) { return at.row(corners[k]).transpose(); };
+  const auto angle_in = [&](const Points& at, const Vec3& direction) {
+    const Vec3 edge = point(at, 1) - point(at, 0);
+    const Vec3 normal =
+        corners.size() == 3
+            ? Vec3(edge.cross(Vec3(point(at, 2) - point(at, 0))))
+            : Vec3(Vec3(point(at, 2) - point(at, 0)).cross(Vec3(point(at, 3) - point(at, 1))));
+    const Vec3 n = normal.normalized(), flat = direction - direction.dot(n) * n;
+    return std::atan2(edge.cross(flat).dot(n), edge.dot(flat)) * 180 / std::numbers::pi;
+  };
+  const double angle = angle_in(points_, motion.R * material.direction);
+  // The field contains the number of a system, not an angle.
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  if (!std::isfinite(angle)) return;
+  rewrite_numbers(material.name, {&material.field, 1}, Vec3(none, 0, 0), Vec3(angle, 0, 0));
+}
+
+void Rewriting::note_spread(const std::map<std::string, std::pair<int, double>>& spread) {
+  for (const auto& [name, found] : spread)
+    rounding_.notes.push_back(
+        name + " rotates by the mean of its " + format_count(found.first, "node") +
+        ", which differ from it by up to " + format_number(found.second * 180 / std::numbers::pi) +
+        " degrees; use one card per part that rotates alike where this matters");
+}
+
+/// An axis given by points moves with the mean of its nodes, which may deform.
+void Rewriting::note_moved_axis(const RotatingCard& card, const Motion& motion) {
+  using Kind = RotatingCard::Numbers::Kind;
+  if (card.numbers.empty() || card.numbers[0].kind != Kind::Point) return;
+  double deviation = 0;
+  Box3 box;
+  for (const int v : card.nodes) {
+    const Vec3 p = mesh_.shells.points.row(v).transpose();
+    box.extend(p);
+    deviation = std::max(deviation, (motion.R * p + motion.translation - given_position(v)).norm());
+  }
+  constexpr double kSmallDeviation = 1e-3;  // relative to the size of the part
+  if (deviation > kSmallDeviation * box.diagonal().norm())
+    rounding_.notes.push_back(card.name + ": its axis moves with the mean of its " +
+                              format_count(isize(card.nodes), "node") +
+                              ", which differ from that motion by up to " +
+                              format_number(deviation) + "; check it in the written deck");
+}
+
+void Rewriting::note_positions() {
+  const double moved = (points_ - mesh_.shells.points).rowwise().norm().maxCoeff();
+  if (!(moved > noise_of(FieldKind::Dyna20))) return;
+  for (const auto& [name, count] : mesh_.global_positions)
+    rounding_.notes.push_back(std::to_string(count) + " " + name +
+                              (count == 1 ? " stays" : " stay") +
+                              " in place, while the mesh moves by up to " + format_number(moved) +
+                              "; move it in the written deck if it belongs to the moved part");
+}
+
+void Rewriting::rewrite_directions() {
+  if (!mesh_.global_positions.empty() && points_.rows() > 0) note_positions();
+  if (mesh_.rotating_cards.empty() && mesh_.material_directions.empty() &&
+      mesh_.global_directions.empty())
+    return;
+  const NodeRotations rotations(mesh_.shells, mesh_.other_elements, mesh_.shells.points, points_);
+  std::map<std::string, std::pair<int, double>> spread;
+  for (const RotatingCard& card : mesh_.rotating_cards) {
+    const Motion motion = rotations.of(card.nodes);
+    if (motion.is_identity) continue;
+    if (card.use == RotatingCard::Use::Unknown && motion.spread > kSmallSpread) {
+      note_left(card.name, motion);
+      continue;
+    }
+    rewrite_card(card, motion);
+    if (card.use == RotatingCard::Use::Shared && motion.spread > kSmallSpread)
+      spread[card.name] = {isize(card.nodes), motion.spread};
+    else if (card.use == RotatingCard::Use::Shared)
+      note_moved_axis(card, motion);
+  }
+  note_spread(spread);
+  for (const MaterialDirection& material : mesh_.material_directions)
+    rewrite_material_direction(material, rotations);
+  for (const GlobalDirections& card : mesh_.global_directions) {
+    note_left(card.name, rotations.of(card.nodes));
+  }
+}
+
+void Rewriting::note_left(const std::string& name, const Motion& motion) {
+  const double angle = Eigen::AngleAxisd(motion.R).angle() + motion.spread;
+  if (angle > kSmallSpread)
+    rounding_.notes.push_back(name +
+                              ": its directions stay as they are, but the mesh there rotates "
+                              "by up to " +
+                              format_number(angle * 180 / std::numbers::pi) +
+                              " degrees; check them in the written deck");
+}
+
 /// The path to which each file is written: the main file to `path`, included files beside it. A
 /// file included twice is written once. Throws InputError if a changed file cannot be written.
-std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const fs::path& path,
+std::map<fs::path, const Output*> targets_of(const fs::path& path,
                                              const fs::path& destination_folder,
                                              const std::vector<Output>& outputs) {
   std::map<fs::path, const Output*> targets;
   for (const Output& output : outputs) {
     const bool main = &output == &outputs.front();
     if (output.source->beside.empty()) {
-      if (output.node >= 0)
-        throw InputError(output.source->path.string() + ": node " +
-                         std::to_string(mesh.node_labels.of(output.node)) +
-                         " moves, but its file lies outside of the deck's folder or is included by "
+      if (!output.changed.empty())
+        throw InputError(output.source->path.string() + ": " + output.changed +
+                         ", but its file lies outside of the deck's folder or is included by "
                          "an absolute path, expected a relative path in the folder");
       continue;
     }
@@ -228,7 +456,7 @@ std::map<fs::path, const Output*> targets_of(const TextMeshContent& mesh, const 
     if (there != targets.end() && there->second->source->path != output.source->path)
       throw InputError(target.string() +
                        ": found the name of an included file, expected another name");
-    if (there == targets.end() || output.node >= 0) targets[target] = &output;
+    if (there == targets.end() || !output.changed.empty()) targets[target] = &output;
   }
   if (outputs.size() == 1) return targets;
   std::set<fs::path> inputs;
@@ -268,7 +496,8 @@ MeshRounding TextMeshContent::write(const fs::path& path, const Points& points,
                                     const MeshWriteOptions& options) const {
   Rewriting rewriting(*this, points, options.large_field_nodes);
   for (int i = 0; i < isize(fields); ++i) rewriting.rewrite(i);
-  write_files(targets_of(*this, path, options.destination_folder, rewriting.finish()), path);
+  rewriting.rewrite_directions();
+  write_files(targets_of(path, options.destination_folder, rewriting.finish()), path);
   return rewriting.rounding();
 }
 

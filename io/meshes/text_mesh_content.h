@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,48 @@ class CoordinateFrameResolver {
   int depth_ = 0;
 };
 
+/// Numbers of a card that rotate with nodes of the mesh: directions, offsets, and points that define
+/// axes.
+struct RotatingCard {
+  /// Three numbers with their locations in the file.
+  struct Numbers {
+    std::array<Field, 3> fields;
+    Vec3 value = Vec3::Zero();
+    enum class Kind {
+      Vector,  ///< rotates
+      Point,   ///< moves with the nodes
+      Arm      ///< a point that rotates about `origin`
+    } kind = Kind::Vector;
+    Vec3 origin = Vec3::Zero();
+  };
+  std::string name;        ///< for messages: "CBAR 12", "*ORIENTATION FIBRE"
+  std::vector<int> nodes;  ///< nodes with which the numbers rotate
+  std::vector<Numbers> numbers;
+  /// Coordinate system of the vectors, at the first node; -1: global.
+  int system = -1;
+  enum class Use {
+    Own,      ///< of one element or node
+    Shared,   ///< of several elements: only their mean rotation is possible
+    Unknown,  ///< not known: the card rotates only if the whole mesh rotates as a rigid body
+  } use = Use::Own;
+};
+
+/// The angle between the first edge of a shell and a material direction that the deck fixes in the
+/// global system. It is written as an angle if the element rotates.
+struct MaterialDirection {
+  std::string name;
+  Field field;
+  int face = -1;
+  Vec3 direction = Vec3::UnitX();
+};
+
+/// Cards with directions in the global system that Batten cannot rewrite. They are named if the
+/// nodes rotate.
+struct GlobalDirections {
+  std::string name;
+  std::vector<int> nodes;
+};
+
 /// Content of a mesh file in which coordinates are replaced field by field.
 struct TextMeshContent : MeshContent {
   explicit TextMeshContent(MeshSourceText file) : file(std::move(file)) {}
@@ -108,6 +151,11 @@ struct TextMeshContent : MeshContent {
   /// Nodes that must not move, each with the reason, such as "a coordinate that is the parameter
   /// <x>". Usually few.
   std::vector<std::pair<int, std::string>> fixed_nodes;
+  std::vector<RotatingCard> rotating_cards;
+  std::vector<MaterialDirection> material_directions;
+  std::vector<GlobalDirections> global_directions;
+  /// Cards with positions in the global system, such as rigid walls, which stay; number by name.
+  std::map<std::string, int> global_positions;
 };
 
 /// Converts shells.points of a mesh from local to global coordinates, and stores `systems` and the

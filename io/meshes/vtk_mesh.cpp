@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
-// Reads and writes VTK's XML files (VTP, VTU). When writing back, the data set is kept and gets new
+// Reads and writes VTK's XML files (VTP, VTU) and legacy files (VTK). When writing back, the data set is kept and gets new
 // points.
+#include <vtkCell.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -8,6 +9,10 @@
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
+#include <vtkGenericCell.h>
+#include <vtkGenericDataObjectReader.h>
+#include <vtkGenericDataObjectWriter.h>
+#include <vtkIdList.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -26,9 +31,12 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <ostream>
+#include <utility>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
@@ -92,6 +100,54 @@ vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
   return read_from<Reader>(path, &bytes);
 }
 
+/// Reads a legacy file (.vtk), or the bytes that a child process made of it.
+vtkSmartPointer<vtkPointSet> legacy_from(const fs::path& path, const std::string* bytes) {
+  const VtkMessageCapture messages;
+  vtkNew<vtkGenericDataObjectReader> reader;
+  if (bytes) {
+    reader->ReadFromInputStringOn();
+    reader->SetInputString(*bytes);
+  } else {
+    reader->SetFileName(path.c_str());
+  }
+  const auto fail = [&](const std::string& reason) -> void {
+    throw InputError(path.string() + ": VTK cannot read this file: " + reason);
+  };
+  try {
+    reader->Update();
+  } catch (const std::bad_alloc&) {
+    fail("there is not enough memory for the size it states");
+  }
+  if (!messages.first_error().empty()) fail(messages.first_error());
+  auto* const data = vtkPointSet::SafeDownCast(reader->GetOutput());
+  if (!data || !(vtkPolyData::SafeDownCast(data) || vtkUnstructuredGrid::SafeDownCast(data)))
+    fail("found no POLYDATA and no UNSTRUCTURED_GRID, expected one of them");
+  if (!data->GetPoints()) fail("it has no points");
+  auto result = vtkSmartPointer<vtkPointSet>::Take(data->NewInstance());
+  result->ShallowCopy(data);
+  return result;
+}
+
+std::string legacy_text(vtkDataObject* data, bool binary, int version, const std::string& title) {
+  vtkNew<vtkGenericDataObjectWriter> writer;
+  writer->SetInputDataObject(data);
+  writer->WriteToOutputStringOn();
+  binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
+  writer->SetFileVersion(version);
+  if (!title.empty()) writer->SetHeader(title.c_str());
+  writer->Write();
+  return writer->GetOutputStdString();
+}
+
+vtkSmartPointer<vtkPointSet> read_legacy(const fs::path& path) {
+  if (!is_sandboxed_read_enabled()) return legacy_from(path, nullptr);
+  const std::string bytes = sandboxed_read(path, "VTK", [&] {
+    return legacy_text(legacy_from(path, nullptr), true,
+                       vtkDataWriter::VTK_LEGACY_READER_VERSION_5_1, "");
+  });
+  return legacy_from(path, &bytes);
+}
+
 /// Validated cells of the file; VTK itself does not check connectivity.
 class Cells {
  public:
@@ -123,27 +179,48 @@ class Cells {
   std::vector<int> nodes_;
 };
 
-/// Number of nodes of a face of this VTK type; 0: any number.
+/// A face of a VTK cell type, by the tables of VTK: its corners, the midside nodes of its edges, and
+/// the nodes inside.
 struct FaceType {
-  size_t nodes;
-  bool second_order;
+  size_t nodes = 0;  ///< 0: any number
+  std::vector<int> corners, middle, inside;
 };
-std::optional<FaceType> face_type(int cell_type) {
-  switch (cell_type) {
-    case VTK_TRIANGLE:
-      return FaceType{3, false};
-    case VTK_QUAD:
-    case VTK_PIXEL:
-      return FaceType{4, false};
-    case VTK_POLYGON:
-      return FaceType{0, false};
-    case VTK_QUADRATIC_TRIANGLE:
-      return FaceType{6, true};
-    case VTK_QUADRATIC_QUAD:
-      return FaceType{8, true};
-    default:
-      return {};
+
+/// The type of a cell by VTK's own tables. Its dimension is -1 for unknown types.
+struct CellType {
+  int dimension = -1;
+  std::optional<FaceType> face;
+};
+
+CellType make_cell_type(int type) {
+  CellType result;
+  const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
+  if (!cell) return result;
+  result.dimension = cell->GetCellDimension();
+  if (result.dimension != 2) return result;
+  result.face.emplace();
+  if (type == VTK_POLYGON) return result;
+  FaceType& face = *result.face;
+  face.nodes = static_cast<size_t>(cell->GetNumberOfPoints());
+  for (int i = 0; i < cell->GetNumberOfPoints(); ++i) cell->GetPointIds()->SetId(i, i);
+  std::vector<char> used(face.nodes, 0);
+  for (int e = 0; e < cell->GetNumberOfEdges(); ++e) {
+    vtkIdList* const ids = cell->GetEdge(e)->GetPointIds();
+    face.corners.push_back(static_cast<int>(ids->GetId(0)));
+    if (ids->GetNumberOfIds() > 2) face.middle.push_back(static_cast<int>(ids->GetId(2)));
+    for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k)
+      used[static_cast<size_t>(ids->GetId(k))] = 1;
   }
+  for (size_t i = 0; i < used.size(); ++i)
+    if (!used[i]) face.inside.push_back(static_cast<int>(i));
+  return result;
+}
+
+const CellType& cell_type(int type) {
+  static std::map<int, CellType> known;
+  const auto found = known.find(type);
+  return found != known.end() ? found->second
+                              : known.emplace(type, make_cell_type(type)).first->second;
 }
 
 void write_data(vtkDataObject* data, const fs::path& path) {
@@ -167,13 +244,13 @@ vtkSmartPointer<vtkPoints> vtk_points(const Points& points, int type) {
 
 class VtkMesh : public MeshContent {
  public:
-  VtkMesh(const fs::path& path, bool surface)
-      : file_(path.string()),
-        data_(surface
-                  ? read_with<vtkXMLPolyDataReader, vtkXMLPolyDataWriter>(path)
-                  : read_with<vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter>(path)) {
-    format = surface ? "VTK surface (VTP)" : "VTK unstructured grid (VTU)";
-    extensions = {surface ? ".vtp" : ".vtu"};
+  VtkMesh(const fs::path& path, std::string bytes)
+      : file_(path.string()), bytes_(std::move(bytes)), data_(read_data(path)) {
+    const bool surface = vtkPolyData::SafeDownCast(data_) != nullptr;
+    const std::string extension = lower_extension(path);
+    legacy_ = extension == ".vtk";
+    format = legacy_ ? "VTK legacy" : surface ? "VTK surface (VTP)" : "VTK unstructured grid (VTU)";
+    extensions = {extension};
     const vtkIdType count = data_->GetNumberOfPoints();
     if (count > std::numeric_limits<int>::max()) throw InputError(file_ + ": found too many nodes");
     shells.points.resize(count, 3);
@@ -187,7 +264,7 @@ class VtkMesh : public MeshContent {
     surface ? read_surface(*vtkPolyData::SafeDownCast(data_))
             : read_grid(*vtkUnstructuredGrid::SafeDownCast(data_));
     node_labels = Labels::counted_from(0, static_cast<int>(count));
-    face_labels = Labels(std::move(cell_of_face_));
+    face_labels = labels_of_faces();
     warn();
     drop_normals(*data_->GetPointData(), "point");
     drop_normals(*data_->GetCellData(), "cell");
@@ -195,30 +272,99 @@ class VtkMesh : public MeshContent {
 
   MeshRounding write(const fs::path& path, const Points& points,
                      const MeshWriteOptions&) const override {
+    if (points == shells.points) {
+      write_file_atomically(path, [&](std::ostream& stream) { stream << bytes_; });
+      return {};
+    }
     const bool fits = points.cast<float>().cast<double>() == points;
     const bool single = data_->GetPoints()->GetDataType() == VTK_FLOAT && fits;
     auto moved = vtkSmartPointer<vtkPointSet>::Take(data_->NewInstance());
     moved->ShallowCopy(data_);
     moved->SetPoints(vtk_points(points, single ? VTK_FLOAT : VTK_DOUBLE));
-    write_data(moved, path);
+    legacy_ ? write_legacy(moved, path) : write_data(moved, path);
     return {};
   }
 
  private:
-  void add(const Cells& cells, int cell, long label, int type) {
-    const auto face = face_type(type);
-    if (!face) {
-      ++others_[type];
-      return;
+  static vtkSmartPointer<vtkPointSet> read_data(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    if (extension == ".vtk") return read_legacy(path);
+    if (extension == ".vtp") return read_with<vtkXMLPolyDataReader, vtkXMLPolyDataWriter>(path);
+    return read_with<vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter>(path);
+  }
+
+  /// Writes a legacy file with the version, the title and the kind (text or binary) of the file read.
+  void write_legacy(vtkDataObject* data, const fs::path& path) const {
+    std::vector<std::string> head;
+    for (size_t at = 0; head.size() < 3 && at < bytes_.size();) {
+      const size_t end = std::min(bytes_.find('\n', at), bytes_.size());
+      head.emplace_back(trimmed(std::string_view(bytes_).substr(at, end - at)));
+      at = end + 1;
     }
-    std::vector<int> nodes = cells.nodes(cell);
-    if (face->nodes > 0 ? nodes.size() != face->nodes : nodes.size() < 3)
+    head.resize(3);
+    const std::string version = head[0].substr(std::min(head[0].size(), head[0].rfind(' ') + 1));
+    const bool old = !version.empty() && version[0] < '5';
+    const std::string text = legacy_text(data, upper(head[2]) == "BINARY",
+                                         old ? vtkDataWriter::VTK_LEGACY_READER_VERSION_4_2
+                                             : vtkDataWriter::VTK_LEGACY_READER_VERSION_5_1,
+                                         head[1]);
+    write_file_atomically(path, [&](std::ostream& stream) { stream << text; });
+  }
+
+  void add(const Cells& cells, int cell, long label, int type) {
+    const std::vector<int> nodes = cells.nodes(cell);
+    if (type == VTK_TRIANGLE_STRIP) return add_strip(nodes, label);
+    const CellType& known = cell_type(type);
+    if (!known.face) return add_other(nodes, label, type, known.dimension);
+    const FaceType& face = *known.face;
+    if (face.nodes > 0 ? nodes.size() != face.nodes : nodes.size() < 3)
       throw InputError(file_ + ": found cell " + std::to_string(label) + " of " +
                        format_count(static_cast<long>(nodes.size()), "node") + ", expected " +
-                       (face->nodes > 0 ? std::to_string(face->nodes) : "3 or more"));
-    if (type == VTK_PIXEL) std::swap(nodes[2], nodes[3]);
-    shells.add_face(nodes, face->second_order);
+                       (face.nodes > 0 ? std::to_string(face.nodes) : "3 or more"));
+    if (face.nodes == 0) return add_face(nodes, false, label);
+    std::vector<int> outline;
+    for (const int i : face.corners) outline.push_back(nodes[i]);
+    const bool second_order = face.middle.size() == face.corners.size();
+    for (const int i : face.middle) outline.push_back(nodes[i]);
+    if (!second_order && !face.middle.empty()) outline.resize(face.corners.size());
+    add_face(outline, second_order, label);
+    for (const int i : face.inside) add_follower(nodes[i], outline, label);
+    if (!second_order)
+      for (const int i : face.middle) add_follower(nodes[i], outline, label);
+  }
+
+  void add_face(const std::vector<int>& nodes, bool second_order, long label) {
+    shells.add_face(nodes, second_order);
     cell_of_face_.push_back(label);
+  }
+
+  /// A node inside a face moves like the nodes around it.
+  void add_follower(int node, const std::vector<int>& around, long label) {
+    NonShellElement element{NonShellElement::Kind::Interpolation,
+                            "inner node of a face",
+                            label,
+                            {node},
+                            std::vector<double>(around.size(), 1)};
+    element.nodes.insert(element.nodes.end(), around.begin(), around.end());
+    other_elements.push_back(std::move(element));
+  }
+
+  void add_strip(const std::vector<int>& nodes, long label) {
+    for (size_t i = 0; i + 2 < nodes.size(); ++i)
+      add_face(i % 2 == 0 ? std::vector<int>{nodes[i], nodes[i + 1], nodes[i + 2]}
+                          : std::vector<int>{nodes[i + 1], nodes[i], nodes[i + 2]},
+               false, label);
+  }
+
+  /// Cells that are not faces deform with the faces to which they are attached.
+  void add_other(const std::vector<int>& nodes, long label, int type, int dimension) {
+    ++others_[type];
+    if (nodes.size() < 2) return;
+    const char* const name = vtkCellTypes::GetClassNameFromTypeId(type);
+    const auto kind = dimension == 3   ? NonShellElement::Kind::Solid
+                      : dimension == 1 ? NonShellElement::Kind::Beam
+                                       : NonShellElement::Kind::Other;
+    other_elements.push_back({kind, name ? name : "unknown cell", label, nodes, {}});
   }
 
   /// Cell indices run through vertices, lines, polygons and strips, in this order.
@@ -231,7 +377,8 @@ class VtkMesh : public MeshContent {
     for (int i = 0; i < polygons.count(); ++i) add(polygons, i, first + i, VTK_POLYGON);
     if (verts.count() > 0) others_[VTK_POLY_VERTEX] = verts.count();
     if (lines.count() > 0) others_[VTK_POLY_LINE] = lines.count();
-    if (strips.count() > 0) others_[VTK_TRIANGLE_STRIP] = strips.count();
+    for (int i = 0; i < strips.count(); ++i)
+      add_strip(strips.nodes(i), first + polygons.count() + i);
   }
 
   void read_grid(vtkUnstructuredGrid& data) {
@@ -251,8 +398,13 @@ class VtkMesh : public MeshContent {
       text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (name ? name : "unknown");
     }
     if (!text.empty()) text += " cells move with their nodes; ";
-    warnings.push_back(text + format_count(unused, "node") +
-                       " not used by a shell remain unchanged");
+    warnings.push_back(text + format_count(unused, "node") + " not used by a shell");
+  }
+
+  /// Faces of strips share the label of their cell: they are counted instead.
+  Labels labels_of_faces() {
+    Labels labels(std::move(cell_of_face_));
+    return labels.duplicate() ? Labels::counted_from(0, labels.count()) : labels;
   }
 
   void drop_normals(vtkDataSetAttributes& attributes, const std::string& what) {
@@ -267,8 +419,9 @@ class VtkMesh : public MeshContent {
     }
   }
 
-  std::string file_;
+  std::string file_, bytes_;  // its name and content
   vtkSmartPointer<vtkPointSet> data_;
+  bool legacy_ = false;
   std::vector<long> cell_of_face_;
   std::map<int, long> others_;
 };
@@ -319,10 +472,39 @@ void check_counts(const std::string& text, const fs::path& path) {
 
 }  // namespace
 
+namespace {
+
+/// The same for the counts of legacy files.
+void check_legacy_counts(const std::string& text, const fs::path& path) {
+  constexpr double most_per_byte = 8, always = 4096;
+  for (const char* word : {"POINTS", "CELLS", "CELL_TYPES", "POLYGONS", "LINES", "VERTICES",
+                           "TRIANGLE_STRIPS", "POINT_DATA", "CELL_DATA"}) {
+    const std::string start = "\n" + std::string(word) + " ";
+    for (size_t at = text.find(start); at != text.npos; at = text.find(start, at + 1)) {
+      std::string_view rest = std::string_view(text).substr(at + start.size(), 80);
+      rest = rest.substr(0, rest.find('\n'));
+      for (std::string_view token = next_token(rest); !token.empty(); token = next_token(rest)) {
+        long count = 0;
+        if (parse_integer(token, count) &&
+            (count < 0 || static_cast<double>(count) >
+                              most_per_byte * static_cast<double>(text.size()) + always))
+          throw InputError(path.string() + ": found " + word + " " + std::string(token) + " in " +
+                           std::to_string(text.size()) +
+                           " bytes, expected as many numbers as there are data");
+      }
+    }
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<MeshContent> read_vtk_mesh(const fs::path& path) {
   const MeshSourceText file(path, true);  // checks that the file exists and is not empty
-  check_counts(file.text(), path);
-  return std::make_unique<VtkMesh>(path, lower_extension(path) == ".vtp");
+  if (lower_extension(path) == ".vtk")
+    check_legacy_counts(file.text(), path);
+  else
+    check_counts(file.text(), path);
+  return std::make_unique<VtkMesh>(path, file.text());
 }
 
 namespace {

@@ -293,7 +293,14 @@ void for_each_edit_parameter(AnyScene& scene, const Function& f) {
     for (auto& load : curve.loads)
       f(curve.line.name + "." + load.name, load.value,
         std::holds_alternative<CurveLoad::Spring>(load.kind));
+  const auto point = [&](const std::string& name, auto& value) {
+    for (int i = 0; i < 3; ++i) f(name + "." + "xyz"[i], value[i], false);
+  };
+  for (auto& guide : scene.guides)
+    if (guide.through) point(guide.name, *guide.through);
+  for (auto& constraint : scene.position_constraints) point(constraint.name, constraint.to);
   for (auto& edit : scene.edits) {
+    for (auto& guide : edit.guides) point(edit.name + "." + guide.guide.text, guide.through);
     for (auto& handle : edit.handles) {
       const std::string name = edit.name + "." + handle.name + ".";
       for (int i = 0; i < 3; ++i) f(name + "xyz"[i], handle.translate[i], false);

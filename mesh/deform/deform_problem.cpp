@@ -137,7 +137,11 @@ void check(const DeformProblem& problem, int count) {
       throw InputError("linear constraint '" + r.name + "' has weight " + format_number(*r.weight) +
                        ", expected a weight above 0, or none for a hard constraint");
   }
-  if (problem.fixed.empty() && problem.handles.empty() && !problem.region)
+  const bool positioned =
+      std::any_of(problem.rows.begin(), problem.rows.end(), [](const LinearConstraint& row) {
+        return !row.connects && std::abs(row.combination.sum()) > 1e-9;
+      });
+  if (problem.fixed.empty() && problem.handles.empty() && !problem.region && !positioned)
     throw InputError("found no fixed nodes and no handles, expected one of them");
 }
 

@@ -80,6 +80,9 @@ struct LinearConstraint {
   /// Weight of a soft constraint, which adds ½ weight |combination - target|² to the energy; empty:
   /// the constraint is hard.
   std::optional<double> weight;
+  /// Tie between two parts of the mesh: they move as one part, and the vertex of the first entry
+  /// rotates like `rotates_with` unless a feature, handle or fixed vertex determines its rotation.
+  bool connects = false;
 };
 
 /// Definition of a mesh deformation: constraints, handles and form features. It does not change

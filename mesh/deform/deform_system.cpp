@@ -58,7 +58,7 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
     : positions(0), rotations(0) {
   const MeshTopology& topology = mesh.topology();
   for (const auto& f : problem.features) feature_vertices_.push_back(sorted_unique(f.vertices));
-  find_parts(topology);
+  find_parts(topology, problem);
   order_features();
   find_constrained(topology, problem);
 
@@ -72,7 +72,7 @@ DeformSystem::DeformSystem(const TriangleMesh& mesh, const DeformProblem& proble
   add_hard_rows(topology, problem);
 }
 
-void DeformSystem::find_parts(const MeshTopology& topology) {
+void DeformSystem::find_parts(const MeshTopology& topology, const DeformProblem& problem) {
   const int n = topology.vertex_count(), components = topology.component_count();
   DisjointSets groups(components + n);
   const auto node = [&](int v) {
@@ -81,6 +81,10 @@ void DeformSystem::find_parts(const MeshTopology& topology) {
   for (const auto& vertices : feature_vertices_)
     for (const int v : vertices) groups.unite(node(vertices[0]), node(v));
   for (int v = topology.node_count(); v < n; ++v) groups.unite(node(topology.node_of(v)), node(v));
+  for (const LinearConstraint& row : problem.rows)
+    if (row.connects)
+      for (const auto& e : row.combination.entries)
+        groups.unite(node(row.combination.entries[0].vertex), node(e.vertex));
   std::vector<int> number_dofs(components + n, -1);
   part_.resize(n);
   for (int v = 0; v < n; ++v) {
@@ -379,6 +383,7 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
       rotations.add("non-manifold edge", one_place, Vec3::Zero());
       rotated_by.push_back(-1);
     }
+  add_tied_rotations(problem);
   for (size_t r = 0; r < problem.rows.size(); ++r) {
     const LinearConstraint& row = problem.rows[r];
     if (row.weight) continue;
@@ -396,6 +401,21 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     if (is_determined[part_[v]]) continue;
     is_determined[part_[v]] = 1;
     rotations.fix("no rotation", dof[v], Vec3::Zero());
+    rotated_by.push_back(-1);
+  }
+}
+
+/// Parts that are tied rotate together. A feature takes the rotation of one tie only.
+void DeformSystem::add_tied_rotations(const DeformProblem& problem) {
+  std::vector<char> is_held(feature_vertices_.size(), 0);
+  for (int v = 0; v < isize(constrained_by); ++v)
+    if (feature_of_[v] >= 0 && constrained_by[v] != kFree) is_held[feature_of_[v]] = 1;
+  for (const LinearConstraint& row : problem.rows) {
+    if (!row.connects || row.rotates_with < 0) continue;
+    const int v = row.combination.entries[0].vertex, feature = feature_of_[v];
+    if (constrained_by[v] != kFree || (feature >= 0 && is_held[feature])) continue;
+    if (feature >= 0) is_held[feature] = 1;
+    rotations.add(row.name, {{dof[v], 1.0}, {dof[row.rotates_with], -1.0}}, Vec3::Zero());
     rotated_by.push_back(-1);
   }
 }

@@ -56,7 +56,7 @@ struct DeformSystem {
   int feature_constraints = 0;
 
  private:
-  void find_parts(const MeshTopology& topology);
+  void find_parts(const MeshTopology& topology, const DeformProblem& problem);
   void order_features();
   void find_constrained(const MeshTopology& topology, const DeformProblem& problem);
   void number_dofs(const MeshTopology& topology, const DeformProblem& problem);
@@ -78,6 +78,7 @@ struct DeformSystem {
   void add_chain(const CharacterChain& chain, DeformProblem::Weighting weighting,
                  std::vector<SoftRow>& rows) const;
   void add_hard_rows(const MeshTopology& topology, const DeformProblem& problem);
+  void add_tied_rotations(const DeformProblem& problem);
   std::vector<std::vector<int>> feature_vertices_;  // sorted
   std::vector<int> feature_of_;                     // per vertex, or -1
   /// Index of the part of the mesh that each vertex belongs to. Components joined by a node or a

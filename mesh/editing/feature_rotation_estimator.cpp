@@ -39,6 +39,7 @@ std::vector<int> fixed_vertices(const DeformProblem& problem, const TriangleMesh
 /// The estimate does not determine the others.
 std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vector<Handle>& handles,
                                  const std::vector<FormFeature>& connecting,
+                                 const std::vector<LinearConstraint>& ties,
                                  const TriangleMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   const std::vector<int> part = node_components(topology);
@@ -50,6 +51,13 @@ std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vecto
       if (p >= 0 && first >= 0) together.unite(first, p);
       if (p >= 0) first = p;
     }
+  }
+  for (const LinearConstraint& tie : ties) {
+    if (!tie.connects) continue;
+    const int first = part[topology.node_of(tie.combination.entries[0].vertex)];
+    for (const auto& e : tie.combination.entries)
+      if (const int p = part[topology.node_of(e.vertex)]; first >= 0 && p >= 0)
+        together.unite(first, p);
   }
   std::vector<char> constrained(mesh.vertex_count(), 0);
   const auto hold = [&](int v) {
@@ -91,7 +99,7 @@ DeformProblem without_features(const DeformProblem& problem, const TriangleMesh&
   });
   plain.shared_rotations.clear();
   plain.point_constraints.clear();
-  plain.rows.clear();
+  std::erase_if(plain.rows, [](const LinearConstraint& row) { return !row.connects; });
   return plain;
 }
 
@@ -228,8 +236,8 @@ ShapeEstimate FeatureRotationEstimator::featureless(const DeformEdit& edit) {
   if (!featureless_) {
     const DeformProblem problem = without_features(problem_, mesh_);
     featureless_ = std::make_unique<FormFeatureDeformer>(mesh_, problem);
-    known_ =
-        known_vertices(fixed_vertices(problem_, mesh_), problem_.handles, problem.features, mesh_);
+    known_ = known_vertices(fixed_vertices(problem_, mesh_), problem_.handles, problem.features,
+                            problem.rows, mesh_);
   }
   DeformEdit plain;
   plain.handles = edit.handles;
@@ -254,7 +262,7 @@ std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(
     estimate.use = ShapeEstimate::Use::Shape;
     if (!iterative_) iterative_ = deformer_of(mode_, prepared_, mesh_, fixed, problem_.handles);
     estimate.positions = iterative_->deform(edit.handles);
-    estimate.known = known_vertices(fixed, problem_.handles, {}, mesh_);
+    estimate.known = known_vertices(fixed, problem_.handles, {}, {}, mesh_);
     iterations_ = iterative_->report().iterations;
     converged_ = iterative_->report().converged;
   }
@@ -271,7 +279,7 @@ double FeatureRotationEstimator::update_from_adjacent_faces(
   check(prescribed, problem_.features.size());
   if (!adjacent_) {
     const std::vector<char> constrained =
-        known_vertices(fixed_vertices(problem_, mesh_), problem_.handles, {}, mesh_);
+        known_vertices(fixed_vertices(problem_, mesh_), problem_.handles, {}, problem_.rows, mesh_);
     adjacent_ =
         std::make_unique<Rotations>(problem_, mesh_, constrained, Rotations::Faces::Adjacent);
   }

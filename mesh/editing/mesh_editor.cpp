@@ -33,6 +33,32 @@ bool scales_features(const DeformEdit& edit) {
                      [](double scale) { return scale != 1; });
 }
 
+/// True if the positions of the mesh satisfy an edit without any motion.
+bool moves_nothing(const DeformProblem& problem, const DeformEdit& edit,
+                   const std::vector<PrescribedRotation>& prescribed, const Points& points) {
+  if (scales_features(edit)) return false;
+  for (const HandleTransform& h : edit.handles)
+    if (!h.rotation_vector.isZero(0) || !h.translation.isZero(0) || h.scale != 1) return false;
+  for (const PrescribedRotation& p : prescribed)
+    if (p.rotation != Mat3::Identity()) return false;
+  const double rounding =
+      16 * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
+  for (size_t k = 0; k < edit.constraint_origins.size(); ++k) {
+    const PointConstraint& c = problem.point_constraints[k];
+    const Vec3 off = c.point.at(points) - edit.constraint_origins[k], n = c.direction.normalized();
+    const double distance = c.kind == PointConstraint::Kind::OnPlane
+                                ? std::abs(off.dot(n))
+                                : Vec3(off - off.dot(n) * n).norm();
+    if (!(distance <= rounding)) return false;
+  }
+  for (size_t r = 0; r < problem.rows.size(); ++r) {
+    const Vec3& target = edit.targets.empty() ? problem.rows[r].target : edit.targets[r];
+    if (!((problem.rows[r].combination.at(points) - target).cwiseAbs().maxCoeff() <= rounding))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 MeshEditor::MeshEditor(const PreparedMesh& prepared, const Points& before, DeformProblem problem,
@@ -72,14 +98,38 @@ void MeshEditor::set(DeformEdit edit, std::vector<PrescribedRotation> prescribed
   set_up();
 }
 
+/// Per feature: 1 if a relation, a point constraint or a linear constraint uses its vertices.
+std::vector<char> MeshEditor::related_features() const {
+  std::vector<int> owner(mesh_.vertex_count(), -1);
+  for (int f = 0; f < own_features_; ++f)
+    for (const int v : problem_.features[f].vertices) owner[v] = f;
+  std::vector<char> related(static_cast<size_t>(own_features_), 0);
+  const auto mark = [&](const VertexCombination& combination) {
+    for (const auto& e : combination.entries)
+      if (owner[e.vertex] >= 0) related[owner[e.vertex]] = 1;
+  };
+  for (const PointConstraint& c : problem_.point_constraints) mark(c.point);
+  for (const LinearConstraint& row : problem_.rows) mark(row.combination);
+  return related;
+}
+
 /// Fixes the centres of all features at `unscaled`, the positions without any feature scaling.
+/// Features with relations are held by stiff springs: their rotations, and with them the relations,
+/// may differ slightly with and without scaling.
 void MeshEditor::fix_centres(const Points& unscaled) {
   DeformProblem fixed = problem_;
   DeformEdit edit = edit_;
+  double area = 0;
+  for (int t = 0; t < mesh_.triangle_count(); ++t) area += mesh_.area_vector(t).norm() / 2;
+  area /= mesh_.triangle_count();
+  constexpr double kStiffness = 1e6;  // relative to the curvature equations
+  const double weight =
+      kStiffness / (fixed.weighting == DeformProblem::Weighting::Area ? area : area * area);
+  const std::vector<char> related = related_features();
   for (int f = 0; f < own_features_; ++f) {
     const VertexCombination& centre = options_.centres[f];
-    fixed.rows.push_back(
-        {"centre of " + fixed.features[f].name, centre, centre.at(unscaled), -1, std::nullopt});
+    fixed.rows.push_back({"centre of " + fixed.features[f].name, centre, centre.at(unscaled), -1,
+                          related[f] ? std::optional(weight) : std::nullopt});
     if (!edit.targets.empty()) edit.targets.push_back(fixed.rows.back().target);
   }
   deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, fixed);
@@ -104,6 +154,13 @@ const Points& MeshEditor::solve_preview() {
 const Points& MeshEditor::solve_to_equilibrium() {
   statistics_ = {};
   live_.reset();
+  check(problem_, edit_);
+  if (moves_nothing(problem_, edit_, prescribed_, mesh_.points())) {
+    statistics_.counts = deformer_->counts();
+    statistics_.setup_seconds = setup_seconds_;
+    shape_ = mesh_.points();
+    return shape_;
+  }
   auto start = Clock::now();
   std::optional<ShapeEstimate> estimate = rotations_.estimate(edit_, prescribed_);
   statistics_.iterations = rotations_.iterations();
@@ -124,7 +181,7 @@ const Points& MeshEditor::solve_to_equilibrium() {
   const Points &before = mesh_.points(), &found = deformer_->positions();
   statistics_.largest_displacement = (found - before).rowwise().norm().maxCoeff();
   shape_ = restore_unmoved(before, found);
-  if (attached_) attached_->propagate(before, shape_, problem_.features);
+  if (attached_) attached_->propagate(before, shape_, problem_);
   return shape_;
 }
 

@@ -109,6 +109,7 @@ class MeshEditor {
 
  private:
   void set_up();
+  std::vector<char> related_features() const;
   void fix_centres(const Points& unscaled);
   void converge_rotations(const DeformEdit& edit, std::optional<ShapeEstimate>& estimate);
 

@@ -288,6 +288,7 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
                                             const TriangleMesh& mesh) {
   SharedConstraints shared;
   shared.attached = &attached;
+  shared.notes = attached.notes();
   gather_features(scene, select, shared);
   gather_guides(scene, select, mesh, shared);
   gather_lines(scene, select, mesh, shared);
@@ -323,7 +324,7 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
   for (const auto& h : rule.handles)
     task.problem.handles.push_back({h.name, select.of(h.vertices)});
   if (!rule.region.empty()) task.problem.region = select.of(rule.region);
-  shared.attached->add_to(task.problem);
+  shared.attached->add_to(task.problem, mesh.points());
   task.edit = edit_of(scene, rule, shared, task.problem, mesh);
   return task;
 }

@@ -109,6 +109,60 @@ void measure_attached_into(DeformReport& report, const MeshFile& file,
   report.attached.moved_with_shells = motion.moved_nodes;
   for (const int e : motion.inverted_solids)
     report.attached.inverted_solids.push_back(elements[e].label);
+  if (motion.max_gap_change > 1e-6 * report.size)
+    report.warnings.push_back(motion.worst_tie +
+                              ": tied nodes leave their surface, the gap changes by up to " +
+                              format_number(motion.max_gap_change) + " " + report.unit +
+                              ", because handles, fixed nodes or features prescribe their motion");
+}
+
+/// Names nodes that belong to no shell and do not move, while the mesh next to them does.
+void note_left_behind(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
+                      const AttachmentOptions& options, const Points& before, const Points& after) {
+  const ShellMesh& shells = file.shells();
+  std::vector<char> known(static_cast<size_t>(shells.node_count()), 0);
+  for (int f = 0; f < shells.face_count(); ++f)
+    for (const int v : shells.face(f)) known[v] = 1;
+  std::map<std::string, std::vector<int>> left;  // by the type of an element
+  const auto stays = [&](int v) { return !known[v] && before.row(v) == after.row(v); };
+  for (const NonShellElement& e : file.other_elements())
+    for (const int v : e.nodes)
+      if (stays(v)) {
+        if (options.of(e.kind) != AttachmentRule::Stay) left["of " + e.name].push_back(v);
+        known[v] = 1;
+      }
+  for (int v = 0; v < shells.node_count(); ++v)
+    if (stays(v)) left["of no element"].push_back(v);
+  if (left.empty()) return;
+  const TriangleTree tree(original);
+  for (auto& [kind, nodes] : left) {
+    double farthest = 0;
+    std::string labels;
+    int count = 0;
+    for (const int v : nodes) {
+      const auto closest = tree.nearest(before.row(v).transpose());
+      double moved = 0;
+      for (int k = 0; closest && k < 3; ++k) {
+        const int corner = original.topology().node_of(
+            original.triangles()[closest->triangle][static_cast<size_t>(k)]);
+        moved = std::max(moved, (after.row(corner) - before.row(corner)).norm());
+      }
+      if (!(moved > 1e-9 * report.size)) continue;
+      farthest = std::max(farthest, moved);
+      constexpr int kMostNamed = 5;
+      if (count < kMostNamed)
+        labels += (count ? ", " : "") + std::to_string(file.node_label(v));
+      else if (count == kMostNamed)
+        labels += ", …";
+      ++count;
+    }
+    if (count > 0)
+      report.warnings.push_back(format_count(count, "node") + " " + kind + " (" + labels +
+                                ") stay in place: no connection leads to a shell, and the shells "
+                                "next to them move by up to " +
+                                format_number(farthest) + " " + report.unit +
+                                "; select them in a handle if they belong to the moved part");
+  }
 }
 
 void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
@@ -158,7 +212,8 @@ class DeformRun {
         file_(source_.file),
         prepared_(source_.prepared),
         select_(make_selector()),
-        attached_(file_.other_elements(), original(), scene.following),
+        attached_(file_.other_elements(), original(), scene.following, file_.ties(),
+                  prepared_.face_of_triangle),
         shared_(gather_constraints()) {}
 
   /// Checks the names of the output files, see OutputFolder::require_replaceable().
@@ -184,6 +239,8 @@ class DeformRun {
     progress_.update("measuring", 0);
     measure_into(report_, file_, original(), states_.back(), shared_);
     measure_attached_into(report_, file_, attached_, original().points(), states_.back());
+    note_left_behind(report_, file_, original(), scene_.following, original().points(),
+                     states_.back());
     watch_.lap("measure");
   }
 
@@ -223,6 +280,10 @@ class DeformRun {
     progress_.update("mesh", 0);
     MeshSource source = read_source(scene_.mesh);
     report_.warnings = source.file.warnings();
+    // The report counts these elements, and names the nodes that stay behind.
+    std::erase_if(report_.warnings, [&](const std::string& warning) {
+      return warning == source.file.element_counts();
+    });
     const std::vector<std::string>& notes = source.prepared.notes;
     report_.warnings.insert(report_.warnings.end(), notes.begin(), notes.end());
     report_.mesh_file = scene_.mesh.filename().string();
@@ -261,7 +322,9 @@ class DeformRun {
   void write_mesh() {
     const MeshWriteOptions options{scene_.large_field_nodes, out_.folder()};
     const Points places = node_positions(states_.back(), file_);
-    report_.rounding = file_.write(out_.file(scene_.mesh_out), places, options).largest;
+    const MeshFile::Rounding written = file_.write(out_.file(scene_.mesh_out), places, options);
+    report_.rounding = written.largest;
+    report_.warnings.insert(report_.warnings.end(), written.notes.begin(), written.notes.end());
     report_.files.push_back(scene_.mesh_out);
     for (const auto& beside : file_.included_files()) report_.files.push_back(beside.string());
     if (report_.rounding > 1e-9 * original().size())

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 #include <numbers>
 #include <set>
@@ -14,6 +15,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/abaqus_connections.h"
+#include "batten/io/meshes/decks/abaqus_directions.h"
 #include "batten/io/meshes/decks/abaqus_lines.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
 #include "batten/io/meshes/mesh_file_types.h"
@@ -31,10 +33,15 @@ class AbaqusCoordinates {
   /// Reads *INSTANCE of the part: its data lines translate all nodes, then rotate them about an
   /// axis.
   void read_instance(AbaqusLines& lines);
+  /// Stands for the system of nodes of the assembly, which the instance does not move.
+  static constexpr int kAssembly = -2;
   /// True if the instance is translated or rotated.
   bool is_instance_transformed() const { return moves_; }
   /// Index of the system of the following nodes, given the value of SYSTEM=; -1: global.
   int system_of(const Keyword& node_keyword);
+  /// Index of the system of the part, in which its directions are given; -1: global. Call after all
+  /// nodes have been read.
+  int part_system() const { return moves_ ? isize(plans_) : -1; }
   /// Transforms the nodes of a finished mesh to global coordinates. `systems`: system of each node,
   /// as returned by system_of().
   void transform_nodes(TextMeshContent& mesh, std::vector<int> systems) const;
@@ -132,6 +139,7 @@ int AbaqusCoordinates::system_of(const Keyword& keyword) {
 
 void AbaqusCoordinates::transform_nodes(TextMeshContent& mesh, std::vector<int> systems) const {
   if (!moves_ && std::all_of(systems.begin(), systems.end(), [](int s) { return s < 0; })) return;
+  const std::vector<int> stated = systems;
   NodeCoordinateSystems all;
   all.plans = plans_;
   if (moves_) {
@@ -144,6 +152,8 @@ void AbaqusCoordinates::transform_nodes(TextMeshContent& mesh, std::vector<int> 
       plan.given->axes = rotation_ * plan.given->axes;
     }
   }
+  for (size_t i = 0; i < systems.size(); ++i)
+    if (stated[i] == kAssembly) systems[i] = -1;
   all.of_node = std::move(systems);
   nodes_to_global(mesh, std::move(all));
 }
@@ -188,6 +198,7 @@ struct AbaqusElement {
   NonShellElement::Kind kind = NonShellElement::Kind::Other;
   int count = 0;
   bool direction = false;  ///< a further node may define the orientation of a beam
+  bool centre = false;     ///< the last node of a face is its centre
 };
 AbaqusElement abaqus_element(const std::string& type);
 
@@ -234,24 +245,45 @@ const std::map<std::string, std::array<int, 2>> kFaces{
     {"CPS3", {3, 0}},   {"CPS4", {4, 0}},  {"CPS4R", {4, 0}}, {"CPS4I", {4, 0}}, {"CPS6", {3, 3}},
     {"CPS6M", {3, 3}},  {"CPS8", {4, 4}},  {"CPS8R", {4, 4}}};
 
+/// Plane, axisymmetric, thermal and shell elements by prefix. The number of nodes follows, and
+/// letters for the integration.
+constexpr std::array<std::string_view, 15> kFacePrefixes{"CGAX",  "CPEG",  "CPE",  "CPS",  "CAX",
+                                                         "DCAX",  "DC2D",  "ACAX", "AC2D", "CINPE",
+                                                         "CINPS", "CINAX", "DS",   "M3D",  "S"};
+
+/// Corners and mid-side nodes of a face element; empty for other types.
+std::optional<std::array<int, 2>> face_of_type(const std::string& type) {
+  if (const auto face = kFaces.find(type); face != kFaces.end()) return face->second;
+  for (const std::string_view prefix : kFacePrefixes) {
+    if (!type.starts_with(prefix) || type.size() == prefix.size()) continue;
+    const std::string_view rest = std::string_view(type).substr(prefix.size());
+    const bool one_digit = rest.size() == 1 || !std::isdigit(static_cast<unsigned char>(rest[1]));
+    const std::string_view counts = "34689";
+    if (!one_digit || counts.find(rest[0]) == counts.npos) continue;
+    const int count = rest[0] - '0', corners = count == 3 || count == 6 ? 3 : 4;
+    return std::array<int, 2>{corners, count == 9 ? 4 : count - corners};
+  }
+  return {};
+}
+
 }  // namespace
 
 AbaqusElement abaqus_element(const std::string& type) {
   AbaqusElement element;
-  if (const auto face = kFaces.find(type); face != kFaces.end()) {
-    element.face = true;
-    element.corners = face->second[0];
-    element.middle = face->second[1];
-    element.count = element.corners + element.middle;
-    return element;
-  }
   for (const Start& start : kStarts)
     if (type.starts_with(start.name)) {
       element.kind = start.kind;
       element.count = start.count;
       element.direction = start.direction;
-      break;
+      return element;
     }
+  if (const auto face = face_of_type(type)) {
+    element.face = true;
+    element.corners = (*face)[0];
+    element.middle = (*face)[1];
+    element.centre = type.find('9') != type.npos;
+    element.count = element.corners + element.middle + (element.centre ? 1 : 0);
+  }
   return element;
 }
 
@@ -265,6 +297,9 @@ struct RawSet {
   std::vector<std::pair<std::string, std::string_view>> names;
 };
 
+/// Stands for the system of the part, which is known only after its instance.
+constexpr int kPartSystem = -3;
+
 class AbaqusReader {
  public:
   explicit AbaqusReader(TextMeshContent& mesh)
@@ -273,7 +308,8 @@ class AbaqusReader {
         lines_(mesh.file),
         deck_(mesh),
         coordinate_systems_(mesh.file),
-        connections_(mesh.file, deck_) {}
+        connections_(mesh.file, deck_),
+        directions_(mesh.file) {}
 
   void read() {
     while (const auto keyword = lines_.next_keyword()) {
@@ -293,28 +329,36 @@ class AbaqusReader {
       file_.fail(keyword.line, "found *" + name + ", expected nodes and elements written out");
     // Inside an assembly, nodes and sets belong to the assembly, or name their instance.
     const bool here = !in_assembly_ || parts_ == 0;
+    // Nodes and elements of the assembly are numbered after those of the part.
+    shift_ = here || keyword.has("INSTANCE") ? 0 : assembly_shift();
+    connections_.set_shift(shift_);
+    directions_.note_users(keyword);
     if (name == "PART") {
+      in_part_ = true;
       if (++parts_ > 1) file_.fail(keyword.line, "found a second *PART, expected one flat part");
+    } else if (name == "END PART") {
+      in_part_ = false;
     } else if (name == "INSTANCE") {
       if (++instances_ > 1) file_.fail(keyword.line, "found a second *INSTANCE, expected one");
       coordinate_systems_.read_instance(lines_);
     } else if (name == "ASSEMBLY" || name == "END ASSEMBLY") {
       in_assembly_ = name == "ASSEMBLY";
-    } else if (name == "NODE" && here) {
+    } else if (name == "NODE") {
       nodes(keyword);
-    } else if (name == "ELEMENT" && here) {
+    } else if (name == "ELEMENT") {
       elements(keyword);
     } else if (name == "SYSTEM" && here) {
       coordinate_systems_.read_system(keyword, lines_);
     } else if (name == "PARAMETER") {
       coordinate_systems_.read_parameters(lines_);
-    } else if ((name == "NSET" || name == "ELSET") && (here || keyword.has("INSTANCE"))) {
+    } else if (name == "NSET" || name == "ELSET") {
       set(keyword, name == "NSET");
     } else if (name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
                name == "MEMBRANE SECTION" || name == "SOLID SECTION") {
       sections_.push_back(keyword.value("ELSET"));
-    } else if (name == "NODE" || name == "ELEMENT") {
-      ++assembly_blocks_;
+      if (keyword.has("COMPOSITE") && !keyword.has("ORIENTATION"))
+        composites_.push_back(keyword.value("ELSET"));
+    } else if (directions_.read(keyword, lines_, in_part_ ? kPartSystem : -1)) {
     } else {
       connections_.read(keyword, lines_);
     }
@@ -322,14 +366,16 @@ class AbaqusReader {
 
   void nodes(const Keyword& keyword) {
     lines_.follow_input(keyword);
-    const int system = coordinate_systems_.system_of(keyword);
+    const int system =
+        shift_ > 0 ? AbaqusCoordinates::kAssembly : coordinate_systems_.system_of(keyword);
     RawSet* const set = new_set(keyword.value("NSET"), true);
     while (lines_.next_data()) {
       const std::string_view data = lines_.line();
       std::array<Field, 3> fields;
       const DeckLine line(data);
       const std::string_view label = line.free() ? line.value(0, 0, 0) : trimmed(data);
-      const long number = file_.integer(label, "a node number");
+      const long number = file_.integer(label, "a node number") + shift_;
+      largest_label_ = std::max(largest_label_, number);
       line.fields(file_, 1, 0, FieldKind::Abaqus, FieldKind::Abaqus, fields);
       if (!line.free())  // only the node number
         for (int c = 0; c < 3; ++c)
@@ -342,6 +388,7 @@ class AbaqusReader {
           mesh_.fixed_nodes.push_back({isize(systems_), "has a coordinate that is the parameter " +
                                                             std::string(line.value(c + 1, 0, 0))});
       }
+      directions_.read_normal(data, isize(systems_), number);
       deck_.add_node(number, label, xyz, fields);
       systems_.push_back(system);
       if (set) set->ranges.push_back({number, number});
@@ -360,7 +407,7 @@ class AbaqusReader {
         face(element, values);
         if (set) set->ranges.push_back({face_label_, face_label_});
       } else if (element.count > 0) {
-        other(element, type, record(type, element.count), keyword.value("ELSET"));
+        other(element, type, record(type, element.count), keyword.value("ELSET"), set);
       } else {
         deck_.count_other_element(type);
         while (trimmed(lines_.line()).ends_with(',') && lines_.next_data()) {
@@ -369,42 +416,63 @@ class AbaqusReader {
     }
   }
 
-  /// Reads the number of an element and at least `count` nodes. A line that ends with a comma,
-  /// trailing blanks ignored, continues on the next one.
+  /// Reads the number of an element and at least `count` nodes, which may be spread over several
+  /// lines.
   std::vector<std::string_view> record(const std::string& type, int count) {
     const std::string_view start = lines_.line();
     std::vector<std::string_view> values;
     for (;;) {
       for (const std::string_view value : comma_values(lines_.line())) values.push_back(value);
+      if (values.back().empty()) values.pop_back();  // the comma at the end of a line
       if (isize(values) > count) return values;
-      const bool goes_on = values.back().empty();
-      if (goes_on) values.pop_back();
-      if (!goes_on || !lines_.next_data())
+      if (!lines_.next_data())
         file_.fail(start, "found " + format_count(isize(values) - 1, "node") +
                               " of an element of type " + type + ", expected " +
                               std::to_string(count));
     }
   }
 
+  /// A node number; "instance.5" is node 5 of the part.
+  long node_number(std::string_view value) const {
+    const size_t dot = value.rfind('.');
+    if (dot != value.npos) return file_.integer(value.substr(dot + 1), "a node number");
+    return file_.integer(value, "a node number") + shift_;
+  }
+
+  /// A power of ten above all numbers of the part.
+  long assembly_shift() {
+    if (assembly_shift_ > 0) return assembly_shift_;
+    for (assembly_shift_ = 10; assembly_shift_ <= largest_label_;) assembly_shift_ *= 10;
+    return assembly_shift_;
+  }
+
   void face(const AbaqusElement& element, const std::vector<std::string_view>& values) {
-    face_label_ = file_.integer(values[0], "an element number");
-    std::array<long, 8> nodes{};
-    for (int i = 0; i < element.count; ++i)
-      nodes[i] = file_.integer(values[i + 1], "a node number");
+    face_label_ = file_.integer(values[0], "an element number") + shift_;
+    largest_label_ = std::max(largest_label_, face_label_);
+    std::array<long, 9> nodes{};
+    for (int i = 0; i < element.count; ++i) nodes[i] = node_number(values[i + 1]);
     const auto corners = static_cast<size_t>(element.corners);
     deck_.add_shell(face_label_, values[0], "", {nodes.data(), corners},
                     {nodes.data() + corners, static_cast<size_t>(element.middle)});
+    if (!element.centre) return;
+    // The centre moves like the nodes around it.
+    DeckElement centre{Kind::Interpolation, "centre of nine-node shells", face_label_, values[0],
+                       {nodes[8]},          std::vector<double>(8, 1)};
+    centre.nodes.insert(centre.nodes.end(), nodes.begin(), nodes.begin() + 8);
+    deck_.add_element(std::move(centre));
   }
 
   void other(const AbaqusElement& element, const std::string& type,
-             const std::vector<std::string_view>& values, std::string_view elset) {
-    DeckElement read{element.kind, type, file_.integer(values[0], "an element number"),
+             const std::vector<std::string_view>& values, std::string_view elset, RawSet* set) {
+    DeckElement read{element.kind, type, file_.integer(values[0], "an element number") + shift_,
                      values[0],    {},   {}};
+    largest_label_ = std::max(largest_label_, read.label);
     const int count = element.count + (element.direction ? 1 : 0);
     for (int i = 1; i <= count && i < isize(values); ++i)
-      if (!values[i].empty()) read.nodes.push_back(file_.integer(values[i], "a node number"));
+      if (!values[i].empty()) read.nodes.push_back(node_number(values[i]));
     if (type == "DCOUP3D" && !read.nodes.empty())
       connections_.add_coupling_node(elset, read.nodes[0]);
+    if (set) set->ranges.push_back({read.label, read.label});
     deck_.add_element(std::move(read));
   }
 
@@ -412,6 +480,13 @@ class AbaqusReader {
     if (name.empty()) return nullptr;
     raw_sets_.push_back(std::make_unique<RawSet>(RawSet{name, of_nodes, {}, {}}));
     return raw_sets_.back().get();
+  }
+
+  /// The same numbers in ascending order.
+  static LabelRange ascending(const LabelRange& range) {
+    if (range.step > 0) return range;
+    const long steps = (range.first - range.last) / -range.step;
+    return {range.first + steps * range.step, range.first, -range.step};
   }
 
   void set(const Keyword& keyword, bool of_nodes) {
@@ -430,19 +505,18 @@ class AbaqusReader {
         LabelRange range{file_.integer(values[0], "a number"), 0};
         range.last = values.size() > 1 ? file_.integer(values[1], "a number") : range.first;
         if (values.size() > 2) range.step = file_.integer(values[2], "a step");
-        if (range.step <= 0) file_.fail(values.back(), "found a step below 1");
-        set.ranges.push_back(range);
+        if (range.step == 0) file_.fail(values.back(), "found a step of 0, expected another one");
+        range.first += shift_;
+        range.last += shift_;
+        set.ranges.push_back(ascending(range));
         continue;
       }
       for (std::string_view value : values) {
         long label = 0;
-        // "instance.5" and "instance.set" refer to the single instance.
-        const size_t dot = value.rfind('.');
-        const std::string_view last = dot == value.npos ? value : value.substr(dot + 1);
-        if (parse_integer(last, label))
-          set.ranges.push_back({label, label});
+        if (parse_integer(value, label))
+          set.ranges.push_back({label + shift_, label + shift_});
         else
-          set.names.push_back({(of_nodes ? "N" : "E") + upper(last), value});
+          set.names.push_back({(of_nodes ? "N" : "E") + upper(value), value});
       }
     }
   }
@@ -457,7 +531,18 @@ class AbaqusReader {
       std::vector<int> members =
           raw->of_nodes ? deck_.nodes_of(raw->ranges) : deck_.faces_of(raw->ranges);
       for (const auto& [name, where] : raw->names) {
-        const auto found = known.find(name);
+        auto found = known.end();
+        long label = 0;
+        for (const std::string_view local : local_names(std::string_view(name).substr(1))) {
+          if (found == known.end()) found = known.find(name[0] + std::string(local));
+          if (!parse_integer(local, label)) label = 0;
+        }
+        if (found == known.end() && label > 0) {
+          const std::vector<LabelRange> one{{label, label}};
+          const std::vector<int> member = raw->of_nodes ? deck_.nodes_of(one) : deck_.faces_of(one);
+          members.insert(members.end(), member.begin(), member.end());
+          continue;
+        }
         if (found == known.end())
           file_.fail(where, "found " + quoted_excerpt(name.substr(1)) +
                                 ", expected a number or the name of a set before it");
@@ -482,14 +567,88 @@ class AbaqusReader {
     for (MeshSet& set : sets)
       if (!set.nodes.empty() || !set.faces.empty()) mesh_.sets.push_back(std::move(set));
     properties(known);
+    finish_directions(known);
     connections_.finish(
         mesh_,
         [&](const std::string& name, bool faces) -> std::optional<std::vector<int>> {
           const auto found = known.find((faces ? "E" : "N") + name);
           return found == known.end() ? std::nullopt : std::optional(found->second);
         },
-        parts_ == 0);
+        [&](const std::string& name) { return others_of(name); }, parts_ == 0);
     warn();
+  }
+
+  /// Calls visit(raw set) for an element set and all sets that it contains.
+  template <class Visit>
+  bool visit_elements(const std::string& set, const Visit& visit,
+                      std::set<std::string> open = {}) const {
+    bool known = false;
+    if (!open.insert(set).second) return false;
+    for (const auto& raw : raw_sets_) {
+      if (raw->of_nodes || upper(raw->name) != set) continue;
+      known = true;
+      visit(*raw);
+      for (const auto& [name, where] : raw->names) visit_elements(name.substr(1), visit, open);
+    }
+    return known;
+  }
+
+  /// The elements that are not shells of an element set, or with an element number.
+  std::vector<int> others_of(const std::string& set) const {
+    std::vector<int> others;
+    const auto add = [&](const std::vector<LabelRange>& ranges) {
+      for (int i = 0; i < isize(mesh_.other_elements); ++i) {
+        const long label = mesh_.other_elements[i].label;
+        if (label > 0 && std::any_of(ranges.begin(), ranges.end(), [&](const LabelRange& range) {
+              return label >= range.first && label <= range.last &&
+                     (label - range.first) % range.step == 0;
+            }))
+          others.push_back(i);
+      }
+    };
+    if (long label = 0; parse_integer(set, label))
+      add({{label, label}});
+    else
+      visit_elements(set, [&](const RawSet& raw) { add(raw.ranges); });
+    return others;
+  }
+
+  /// The nodes of all elements of an element set; empty for an unknown set.
+  std::optional<std::vector<int>> nodes_of_elements(const std::string& set) const {
+    std::vector<int> nodes;
+    const auto add = [&](const auto& members) {
+      nodes.insert(nodes.end(), members.begin(), members.end());
+    };
+    const bool known = visit_elements(set, [&](const RawSet& raw) {
+      for (const int f : indices_of(mesh_.face_labels, raw.ranges)) add(mesh_.shells.face(f));
+    });
+    if (!known) return {};
+    for (const int e : others_of(set)) add(mesh_.other_elements[e].nodes);
+    return sorted_unique(std::move(nodes));
+  }
+
+  void finish_directions(const std::map<std::string, std::vector<int>>& known) {
+    const auto nodes_of = [&](std::string_view name,
+                              bool elements) -> std::optional<std::vector<int>> {
+      for (const std::string_view local : local_names(name)) {
+        long label = 0;
+        if (elements) {
+          if (auto nodes = nodes_of_elements(upper(local))) return nodes;
+        } else if (parse_integer(local, label)) {
+          if (const auto node = mesh_.node_labels.find(label)) return std::vector<int>{*node};
+        } else if (const auto set = known.find("N" + upper(local)); set != known.end()) {
+          return set->second;
+        }
+      }
+      return {};
+    };
+    directions_.finish(mesh_, nodes_of);
+    for (RotatingCard& card : mesh_.rotating_cards)
+      if (card.system == kPartSystem) card.system = coordinate_systems_.part_system();
+    for (const std::string_view set : composites_)
+      if (const auto nodes = nodes_of_elements(upper(set)))
+        mesh_.global_directions.push_back(
+            {"*SHELL SECTION, COMPOSITE of " + std::string(set) + " without ORIENTATION", *nodes});
   }
 
   void properties(const std::map<std::string, std::vector<int>>& known) {
@@ -507,8 +666,9 @@ class AbaqusReader {
     mesh_.warn_about_unwritten_includes();
     if (file_.ends_in_mid_line())
       mesh_.warnings.push_back("the last line has no line end: the file may be truncated");
-    if (assembly_blocks_ > 0)
-      mesh_.warnings.push_back("nodes and elements of the assembly level are not read");
+    if (assembly_shift_ > 0 && largest_label_ > assembly_shift_)
+      mesh_.warnings.push_back("the numbers of nodes and elements of the assembly are shown plus " +
+                               std::to_string(assembly_shift_));
   }
 
   TextMeshContent& mesh_;
@@ -517,12 +677,14 @@ class AbaqusReader {
   DeckMeshBuilder deck_;
   AbaqusCoordinates coordinate_systems_;
   AbaqusConnections connections_;
+  AbaqusDirections directions_;
   std::vector<int> systems_;  // of each node
   std::vector<std::unique_ptr<RawSet>> raw_sets_;
-  std::vector<std::string_view> sections_;
+  std::vector<std::string_view> sections_, composites_;
   long face_label_ = 0;
-  int parts_ = 0, instances_ = 0, assembly_blocks_ = 0;
-  bool in_assembly_ = false;
+  int parts_ = 0, instances_ = 0;
+  long shift_ = 0, assembly_shift_ = 0, largest_label_ = 0;
+  bool in_assembly_ = false, in_part_ = false;
 };
 
 }  // namespace

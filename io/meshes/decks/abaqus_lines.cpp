@@ -18,6 +18,13 @@ std::vector<std::string_view> comma_values(std::string_view line) {
   }
 }
 
+std::vector<std::string_view> local_names(std::string_view name) {
+  std::vector<std::string_view> names{name};
+  for (size_t dot = name.find('.'); dot != name.npos; dot = name.find('.', dot + 1))
+    names.push_back(name.substr(dot + 1));
+  return names;
+}
+
 /// Reads the next line that is not a comment, following *INCLUDE.
 bool AbaqusLines::next(std::string_view& line) {
   while (file_.next(line)) {

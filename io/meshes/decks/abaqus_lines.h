@@ -30,6 +30,10 @@ std::string_view unquoted(std::string_view text);
 /// The values between commas, without surrounding blanks and quotes.
 std::vector<std::string_view> comma_values(std::string_view line);
 
+/// A name, and what follows each of its dots: "instance.set" refers to a set of the only instance,
+/// but names may contain dots, too.
+std::vector<std::string_view> local_names(std::string_view name);
+
 /// Reads keywords and their data lines. *INCLUDE is followed wherever it occurs.
 class AbaqusLines {
  public:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -67,12 +68,70 @@ void DeckMeshBuilder::finish(const std::string& missing_hint) {
     if (!property.name.empty()) mesh_.properties.push_back(std::move(property));
   for (DeckElement& element : elements_) join_element(element, missing_hint);
   elements_.clear();
+  join_directions();
+}
+
+/// The nodes with these numbers that exist; all nodes if there are no numbers.
+std::vector<int> DeckMeshBuilder::known_nodes(const std::vector<long>& labels) const {
+  std::vector<int> nodes;
+  if (labels.empty()) {
+    nodes.resize(static_cast<size_t>(mesh_.node_labels.count()));
+    std::iota(nodes.begin(), nodes.end(), 0);
+  }
+  for (const long label : labels)
+    if (const auto node = mesh_.node_labels.find(label)) nodes.push_back(*node);
+  return sorted_unique(std::move(nodes));
+}
+
+void DeckMeshBuilder::join_directions() {
+  for (auto& [card, labels] : rotating_) {
+    card.nodes = known_nodes(labels);
+    if (labels.empty()) card.use = RotatingCard::Use::Unknown;
+    mesh_.rotating_cards.push_back(std::move(card));
+  }
+  for (const auto& [name, labels] : global_directions_)
+    mesh_.global_directions.push_back({name, known_nodes(labels)});
 }
 
 void DeckMeshBuilder::add_element(DeckElement element) {
   count_other_element(element.name);
   count_members(element.nodes.size());
   elements_.push_back(std::move(element));
+}
+
+void DeckMeshBuilder::add_tie(const std::string& name, std::vector<int> nodes,
+                              std::vector<int> faces, double reach) {
+  nodes = sorted_unique(std::move(nodes));
+  const std::vector<int> own = nodes_of_faces(faces);
+  std::erase_if(nodes, [&](int v) { return std::binary_search(own.begin(), own.end(), v); });
+  if (!nodes.empty())
+    mesh_.ties.push_back(
+        {SurfaceTie::Kind::Tie, name, std::move(nodes), {std::move(faces)}, reach});
+}
+
+std::vector<int> DeckMeshBuilder::faces_of_property(const std::string& name) const {
+  for (const MeshSet& property : mesh_.properties)
+    if (property.name == name) return property.faces;
+  return {};
+}
+
+std::vector<int> DeckMeshBuilder::faces_among(const std::vector<int>& nodes) const {
+  const std::vector<int> all = sorted_unique(nodes);
+  std::vector<int> faces;
+  for (int f = 0; f < mesh_.shells.face_count(); ++f) {
+    const auto corners = mesh_.shells.corners(f);
+    if (std::all_of(corners.begin(), corners.end(),
+                    [&](int v) { return std::binary_search(all.begin(), all.end(), v); }))
+      faces.push_back(f);
+  }
+  return faces;
+}
+
+std::vector<int> DeckMeshBuilder::nodes_of_faces(const std::vector<int>& faces) const {
+  std::vector<int> nodes;
+  for (const int f : faces)
+    nodes.insert(nodes.end(), mesh_.shells.face(f).begin(), mesh_.shells.face(f).end());
+  return sorted_unique(std::move(nodes));
 }
 
 bool DeckMeshBuilder::scalar_point(long label) const {
@@ -134,6 +193,8 @@ unsigned long steps_of(const LabelRange& range) {
   return length / static_cast<unsigned long>(range.step);
 }
 
+}  // namespace
+
 std::vector<int> indices_of(const Labels& labels, const std::vector<LabelRange>& ranges) {
   std::vector<int> result;
   for (const LabelRange& range : ranges) {
@@ -156,8 +217,6 @@ std::vector<int> indices_of(const Labels& labels, const std::vector<LabelRange>&
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
-
-}  // namespace
 
 size_t DeckMeshBuilder::text_size() const {
   const MeshSourceText::Source& last = *mesh_.file.sources().back();
@@ -198,6 +257,7 @@ void DeckMeshBuilder::warn_about_other_elements() {
   if (unused > 0)
     text += (text.empty() ? "" : "; ") + format_count(unused, "node") + " not used by a shell";
   if (!text.empty()) mesh_.warnings.push_back(text);
+  mesh_.element_counts = text;
 }
 
 DeckLine::DeckLine(std::string_view data)
@@ -209,9 +269,14 @@ DeckLine::DeckLine(std::string_view data)
       columns_ = data_[i] == '\t' ? (columns_ / 8 + 1) * 8 : columns_ + 1;
     return;
   }
-  for (size_t begin = 0; count_ < isize(values_);) {
+  for (size_t begin = 0;;) {
     const size_t end = std::min(data_.find(',', begin), data_.size());
-    values_[count_++] = data_.substr(begin, end - begin);
+    const std::string_view value = data_.substr(begin, end - begin);
+    if (count_ < isize(values_))
+      values_[count_] = value;
+    else
+      more_.push_back(value);
+    ++count_;
     if (end == data_.size()) break;
     begin = end + 1;
   }
@@ -226,7 +291,7 @@ size_t DeckLine::byte_of(int column) const {
 }
 
 std::string_view DeckLine::value(int index, int column, int width) const {
-  if (free_) return index < count_ ? trimmed(values_[index]) : data_.substr(data_.size());
+  if (free_) return index < count_ ? trimmed(at(index)) : data_.substr(data_.size());
   const size_t begin = byte_of(column);
   return trimmed(data_.substr(begin, byte_of(column + width) - begin));
 }
@@ -240,7 +305,7 @@ void DeckLine::fields(const MeshSourceText& file, int index, int column, FieldKi
     field = {line + data_.size(), 0, free_ ? free_kind : fixed_kind, false, 0};
     if (free_) {
       if (index + i < count_) {
-        std::string_view value = values_[index + i];
+        std::string_view value = at(index + i);
         if (!trimmed(value).empty()) value = trimmed(value);
         field.begin = file.offset(value);
         field.length = static_cast<std::uint32_t>(value.size());

@@ -19,6 +19,9 @@ struct LabelRange {
   long first, last, step = 1;
 };
 
+/// Ascending indices of the labels in the ranges; unknown numbers are skipped.
+std::vector<int> indices_of(const Labels& labels, const std::vector<LabelRange>& ranges);
+
 /// A non-shell element or a connection, defined by its node numbers; 0 stands for an omitted node.
 /// `where` is a view into the file's text, for messages.
 struct DeckElement {
@@ -46,8 +49,29 @@ class DeckMeshBuilder {
                  std::span<const long> corners, std::span<const long> middle = {});
   /// Adds a non-shell element and counts it.
   void add_element(DeckElement element);
+  /// Adds a card whose numbers rotate with the given node numbers; none: nobody knows to which nodes
+  /// it belongs.
+  void add_rotating(RotatingCard card, std::vector<long> nodes = {}) {
+    rotating_.push_back({std::move(card), std::move(nodes)});
+  }
+  /// Adds a card with global directions that Batten cannot rewrite, at the given node numbers; none:
+  /// anywhere in the mesh.
+  void add_global_directions(const std::string& name, const std::vector<long>& nodes = {}) {
+    auto& all = global_directions_[name];
+    all.insert(all.end(), nodes.begin(), nodes.end());
+  }
   /// Declares scalar points: numbers without a position that elements may use as nodes.
   void add_scalar_points(LabelRange range) { scalar_points_.push_back(range); }
+  /// Adds a tie after finish(). `faces`: shells that the nodes follow; empty: all shells. Nodes of
+  /// these shells are omitted.
+  void add_tie(const std::string& name, std::vector<int> nodes, std::vector<int> faces,
+               double reach = 0);
+  /// The shells of the property with this name; call after finish().
+  std::vector<int> faces_of_property(const std::string& name) const;
+  /// The shells whose corners are all among the nodes; call after finish().
+  std::vector<int> faces_among(const std::vector<int>& nodes) const;
+  /// The nodes of these shells; call after finish().
+  std::vector<int> nodes_of_faces(const std::vector<int>& faces) const;
   /// Counts elements that are not read, by their name in the deck; `count` is 0 if they cannot be
   /// counted.
   void count_other_element(const std::string& name, long count = 1) {
@@ -76,6 +100,8 @@ class DeckMeshBuilder {
   };
   void join_shell(const Shell& shell, long label, const std::string& missing_hint);
   void join_element(DeckElement& element, const std::string& missing_hint);
+  void join_directions();
+  std::vector<int> known_nodes(const std::vector<long>& labels) const;
   bool scalar_point(long label) const;
   size_t text_size() const;
   void count_members(size_t count);
@@ -90,6 +116,12 @@ class DeckMeshBuilder {
   std::vector<std::string> properties_;
   std::map<std::string, size_t, std::less<>> property_index_;
   std::vector<DeckElement> elements_;
+  struct Rotating {
+    RotatingCard card;
+    std::vector<long> nodes;
+  };
+  std::vector<Rotating> rotating_;
+  std::map<std::string, std::vector<long>> global_directions_;
   std::vector<LabelRange> scalar_points_;
   std::map<std::string, long> other_counts_;
 };
@@ -102,6 +134,8 @@ class DeckLine {
   explicit DeckLine(std::string_view data);
   /// True if values are separated by commas.
   bool free() const { return free_; }
+  /// Number of values of a free line.
+  int count() const { return count_; }
   /// Value `index` of a free line, or the `width` columns from `column` of a fixed line, without
   /// surrounding blanks. Empty if the line ends earlier. Both arguments are 0-based.
   std::string_view value(int index, int column, int width) const;
@@ -112,10 +146,15 @@ class DeckLine {
 
  private:
   size_t byte_of(int column) const;
+  std::string_view at(int index) const {
+    const auto inside = static_cast<int>(values_.size());
+    return index < inside ? values_[index] : more_[index - inside];
+  }
   std::string_view data_;
   bool free_, tabs_;
   int columns_ = 0, count_ = 0;
   std::array<std::string_view, 24> values_;
+  std::vector<std::string_view> more_;  // values of long free lines beyond the array
 };
 
 }  // namespace batten

@@ -2,7 +2,10 @@
 // Reads LS-DYNA keyword decks: nodes, elements and sets. Everything else stays text.
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -249,6 +252,117 @@ bool DynaLines::include(const DynaKeyword& keyword) {
   return true;
 }
 
+// Directions of LS-DYNA decks.
+
+/// Reads *DEFINE_COORDINATE_SYSTEM, *DEFINE_COORDINATE_VECTOR, *DEFINE_VECTOR and
+/// *DEFINE_SD_ORIENTATION, and notes materials whose axes are global vectors.
+class DynaDirections {
+ public:
+  DynaDirections(MeshSourceText& file, DynaLines& lines, DeckMeshBuilder& deck)
+      : file_(file), lines_(lines), deck_(deck) {}
+  /// Returns false for any other keyword.
+  bool read(const DynaKeyword& keyword);
+
+ private:
+  using Kind = RotatingCard::Numbers::Kind;
+  RotatingCard::Numbers three(int first, const DynaKeyword& keyword, Kind kind) const;
+  bool material(const DynaKeyword& keyword);
+  MeshSourceText& file_;
+  DynaLines& lines_;
+  DeckMeshBuilder& deck_;
+};
+
+/// Three numbers of a card; omitted ones are 0.
+RotatingCard::Numbers three_of(const MeshSourceText& file, std::string_view card, int first,
+                               int width, RotatingCard::Numbers::Kind kind) {
+  const DeckLine line(card);
+  RotatingCard::Numbers numbers;
+  for (int c = 0; c < 3; ++c)
+    numbers.value[c] = file.real(line.value(first + c, (first + c) * width, width), true);
+  const FieldKind fixed = width == 10   ? FieldKind::Dyna10
+                          : width == 16 ? FieldKind::Dyna16
+                                        : FieldKind::Dyna20;
+  const FieldKind free = width == 10   ? FieldKind::DynaFree10
+                         : width == 16 ? FieldKind::DynaFree16
+                                       : FieldKind::DynaFree20;
+  line.fields(file, first, first * width, fixed, free, numbers.fields);
+  numbers.kind = kind;
+  return numbers;
+}
+
+RotatingCard::Numbers DynaDirections::three(int first, const DynaKeyword& keyword,
+                                            Kind kind) const {
+  return three_of(file_, lines_.line(), first, keyword.widths.card, kind);
+}
+
+bool DynaDirections::read(const DynaKeyword& keyword) {
+  std::string name = keyword.name;
+  const bool titled = name.ends_with("_TITLE");
+  if (titled) name.resize(name.size() - 6);
+  const bool system = name == "DEFINE_COORDINATE_SYSTEM";
+  const bool axes = name == "DEFINE_COORDINATE_VECTOR", vector = name == "DEFINE_VECTOR",
+             spring = name == "DEFINE_SD_ORIENTATION";
+  if (!system && !axes && !vector && !spring) return material(keyword);
+  while (lines_.next_record()) {
+    if (titled && !lines_.next_record()) break;
+    RotatingCard card;
+    const DeckLine line(lines_.line());
+    const int w = keyword.widths.card;
+    card.name = "*" + name + " " + std::string(line.value(0, 0, w));
+    if (spring) {
+      const std::string_view by = line.value(1, w, w);
+      if (by.empty() || by == "0" || by == "1") card.numbers = {three(2, keyword, Kind::Vector)};
+    } else {
+      card.numbers = {three(1, keyword, axes ? Kind::Vector : Kind::Arm),
+                      three(4, keyword, axes ? Kind::Vector : Kind::Arm)};
+      if (system) {
+        if (!lines_.next_card()) break;
+        card.numbers.push_back(three(0, keyword, Kind::Arm));
+      }
+      // The first point of a system or vector is the centre of its rotation.
+      if (!axes)
+        for (auto& numbers : card.numbers) numbers.origin = card.numbers[0].value;
+    }
+    if (!card.numbers.empty()) deck_.add_rotating(std::move(card));
+  }
+  return true;
+}
+
+/// Position of AOPT in materials with axes: card and field. With AOPT 2 and 3, the axes are global
+/// vectors.
+bool DynaDirections::material(const DynaKeyword& keyword) {
+  static const std::map<std::string, std::array<int, 2>> places{
+      {"MAT_ORTHOTROPIC_ELASTIC", {2, 3}},
+      {"MAT_002", {2, 3}},
+      {"MAT_COMPOSITE_DAMAGE", {1, 4}},
+      {"MAT_022", {1, 4}},
+      {"MAT_ENHANCED_COMPOSITE_DAMAGE", {1, 4}},
+      {"MAT_054", {1, 4}},
+      {"MAT_055", {1, 4}},
+      {"MAT_3-PARAMETER_BARLAT", {2, 0}},
+      {"MAT_036", {2, 0}},
+      {"MAT_LAMINATED_COMPOSITE_FABRIC", {2, 0}},
+      {"MAT_058", {2, 0}}};
+  std::string name = keyword.name;
+  const bool titled = name.ends_with("_TITLE");
+  if (titled) name.resize(name.size() - 6);
+  const auto place = places.find(name);
+  if (place == places.end()) return false;
+  if (titled && !lines_.next_record()) return true;
+  std::string number;
+  for (int card = 0; card <= place->second[0]; ++card) {
+    if (!lines_.next_card()) return true;
+    if (card == 0) number = DeckLine(lines_.line()).value(0, 0, keyword.widths.card);
+  }
+  const int w = keyword.widths.card, field = place->second[1];
+  double option = 0;
+  if (parse_real(DeckLine(lines_.line()).value(field, field * w, w), option) &&
+      (option == 2 || option == 3))
+    deck_.add_global_directions("*" + name + " " + number + " with AOPT " +
+                                std::to_string(static_cast<int>(option)));
+  return true;
+}
+
 // Non-shell elements and connections of LS-DYNA decks.
 
 /// Reads *ELEMENT_SOLID, _BEAM, _DISCRETE, _SEATBELT, _MASS, _INERTIA, _PLOTEL,
@@ -261,6 +375,8 @@ class DynaElements {
 
   /// Returns false for any other keyword.
   bool read(const DynaKeyword& keyword);
+  /// Node numbers of the beams, springs and solids of each part.
+  const std::map<std::string, std::vector<long>>& parts() const { return parts_; }
   /// Adds bodies defined by node sets to a finished mesh. `set` returns the nodes of a set.
   void finish(TextMeshContent& mesh,
               const std::function<std::optional<std::vector<int>>(long set)>& set) const;
@@ -273,6 +389,7 @@ class DynaElements {
   bool plain(const DynaKeyword& keyword, const std::string& name, NonShellElement::Kind kind,
              int nodes, const std::set<std::string>& one_more_card);
   bool solids(const DynaKeyword& keyword);
+  void read_axes(const DeckElement& element);
   bool bodies(const DynaKeyword& keyword);
   bool pairs(const DynaKeyword& keyword, const std::string& name);
   bool interpolation(const DynaKeyword& keyword);
@@ -281,7 +398,9 @@ class DynaElements {
   MeshSourceText& file_;
   DynaLines& lines_;
   DeckMeshBuilder& deck_;
+  void add_to_part(std::string_view part, const std::vector<long>& nodes, size_t count);
   std::vector<Body> bodies_;
+  std::map<std::string, std::vector<long>> parts_;
 };
 
 namespace {
@@ -328,6 +447,13 @@ bool DynaElements::read(const DynaKeyword& keyword) {
   return true;
 }
 
+void DynaElements::add_to_part(std::string_view part, const std::vector<long>& nodes,
+                               size_t count) {
+  auto& all = parts_[std::string(part)];
+  for (size_t i = 0; i < std::min(count, nodes.size()); ++i)
+    if (nodes[i] > 0) all.push_back(nodes[i]);
+}
+
 void DynaElements::skip(int cards) {
   while (cards-- > 0 && lines_.next_card()) {
   }
@@ -343,6 +469,9 @@ bool DynaElements::plain(const DynaKeyword& keyword, const std::string& name, Ki
     DeckElement element{kind, "*" + name, 0, card.at(0), {}, {}};
     element.label = file_.integer(card.at(0), "an element number");
     for (int i = 0; i < nodes; ++i) element.nodes.push_back(card.number(file_, 2 + i));
+    add_to_part(card.at(1), element.nodes, 2);  // without the orientation node
+    if (options->contains("ORIENTATION"))
+      deck_.add_global_directions("*" + name + "_ORIENTATION", element.nodes);
     deck_.add_element(std::move(element));
     skip(static_cast<int>(options->size()));
   }
@@ -367,10 +496,25 @@ bool DynaElements::solids(const DynaKeyword& keyword) {
         for (int i = 0; i < 10; ++i) add_once(element.nodes, nodes.number(file_, i));
       }
     }
+    add_to_part(card.at(1), element.nodes, element.nodes.size());
+    if (options->contains("ORTHO")) read_axes(element);
     deck_.add_element(std::move(element));
-    skip(options->contains("ORTHO") ? 2 : 0);
   }
   return true;
+}
+
+/// The material axes of a solid: the vectors a and d on two cards.
+void DynaElements::read_axes(const DeckElement& element) {
+  constexpr int kAxisWidth = 16;
+  RotatingCard card{"*ELEMENT_SOLID_ORTHO " + std::to_string(element.label), {}, {}};
+  for (int k = 0; k < 2 && lines_.next_card(); ++k)
+    card.numbers.push_back(
+        three_of(file_, lines_.line(), 0, kAxisWidth, RotatingCard::Numbers::Kind::Vector));
+  // A single number is an angle.
+  if (!card.numbers.empty() && card.numbers[0].value.tail<2>().isZero(0) &&
+      std::abs(card.numbers[0].value[0]) > 1)
+    return;
+  deck_.add_rotating(std::move(card), element.nodes);
 }
 
 bool DynaElements::bodies(const DynaKeyword& keyword) {
@@ -457,6 +601,225 @@ void DynaElements::finish(
   }
 }
 
+// Ties, spot welds and joints of LS-DYNA decks.
+
+/// Reads *CONTACT_…TIED…, *CONTACT_…TIEBREAK…, *CONTACT_SPOTWELD…, *CONSTRAINED_EXTRA_NODES_…,
+/// *CONSTRAINED_JOINT_…, *CONSTRAINED_GENERALIZED_WELD_…, *CONSTRAINED_TIED_NODES_FAILURE, *SET_PART,
+/// *SET_SEGMENT, and counts rigid walls.
+class DynaTies {
+ public:
+  DynaTies(MeshSourceText& file, DynaLines& lines, DeckMeshBuilder& deck)
+      : file_(file), lines_(lines), deck_(deck) {}
+
+  /// Returns false for any other keyword.
+  bool read(const DynaKeyword& keyword, TextMeshContent& mesh);
+  /// Finds the nodes of a node set, or the faces of a shell set.
+  using Sets = std::function<std::optional<std::vector<int>>(long set, bool nodes)>;
+  /// Adds the ties to a finished mesh. `parts`: node numbers of the beams and solids of each part.
+  void finish(TextMeshContent& mesh, const Sets& sets,
+              const std::map<std::string, std::vector<long>>& parts) const;
+
+ private:
+  /// A set or part of a contact, by its type.
+  struct Side {
+    long id = 0, type = 0;
+  };
+  struct Contact {
+    std::string name;
+    Side slave, master;
+  };
+  struct Found {
+    std::vector<int> nodes, faces;
+  };
+  struct Finder;
+  bool contact(const DynaKeyword& keyword);
+  bool extra_nodes(const DynaKeyword& keyword);
+  bool joint(const DynaKeyword& keyword);
+  bool bound_nodes(const DynaKeyword& keyword);
+  bool list(const DynaKeyword& keyword);
+
+  MeshSourceText& file_;
+  DynaLines& lines_;
+  DeckMeshBuilder& deck_;
+  std::vector<Contact> contacts_;
+  struct Extra {
+    std::string name;
+    long part, node, set;
+  };
+  std::vector<Extra> extras_;
+  std::vector<std::pair<std::string, long>> bound_;         // rigid bodies: name and node set
+  std::map<long, std::vector<long>> part_sets_, segments_;  // parts; nodes
+};
+
+bool DynaTies::read(const DynaKeyword& keyword, TextMeshContent& mesh) {
+  if (keyword.name.starts_with("RIGIDWALL_")) {
+    ++mesh.global_positions["*" + keyword.name];
+    return true;
+  }
+  return contact(keyword) || extra_nodes(keyword) || joint(keyword) || bound_nodes(keyword) ||
+         list(keyword);
+}
+
+bool DynaTies::contact(const DynaKeyword& keyword) {
+  const std::string& name = keyword.name;
+  const auto has = [&](const char* word) { return name.find(word) != name.npos; };
+  if (!name.starts_with("CONTACT_") || !(has("TIED") || has("TIEBREAK") || has("SPOTWELD")))
+    return false;
+  const int w = keyword.widths.card;
+  Contact contact{"*" + name, {}, {}};
+  if (name.ends_with("_ID") || name.ends_with("_TITLE")) {
+    if (!lines_.next_card()) return true;
+    contact.name += " " + std::string(Card(lines_.line(), w).at(0));
+  }
+  if (!lines_.next_card()) return true;
+  if (has("_MPP")) {
+    if (!lines_.next_card()) return true;
+    if (trimmed(lines_.line()).starts_with('&') && !lines_.next_card()) return true;
+  }
+  const Card card(lines_.line(), w);
+  contact.slave = {card.number(file_, 0, "a set"), card.number(file_, 2, "a type")};
+  contact.master = {card.number(file_, 1, "a set"), card.number(file_, 3, "a type")};
+  contacts_.push_back(contact);
+  return true;
+}
+
+bool DynaTies::extra_nodes(const DynaKeyword& keyword) {
+  const std::string& name = keyword.name;
+  if (!name.starts_with("CONSTRAINED_EXTRA_NODES_")) return false;
+  const bool set = name.ends_with("_SET");
+  while (lines_.next_record()) {
+    const Card card(lines_.line(), keyword.widths.card);
+    const long part = card.number(file_, 0, "a part"), node = card.number(file_, 1);
+    extras_.push_back(
+        {"*" + name + " of part " + std::to_string(part), part, set ? 0 : node, set ? node : 0});
+  }
+  return true;
+}
+
+/// The nodes of a joint come in pairs at the same place.
+bool DynaTies::joint(const DynaKeyword& keyword) {
+  const std::string& name = keyword.name;
+  if (!name.starts_with("CONSTRAINED_JOINT_") || name.starts_with("CONSTRAINED_JOINT_STIFFNESS"))
+    return false;
+  const bool named = name.find("_ID") != name.npos;
+  const bool more = name.find("_FAILURE") != name.npos || name.find("_LOCAL") != name.npos;
+  while (lines_.next_record()) {
+    DeckElement element{NonShellElement::Kind::Bush, "*" + name, 0, lines_.line(), {}, {}};
+    if (named) {
+      element.label = Card(lines_.line(), keyword.widths.card).number(file_, 0, "a number");
+      if (!lines_.next_record()) break;
+    }
+    const Card card(lines_.line(), keyword.widths.card);
+    for (int i = 0; i < 6; ++i)
+      if (const long node = card.number(file_, i); node > 0) element.nodes.push_back(node);
+    deck_.add_element(std::move(element));
+    if (more) break;
+  }
+  return true;
+}
+
+bool DynaTies::bound_nodes(const DynaKeyword& keyword) {
+  const std::string& name = keyword.name;
+  const bool weld = name.starts_with("CONSTRAINED_GENERALIZED_WELD_");
+  if (!weld && name != "CONSTRAINED_TIED_NODES_FAILURE") return false;
+  if (!lines_.next_record()) return true;
+  if (weld && name.ends_with("_ID") && !lines_.next_record()) return true;
+  bound_.push_back(
+      {"*" + name, Card(lines_.line(), keyword.widths.card).number(file_, 0, "a set")});
+  deck_.count_other_element("*" + name);
+  return true;
+}
+
+bool DynaTies::list(const DynaKeyword& keyword) {
+  const bool segments = keyword.name.starts_with("SET_SEGMENT");
+  if (!segments && !keyword.name.starts_with("SET_PART")) return false;
+  if (keyword.name.ends_with("GENERAL")) return false;
+  if (keyword.name.ends_with("_TITLE") && !lines_.next_card()) return true;
+  if (!lines_.next_record()) return true;
+  const int w = keyword.widths.card;
+  auto& members = (segments ? segments_ : part_sets_)[Card(lines_.line(), w).number(file_, 0)];
+  const bool ranges = keyword.name.find("GENERATE") != std::string::npos;
+  while (lines_.next_record()) {
+    const Card card(lines_.line(), w);
+    for (int i = 0; i < (segments ? 4 : 8); ++i) {
+      long value = card.number(file_, i, "a number");
+      if (value <= 0) continue;
+      if (ranges && i % 2 == 1)
+        for (long k = members.back() + 1; k < value && k < members.back() + 100000;)
+          members.push_back(k++);
+      members.push_back(value);
+    }
+  }
+  return true;
+}
+
+/// Resolves the sides of contacts to nodes and faces.
+struct DynaTies::Finder {
+  const DynaTies& ties;
+  const TextMeshContent& mesh;
+  const Sets& sets;
+  const std::map<std::string, std::vector<long>>& parts;
+
+  void add_part(long part, Found& found) const {
+    const std::string name = std::to_string(part);
+    const std::vector<int> faces = ties.deck_.faces_of_property(name);
+    found.faces.insert(found.faces.end(), faces.begin(), faces.end());
+    if (const auto others = parts.find(name); others != parts.end())
+      for (const long label : others->second)
+        if (const auto node = mesh.node_labels.find(label)) found.nodes.push_back(*node);
+  }
+
+  Found find(const Side& side) const {
+    Found found;
+    if (side.type == 0) {
+      if (const auto set = ties.segments_.find(side.id); set != ties.segments_.end())
+        for (const long label : set->second)
+          if (const auto node = mesh.node_labels.find(label)) found.nodes.push_back(*node);
+      if (!found.nodes.empty()) found.faces = ties.deck_.faces_among(found.nodes);
+    } else if (side.type == 1) {
+      found.faces = sets(side.id, false).value_or(std::vector<int>());
+    } else if (side.type == 2) {
+      if (const auto set = ties.part_sets_.find(side.id); set != ties.part_sets_.end())
+        for (const long part : set->second) add_part(part, found);
+    } else if (side.type == 3) {
+      add_part(side.id, found);
+    } else if (side.type == 4) {
+      found.nodes = sets(side.id, true).value_or(std::vector<int>());
+    }
+    const std::vector<int> more = ties.deck_.nodes_of_faces(found.faces);
+    found.nodes.insert(found.nodes.end(), more.begin(), more.end());
+    return found;
+  }
+};
+
+void DynaTies::finish(TextMeshContent& mesh, const Sets& sets,
+                      const std::map<std::string, std::vector<long>>& parts) const {
+  const Finder finder{*this, mesh, sets, parts};
+  for (const Contact& contact : contacts_) {
+    Found slave = finder.find(contact.slave), master = finder.find(contact.master);
+    if (slave.nodes.empty())
+      mesh.warnings.push_back(contact.name +
+                              " is not followed: the nodes of its first side are "
+                              "not known");
+    else if (master.faces.empty() && !slave.faces.empty() && !master.nodes.empty())
+      deck_.add_tie(contact.name, std::move(master.nodes), std::move(slave.faces));
+    else
+      deck_.add_tie(contact.name, std::move(slave.nodes), std::move(master.faces));
+  }
+  for (const Extra& extra : extras_) {
+    Found part;
+    finder.add_part(extra.part, part);
+    std::vector<int> nodes;
+    if (extra.set > 0) nodes = sets(extra.set, true).value_or(std::vector<int>());
+    if (const auto node = mesh.node_labels.find(extra.node)) nodes.push_back(*node);
+    const double anywhere = std::numeric_limits<double>::max();
+    if (!part.faces.empty()) deck_.add_tie(extra.name, std::move(nodes), part.faces, anywhere);
+  }
+  for (const auto& [name, set] : bound_)
+    if (auto nodes = sets(set, true); nodes && nodes->size() > 1)
+      mesh.other_elements.push_back({Kind::Rigid, name, set, std::move(*nodes), {}});
+}
+
 namespace {
 
 class DynaReader {
@@ -466,7 +829,9 @@ class DynaReader {
         file_(mesh.file),
         lines_(mesh.file),
         deck_(mesh),
-        elements_(mesh.file, lines_, deck_) {}
+        directions_(mesh.file, lines_, deck_),
+        elements_(mesh.file, lines_, deck_),
+        ties_(mesh.file, lines_, deck_) {}
 
   void read() {
     while (const auto keyword = lines_.next_keyword()) {
@@ -495,7 +860,7 @@ class DynaReader {
     if (const auto options = options_after(name, "SET_SHELL")) return set(keyword, *options, false);
     if (name.starts_with("NODE_TRANSFORM"))
       mesh_.warnings.push_back("*NODE_TRANSFORM is not applied");
-    elements_.read(keyword);
+    if (!directions_.read(keyword) && !ties_.read(keyword, mesh_)) elements_.read(keyword);
   }
 
   void nodes(const DynaWidths& w) {
@@ -611,6 +976,15 @@ class DynaReader {
         if (set.of_nodes && set.name == std::to_string(number)) return deck_.nodes_of(set.ranges);
       return {};
     });
+    ties_.finish(
+        mesh_,
+        [&](long number, bool of_nodes) -> std::optional<std::vector<int>> {
+          for (const DynaSet& set : sets_)
+            if (set.of_nodes == of_nodes && set.name == std::to_string(number))
+              return of_nodes ? deck_.nodes_of(set.ranges) : deck_.faces_of(set.ranges);
+          return {};
+        },
+        elements_.parts());
     for (const DynaSet& set : sets_) {
       MeshSet found{set.name, set.title, {}, {}};
       (set.of_nodes ? found.nodes : found.faces) =
@@ -628,7 +1002,9 @@ class DynaReader {
   MeshSourceText& file_;
   DynaLines lines_;
   DeckMeshBuilder deck_;
+  DynaDirections directions_;
   DynaElements elements_;
+  DynaTies ties_;
   std::map<std::string, std::string> titles_;
   std::vector<DynaSet> sets_;
 };

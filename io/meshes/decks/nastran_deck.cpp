@@ -13,133 +13,10 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
+#include "batten/io/meshes/decks/nastran_cards.h"
+#include "batten/io/meshes/decks/nastran_directions.h"
 
 namespace batten {
-
-// Cards of Nastran bulk data, including included files.
-
-/// One line of a card: its name, whether it is large-field, and its values 1 to 8 (large field: 1
-/// to 4).
-struct CardLine {
-  explicit CardLine(std::string_view line);
-  bool continues() const { return name.empty() || name[0] == '+' || name[0] == '*'; }
-  int count() const { return large ? 4 : 8; }
-  int column(int field) const { return large ? 16 * field - 8 : 8 * field; }
-  std::string_view value(int field) const {
-    return cells.value(field, column(field), large ? 16 : 8);
-  }
-  void fields(const MeshSourceText& file, int first, std::span<Field> result) const {
-    cells.fields(file, first, column(first), large ? FieldKind::Nastran16 : FieldKind::Nastran8,
-                 FieldKind::NastranFree, result);
-  }
-
-  std::string_view data;
-  DeckLine cells;
-  std::string_view name;
-  bool large = false;
-};
-
-/// Reads the lines of a deck. INCLUDE is followed, also inside included files.
-class NastranCards {
- public:
-  explicit NastranCards(MeshSourceText& file) : file_(file) {}
-  /// Reads the next line of the deck, of any kind.
-  bool next(std::string_view& line);
-  /// Reads the continuation line of a card, if there is one, skipping comments before it.
-  bool next_line(std::optional<CardLine>& card);
-  /// All values of a card and its continuation lines; 8 per small-field line.
-  std::vector<std::string_view> values_of(const CardLine& card);
-
- private:
-  bool follow(std::string_view line);
-  MeshSourceText& file_;
-};
-
-/// Parses numbers, including ranges "A THRU B". The result is the first value that is neither, or
-/// empty.
-std::string_view read_ranges(std::span<const std::string_view> values,
-                             std::vector<LabelRange>& ranges);
-
-CardLine::CardLine(std::string_view line) : data(line.substr(0, line.find('$'))), cells(data) {
-  std::string_view first = cells.value(0, 0, 8);
-  // The name may extend beyond its columns: BEGIN BULK.
-  large = first.ends_with('*') || first.starts_with('*');
-  if (first.ends_with('*') && first.size() > 1) first.remove_suffix(1);
-  name = first;
-}
-
-bool NastranCards::next(std::string_view& line) {
-  while (file_.next(line))
-    if (!follow(line)) return true;
-  return false;
-}
-
-/// Follows INCLUDE. A file name may span several lines; blanks at both ends of each are ignored.
-bool NastranCards::follow(std::string_view line) {
-  std::string_view rest = trimmed(line);
-  if (rest.size() < 8 || upper(rest.substr(0, 7)) != "INCLUDE") return false;
-  rest.remove_prefix(7);
-  if (!is_blank(rest[0]) && rest[0] != '\'' && rest[0] != '"') return false;
-  rest = trimmed(rest);
-  std::string name;
-  if (rest.starts_with('\'') || rest.starts_with('"')) {
-    const char quote = rest[0];
-    rest.remove_prefix(1);
-    while (rest.find(quote) == rest.npos) {
-      name += trimmed(rest);
-      if (!file_.next_in_file(rest))
-        file_.fail(line,
-                   "found " + quoted_excerpt(line) + " without its second quote, expected one");
-    }
-    name += trimmed(rest.substr(0, rest.find(quote)));
-  } else {
-    name = trimmed(rest.substr(0, rest.find('$')));
-  }
-  file_.include(name, line);
-  return true;
-}
-
-bool NastranCards::next_line(std::optional<CardLine>& card) {
-  const size_t start = file_.position();
-  std::string_view line;
-  while (file_.next_in_file(line)) {
-    if (line.empty() || line[0] == '$' || trimmed(line).empty()) continue;
-    card.emplace(line);
-    if (card->continues()) return true;
-    break;
-  }
-  file_.seek(start);
-  return false;
-}
-
-std::vector<std::string_view> NastranCards::values_of(const CardLine& card) {
-  std::vector<std::string_view> values;
-  std::optional<CardLine> line(card);
-  do {
-    for (int i = 1; i <= line->count(); ++i) values.push_back(line->value(i));
-  } while (next_line(line));
-  return values;
-}
-
-std::string_view read_ranges(std::span<const std::string_view> values,
-                             std::vector<LabelRange>& ranges) {
-  bool thru = false;
-  for (const std::string_view value : values) {
-    long label = 0;
-    if (value.empty()) continue;
-    if (upper(value) == "THRU" && !ranges.empty()) {
-      thru = true;
-    } else if (!parse_integer(value, label)) {
-      return value;
-    } else if (thru) {
-      ranges.back().last = label;
-      thru = false;
-    } else {
-      ranges.push_back({label, label});
-    }
-  }
-  return {};
-}
 
 // Coordinate systems of Nastran decks.
 
@@ -494,7 +371,12 @@ namespace {
 class NastranReader {
  public:
   explicit NastranReader(TextMeshContent& mesh)
-      : mesh_(mesh), file_(mesh.file), cards_(mesh.file), deck_(mesh), coordinates_(mesh.file) {}
+      : mesh_(mesh),
+        file_(mesh.file),
+        cards_(mesh.file),
+        deck_(mesh),
+        coordinates_(mesh.file),
+        directions_(mesh.file) {}
 
   void read() {
     go_to_bulk();
@@ -548,20 +430,33 @@ class NastranReader {
       sets_.push_back(cards_.values_of(card));
     } else if (name == "GRDSET") {
       if (!card.value(2).empty()) default_system_ = file_.integer(card.value(2), "a system");
+      if (!card.value(6).empty())
+        directions_.set_default_displacement_system(file_.integer(card.value(6), "a system"));
     } else if (name.starts_with("CORD")) {
-      coordinates_.read(name, cards_.values_of(card));
+      const BulkCard all = cards_.whole(card);
+      coordinates_.read(name, all.values);
+      directions_.read_system(name, all);
     } else if (name == "SPOINT" || name == "EPOINT") {
       std::vector<LabelRange> points;
       read_ranges(cards_.values_of(card), points);
       for (const LabelRange& range : points) deck_.add_scalar_points(range);
     } else if (is_non_shell_element(name)) {
-      add_non_shell_element(name, cards_.values_of(card), file_, deck_);
+      const BulkCard all = cards_.whole(card);
+      add_non_shell_element(name, all.values, file_, deck_);
+      directions_.read_element(name, all);
+      if (name == "CFAST" || name == "CWELD") fasteners_.push_back(all);
+    } else if (NastranDirections::is_property_or_load(name)) {
+      directions_.read_property_or_load(name, cards_.whole(card));
     } else {
       other(name, line);
     }
   }
 
   void other(const std::string& name, std::string_view line) {
+    if (name == "BGSET")
+      mesh_.warnings.push_back(
+          "BGSET (glued contact, " + file_.line_name(file_.offset(line), 0) +
+          ") is not followed; parts that only glue connects need handles or features of their own");
     if (name.starts_with("BEGIN") && upper(line).find("SUPER") != std::string::npos)
       file_.fail(line,
                  "found " + quoted_excerpt(line) + ", expected one model without superelements");
@@ -577,6 +472,7 @@ class NastranReader {
   void grid(const CardLine& card) {
     std::array<Field, 3> fields;
     std::array<std::string_view, 3> values{card.value(3), card.value(4)};
+    std::string_view second_value;
     if (card.large) {
       std::optional<CardLine> second;
       if (!cards_.next_line(second))
@@ -584,6 +480,7 @@ class NastranReader {
       card.fields(file_, 3, {fields.data(), 2});
       second->fields(file_, 1, {fields.data() + 2, 1});
       values[2] = second->value(1);
+      second_value = second->value(2);
     } else {
       card.fields(file_, 3, fields);
       values[2] = card.value(5);
@@ -591,18 +488,26 @@ class NastranReader {
     std::array<double, 3> xyz;
     for (int c = 0; c < 3; ++c) xyz[c] = file_.real(values[c], true);
     const std::string_view label = card.value(1), system = card.value(2);
+    const std::string_view displacement = card.large ? second_value : card.value(6);
+    if (!displacement.empty())
+      directions_.add_displacement_system(isize(systems_), file_.integer(displacement, "a system"));
     deck_.add_node(file_.integer(label, "a node number"), label, xyz, fields);
     systems_.push_back(system.empty() ? kDefault : file_.integer(system, "a coordinate system"));
   }
 
   void shell(const CardLine& card, size_t corners, size_t middle) {
-    std::array<std::string_view, 10> values{};
+    // The material angle or system follows the nodes, in CQUAD8 after the four thicknesses.
+    const size_t angle = 2 + corners + middle + (middle == 4 ? 4 : 0);
+    std::array<std::string_view, 15> values{};
+    Field angle_field;
     size_t count = 0;
-    const size_t needed = 2 + corners + middle;
     std::optional<CardLine> line(card);
     do {
-      for (int i = 1; i <= line->count() && count < needed; ++i) values[count++] = line->value(i);
-    } while (count < needed && cards_.next_line(line));
+      for (int i = 1; i <= line->count() && count <= angle; ++i) {
+        if (count == angle) line->fields(file_, i, {&angle_field, 1});
+        values[count++] = line->value(i);
+      }
+    } while (count <= angle && cards_.next_line(line));
     const long label = file_.integer(values[0], "an element number");
     std::array<long, 8> nodes{};
     for (size_t i = 0; i < corners + middle; ++i) {
@@ -613,6 +518,7 @@ class NastranReader {
                                   std::to_string(corners));
       if (!value.empty()) nodes[i] = file_.integer(value, "a node number");
     }
+    directions_.read_material_angle(values[0], values[angle], angle_field, face_count_++);
     // A missing property number defaults to the element number.
     deck_.add_shell(label, values[0], std::string(values[1].empty() ? values[0] : values[1]),
                     {nodes.data(), corners}, {nodes.data() + corners, middle});
@@ -623,8 +529,50 @@ class NastranReader {
     for (long& system : systems_)
       if (system == kDefault) system = default_system_;
     coordinates_.transform_nodes(mesh_, deck_, systems_);
+    directions_.finish(mesh_, systems_);
+    for (const BulkCard& card : fasteners_) fastener(card);
     for (const auto& values : sets_) set(values);
     deck_.warn_about_other_elements();
+  }
+
+  /// The shells of a property, or one shell by its number.
+  std::vector<int> faces_of(bool property, std::string_view label) const {
+    if (property) return deck_.faces_of_property(std::string(label));
+    long number = 0;
+    const auto face = parse_integer(label, number) ? mesh_.face_labels.find(number) : std::nullopt;
+    return face ? std::vector<int>{*face} : std::vector<int>();
+  }
+
+  /// A fastener without end nodes, or with ends that belong to no shell, is projected onto the
+  /// shells.
+  void fastener(const BulkCard& card) {
+    const bool weld = upper(card.lines.front().name) == "CWELD";
+    const auto node_at = [&](int i) -> std::optional<int> {
+      long label = 0;
+      return parse_integer(card.at(i), label) ? mesh_.node_labels.find(label) : std::nullopt;
+    };
+    const std::string type = upper(card.at(weld ? 3 : 2)),
+                      name = (weld ? "CWELD " : "CFAST ") + std::string(card.at(0));
+    const bool property = type == "PROP" || type == "PARTPAT";
+    std::vector<std::vector<int>> sides;
+    if (property || type == "ELEM" || type == "ELEMID" || type == "ELPAT")
+      for (const int i : weld ? std::array{8, 9} : std::array{3, 4})
+        sides.push_back(faces_of(property, card.at(i)));
+    const auto centre = node_at(weld ? 2 : 5), a = node_at(weld ? 4 : 6), b = node_at(weld ? 5 : 7);
+    if (!a && !b && centre && !sides.empty())
+      mesh_.ties.push_back({SurfaceTie::Kind::Weld, name, {*centre}, std::move(sides), 0});
+    for (const auto& [end, side] : {std::pair(a, size_t{0}), std::pair(b, size_t{1})})
+      if (end && !has_face(*end))
+        deck_.add_tie(name, {*end}, side < sides.size() ? sides[side] : std::vector<int>());
+  }
+
+  bool has_face(int node) {
+    if (has_face_.empty()) {
+      has_face_.assign(static_cast<size_t>(mesh_.shells.node_count()), 0);
+      for (int f = 0; f < mesh_.shells.face_count(); ++f)
+        for (const int v : mesh_.shells.face(f)) has_face_[v] = 1;
+    }
+    return has_face_[node] != 0;
   }
 
   void set(const std::vector<std::string_view>& values) {
@@ -645,7 +593,11 @@ class NastranReader {
   NastranCards cards_;
   DeckMeshBuilder deck_;
   NastranSystems coordinates_;
-  std::vector<long> systems_;  // of each node
+  NastranDirections directions_;
+  int face_count_ = 0;
+  std::vector<BulkCard> fasteners_;
+  std::vector<char> has_face_;  // of each node
+  std::vector<long> systems_;   // of each node
   std::vector<std::vector<std::string_view>> sets_;
   long default_system_ = 0;
   bool begun_ = false;  // BEGIN BULK was found
@@ -656,7 +608,7 @@ class NastranReader {
 std::unique_ptr<MeshContent> read_nastran_deck(const std::filesystem::path& path) {
   auto mesh = std::make_unique<TextMeshContent>(MeshSourceText(path));
   mesh->format = "Nastran bulk data";
-  mesh->extensions = {".bdf", ".nas", ".dat"};
+  mesh->extensions = {".bdf", ".nas", ".dat", ".fem"};
   NastranReader(*mesh).read();
   return mesh;
 }

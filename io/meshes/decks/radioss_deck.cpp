@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/io/meshes/decks/deck_mesh_builder.h"
 
@@ -51,6 +52,14 @@ class RadiossReader {
   struct Group {
     std::string name, title;
     std::vector<LabelRange> nodes;
+    std::vector<std::string> parts;
+  };
+  struct Tie {
+    std::string name, group, surface;
+  };
+  struct Surface {
+    std::vector<std::string> parts;
+    std::vector<long> nodes;
   };
   struct Body {
     std::string name;
@@ -109,11 +118,22 @@ class RadiossReader {
       return group(parts[2], parts[1] == "GENE");
     if (name == "RBODY" && parts[1] != "LAGMUL") return body("/RBODY", parts[1], 6);
     if (name == "RBE2") return body("/RBE2", parts[1], 3);
+    if (name == "INTER" && parts[1] == "TYPE2") return tie(parts[2]);
+    if (name == "SURF") return surface(parts[1], parts[2]);
+    if (name == "RWALL") {
+      ++mesh_.global_positions["/RWALL/" + parts[1]];
+      return;
+    }
+    if (name == "GRNOD" && parts[1] == "PART") return group_of_parts(parts[2]);
+    if ((name == "SKEW" || name == "FRAME") && parts[1] == "FIX")
+      return system("/" + name + "/FIX/" + parts[2]);
+    if (name == "PROP" && has_axes(parts[1]))
+      return deck_.add_global_directions("/PROP/" + parts[1] + "/" + parts[2]);
     if (name == "TRANSFORM" || name.empty())
       file_.fail(keyword_, "found " + quoted_excerpt(keyword_) +
                                ", expected one model without transformed nodes");
     if (const auto layout = block_layouts().find(name); layout != block_layouts().end())
-      return elements(name, layout->second);
+      return elements(name, layout->second, parts[1]);
     static const std::set<std::string> format_count{"BRIC20", "SHEL16", "QUAD",  "TRIA",
                                                     "XELEM",  "SPHCEL", "ADMAS", "RBE3"};
     if (format_count.contains(name)) deck_.count_other_element("/" + name, 0);
@@ -167,7 +187,7 @@ class RadiossReader {
     }
   }
 
-  void elements(const std::string& name, const BlockLayout& layout) {
+  void elements(const std::string& name, const BlockLayout& layout, const std::string& part) {
     while (next_data()) {
       DeckElement element{layout.kind, "/" + name, 0, field(0), {}, {}};
       element.label = file_.integer(field(0), "an element number");
@@ -182,12 +202,105 @@ class RadiossReader {
         if (!next_data()) file_.fail(element.where, "found an element without its nodes");
         for (int i = 0; i < 10; ++i) add(i);
       }
+      auto& all = part_nodes_[part];
+      all.insert(all.end(), element.nodes.begin(), element.nodes.end());
       deck_.add_element(std::move(element));
     }
   }
 
+  /// A tied interface: a group of nodes follows a surface.
+  void tie(const std::string& label) {
+    std::string title;
+    title_of(title);
+    if (next_data())
+      ties_.push_back({"/INTER/TYPE2/" + label, std::to_string(number(0, "a group")),
+                       std::to_string(number(1, "a surface"))});
+  }
+
+  /// A surface of parts, or of segments: the number of the segment and its nodes.
+  void surface(const std::string& type, const std::string& label) {
+    std::string title;
+    title_of(title);
+    Surface& surface = surfaces_[label];
+    while (next_data())
+      for (int i = type == "SEG" ? 1 : 0; i < (type == "SEG" ? 5 : 10); ++i) {
+        long value = 0;
+        if (!parse_integer(field(i), value) || value <= 0) continue;
+        if (type == "SEG") surface.nodes.push_back(value);
+        if (type == "PART") surface.parts.push_back(std::to_string(value));
+      }
+  }
+
+  void group_of_parts(const std::string& label) {
+    Group group{label, "", {}, {}};
+    title_of(group.title);
+    while (next_data())
+      for (int i = 0; i < 10; ++i)
+        if (const long part = number(i, "a part"); part > 0)
+          group.parts.push_back(std::to_string(part));
+    groups_.push_back(std::move(group));
+  }
+
+  std::vector<int> nodes_of_group(const Group& group) {
+    std::vector<int> nodes = deck_.nodes_of(group.nodes);
+    for (const std::string& part : group.parts) {
+      const std::vector<int> own = deck_.nodes_of_faces(deck_.faces_of_property(part));
+      nodes.insert(nodes.end(), own.begin(), own.end());
+      for (const long label : part_nodes_[part])
+        if (const auto node = mesh_.node_labels.find(label)) nodes.push_back(*node);
+    }
+    return sorted_unique(std::move(nodes));
+  }
+
+  void finish_ties() {
+    for (const Tie& tie : ties_) {
+      std::vector<int> nodes, faces;
+      for (const Group& group : groups_)
+        if (group.name == tie.group) nodes = nodes_of_group(group);
+      const Surface& surface = surfaces_[tie.surface];
+      for (const std::string& part : surface.parts) {
+        const std::vector<int> own = deck_.faces_of_property(part);
+        faces.insert(faces.end(), own.begin(), own.end());
+      }
+      std::vector<int> segments;
+      for (const long label : surface.nodes)
+        if (const auto node = mesh_.node_labels.find(label)) segments.push_back(*node);
+      if (!segments.empty()) faces = deck_.faces_among(segments);
+      if (nodes.empty())
+        mesh_.warnings.push_back(tie.name + " is not followed: its nodes are not known");
+      deck_.add_tie(tie.name, std::move(nodes), std::move(faces));
+    }
+  }
+
+  /// Properties with a reference vector in the global system.
+  static bool has_axes(const std::string& type) {
+    static const std::set<std::string> types{
+        "TYPE6",    "SOL_ORTH", "TYPE9",   "SH_ORTH", "TYPE10", "SH_COMP", "TYPE11",
+        "SH_SANDW", "TYPE16",   "SH_FABR", "TYPE17",  "STACK",  "TYPE51",  "PCOMPP"};
+    return types.contains(type);
+  }
+
+  /// A fixed system: its origin, and its y and z axes.
+  void system(const std::string& name) {
+    std::string title;
+    title_of(title);
+    if (!next_data()) return;
+    RotatingCard card;
+    card.name = name;
+    while (card.numbers.size() < 2 && next_data()) {
+      RotatingCard::Numbers numbers;
+      const DeckLine line(line_);
+      const int real = width_of(FieldKind::Dyna20);
+      for (int c = 0; c < 3; ++c)
+        numbers.value[c] = file_.real(line.value(c, c * real, real), true);
+      line.fields(file_, 0, 0, FieldKind::Dyna20, FieldKind::DynaFree20, numbers.fields);
+      card.numbers.push_back(numbers);
+    }
+    if (!card.numbers.empty()) deck_.add_rotating(std::move(card));
+  }
+
   void group(const std::string& name, bool ranges) {
-    Group group{name, "", {}};
+    Group group{name, "", {}, {}};
     title_of(group.title);
     std::vector<long> numbers;
     while (next_data())
@@ -222,12 +335,13 @@ class RadiossReader {
       if (main) element.nodes.push_back(*main);
       for (const Group& group : groups_)
         if (group.name == std::to_string(body.group))
-          for (const int node : deck_.nodes_of(group.nodes))
+          for (const int node : nodes_of_group(group))
             if (!main || node != *main) element.nodes.push_back(node);
       if (!element.nodes.empty()) mesh_.other_elements.push_back(std::move(element));
     }
+    finish_ties();
     for (const Group& group : groups_) {
-      MeshSet set{group.name, group.title, deck_.nodes_of(group.nodes), {}};
+      MeshSet set{group.name, group.title, nodes_of_group(group), {}};
       if (!set.nodes.empty()) mesh_.sets.push_back(std::move(set));
     }
     deck_.warn_about_other_elements();
@@ -241,6 +355,9 @@ class RadiossReader {
   std::map<std::string, std::string> titles_;
   std::vector<Group> groups_;
   std::vector<Body> bodies_;
+  std::vector<Tie> ties_;
+  std::map<std::string, Surface> surfaces_;
+  std::map<std::string, std::vector<long>> part_nodes_;
 };
 
 }  // namespace
