@@ -561,8 +561,14 @@ TEST_CASE("edits and problems that cannot be are refused by name", "[mesh][defor
   has(why([](auto& p) {
         p.fixed.clear();
         p.handles.clear();
+        p.rows.clear();
       }),
       "no fixed nodes and no handles");
+  // Position constraints determine a problem, too.
+  CHECK(why([](auto& p) {
+          p.fixed.clear();
+          p.handles.clear();
+        }).empty());
 
   FormFeatureDeformer deformer(mesh, good);
   const auto refused = [&](const auto& change) {

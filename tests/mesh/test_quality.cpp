@@ -263,3 +263,25 @@ TEST_CASE("quads that fold in themselves, lost areas and lost numbers are invert
   line.row(2) << 0.5, 0, 0;
   CHECK(inverted_faces(triangle, triangle.points, line) == std::vector<int>{0});
 }
+
+TEST_CASE("elements that were bad before are not inverted by the edit", "[mesh][quality]") {
+  // A straight corner, whose Jacobian is 0 up to rounding of either sign.
+  for (const double before : {1e-16, 1e-12, -1e-12, 1e-9}) {
+    const ShellMesh shells = single({{0, 0, 0}, {1, -before, 0}, {2, 0, 0}, {2, 2, 0}});
+    Points after = shells.points;
+    after(1, 1) = before;
+    CHECK(inverted_faces(shells, shells.points, after).empty());
+  }
+  // A hexahedron with one corner pushed in, and moved back a little; then a second one pushed in.
+  NonShellElement solid{NonShellElement::Kind::Solid, "CHEXA", 1, {0, 1, 2, 3, 4, 5, 6, 7}, {}};
+  Points before(8, 3);
+  before << 0.9, 0.9, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1;
+  Points after = before;
+  after.row(0) << 0, 0, 0;
+  const std::vector<NonShellElement> solids{solid};
+  CHECK(inverted_solids(solids, before, after).empty());
+  CHECK(inverted_solids(solids, after, before) == std::vector<int>{0});
+  after = before;
+  after.row(6) << 0.1, 0.1, 0.9;
+  CHECK(inverted_solids(solids, before, after) == std::vector<int>{0});
+}
