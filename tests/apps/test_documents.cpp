@@ -175,7 +175,7 @@ TEST_CASE("curves become a surface as soon as they close, and missing ones are r
   CHECK(document.session() == nullptr);
   CHECK(document.content().problem().empty());
   const char* const sides[] = {"[[0, 0, 0], [100, 0, 0]]", "[[100, 0, 0], [100, 80, 0]]",
-                               "[[100, 80, 0], [0, 80, 20]]", "[[0, 80, 20], [0, 0, 0]]"};
+                               "[[100, 80, 0], [0, 80, 0]]", "[[0, 80, 0], [0, 0, 0]]"};
   for (int i = 0; i < 4; ++i) {
     CHECK(document.session() == nullptr);
     document.apply(
