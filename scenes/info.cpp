@@ -7,8 +7,8 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <set>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "batten/core/containers.h"
@@ -214,9 +214,11 @@ std::string network_text(const Scene& scene) {
   }
   const CurveNetwork& of_faces = loft ? loft->network : network;
   const FoundRegions found = loft ? loft->found : require_regions(network, options);
-  text += std::to_string(found.regions.size()) +
-          (found.regions.size() == 1 ? " face" : " faces") +
-          (loft ? " between sections\n" : "\n");
+  text += std::to_string(found.regions.size()) + (found.regions.size() == 1 ? " face" : " faces") +
+          (!loft ? "\n"
+           : loft->rails.empty()
+               ? " between sections\n"
+               : " between sections, " + format_count(loft->rails.size(), "added curve") + "\n");
   for (const NetworkRegion& region : found.regions) {
     text += "  " + printable(region.name) + (region.annulus ? "  annulus  " : "  ");
     for (size_t l = 0; l < region.loops.size(); ++l) {

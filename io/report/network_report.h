@@ -72,6 +72,7 @@ struct NetworkReport {
     std::string normals;  ///< side of the normals (NormalSide::text()); empty: not orientable
   };
   int lines = 0, edges = 0, nodes = 0;
+  std::vector<std::string> added_curves;  ///< names of the curves among `lines` that a loft adds
   /// Fraction of the curve ends that meet other curves within the default gap tolerance.
   double joined_fraction = 1;
   double size = 0, tolerance = 0, fit_tolerance = 0, join_tolerance_deg = 0;

@@ -229,14 +229,14 @@ std::string kinds_of(const Report::Step& step) {
 
 /// Summary of the STEP file.
 std::string step_summary(const Report::Step& step, const std::string& unit) {
-  return summary_line("STEP", format_count(step.faces, "face") + kinds_of(step) +
-                                  (step.source.empty() ? "" : ", those of " + step.source + ",") +
-                                  " in " +
-                                  (step.solids ? format_count(step.solids, "solid")
-                                               : format_count(step.shells, "shell")) +
-                                  ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
-                                  format_number(step.max_deviation) + unit + ", edges within " +
-                                  format_number(step.max_gap) + unit + edges_of(step));
+  return summary_line(
+      "STEP",
+      format_count(step.faces, "face") + kinds_of(step) +
+          (step.source.empty() ? "" : ", those of " + step.source + ",") + " in " +
+          (step.solids ? format_count(step.solids, "solid") : format_count(step.shells, "shell")) +
+          ", " + (step.valid ? "valid" : "NOT valid") + ", within " +
+          format_number(step.max_deviation) + unit + ", edges within " +
+          format_number(step.max_gap) + unit + edges_of(step));
 }
 
 /// Summary of alternatives, with the TOML that selects them.
@@ -292,6 +292,9 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
   std::string text = printable(report.name) + "\n";
   text += listed_lines("read", report.reading_notes);
   text += line_summary(n, unit);
+  if (!n.added_curves.empty())
+    text += summary_line("lofted", format_count(n.added_curves.size(), "curve") +
+                                       " added between the sections: " + some(n.added_curves));
   text += region_summary(n, s);
   text += shape_summary(n);
   const bool skinned =
@@ -343,10 +346,10 @@ void stress_into(RunContext& run, const Scene& scene, const BuiltModel& made,
   RefinedShape accurate{shape, {}, true};
   if (task.accuracy > 0)
     accurate = refine_adaptively(scene, shape, task.accuracy, task.factors, progress);
-  analyse(run, scene, accurate.shape, task.factors, progress);
+  analyse(run, scene, accurate.shape, task.factors, task.animations, progress);
   if (!run.report.stress) return;
   run.report.stress->meshes = accurate.meshes;
-  accurate.check_accuracy(task.accuracy, run.report.failed_checks);
+  accurate.check_accuracy(task.accuracy, run.report);
   if (scene.stress->sensitivities) {
     run.report.stress->sensitivities =
         compute_sensitivities(*run.report.stress, scene, made, shape, progress);
@@ -437,8 +440,7 @@ std::vector<std::vector<int>> edges_of_facets(const CadFacets& facets) {
 
 }  // namespace
 
-std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad,
-                                         const PictureScene& look,
+std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad, const PictureScene& look,
                                          const std::filesystem::path& picture) {
   const CommandFiles files;
   record_input(cad);

@@ -140,6 +140,7 @@ void measure_network(Report& report, const BuiltModel& made, const Scene& scene)
   measure_edges(report, made, scene);
   report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene.network.join_tolerance);
+  report.network->added_curves = made.added_curves;
   report.surface.max_smooth_join_deg = made.model.max_join_deg;
   report.warnings.insert(report.warnings.end(), made.model.warnings.begin(),
                          made.model.warnings.end());

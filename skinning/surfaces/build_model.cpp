@@ -177,6 +177,7 @@ class ModelBuilder {
     BuiltModel made;
     made.network = std::move(loft->network);
     made.found = std::move(loft->found);
+    made.added_curves = std::move(loft->rails);
     std::vector<JoinSpec> creases;
     for (const std::string& rail : loft->creases)
       creases.push_back({rail, JoinSpec::Kind::Crease, ""});
@@ -238,7 +239,8 @@ std::optional<LoftNetwork> loft_network(const CurveNetwork& network, const LoftP
   lines.insert(lines.end(), rails.begin(), rails.end());
   ModelBuildOptions finer = options;
   finer.network.tolerance = std::min(network.tolerance(), rail_tolerance(rails));
-  LoftNetwork loft{build_network(lines, finer, progress), {}, {}};
+  LoftNetwork loft{build_network(lines, finer, progress), {}, {}, {}};
+  for (const CharacterLine& rail : rails) loft.rails.push_back(rail.name);
   loft.creases = rails_at_corners(network, plan, rails);
   if (auto faces = loft_faces(loft.network, network, plan, rails))
     loft.found = std::move(*faces);

@@ -51,6 +51,8 @@ struct BuiltModel {
   /// Names of the curves that ordered_sections() recognised as sections, in the order of the loft.
   /// Empty: the model is not a loft through recognised sections.
   std::vector<std::string> sections;
+  /// Names of the curves that the model adds to the input curves: loft_rails().
+  std::vector<std::string> added_curves;
   /// Largest allowed distance between an input curve and its C1 cubic fit, model units.
   double fit_tolerance = 0;
 
@@ -76,6 +78,7 @@ struct LoftNetwork {
   FoundRegions found;
   /// Names of the rails through a corner of some section: creases, even if the corner fades out.
   std::vector<std::string> creases;
+  std::vector<std::string> rails;  ///< names of all rails
 };
 
 /// Adds loft_rails() to the curves of a network and finds the faces: those of loft_faces() or, if

@@ -12,6 +12,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/core/log.h"
 #include "batten/skinning/model/model_shapes.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/surfaces/surface_defects.h"
@@ -227,8 +228,10 @@ class CandidateSearch {
       candidate.warnings.push_back(std::to_string(count_) +
                                    " layouts were tried; the best has a defect: " + best_->why);
     else if (candidate.strategy.inner && !best_variant_.empty())
-      candidate.warnings.push_back("it is laid out " + best_variant_ +
-                                   ", because the default layout failed: " + first_why_);
+      log(LogLevel::Info, [&] {
+        return "'" + request_.name + "' is laid out " + best_variant_ +
+               ", because the default layout failed: " + first_why_;
+      });
     return candidate;
   }
 
