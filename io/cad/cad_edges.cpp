@@ -29,6 +29,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -262,10 +263,41 @@ Closures closures_of(const TopoDS_Face& face) {
   return found;
 }
 
+/// True if the isoparametric curves along a tube bend by more than the radius of its boundary: a
+/// surface between the two boundary loops alone would leave the tube.
+bool is_bent(const TopoDS_Face& face, bool closed_in_u,
+             const std::vector<std::vector<TopoDS_Edge>>& chains) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const auto& chain : chains) {
+    Bnd_Box box;
+    for (const TopoDS_Edge& edge : chain) BRepBndLib::Add(edge, box, false);
+    radius = std::min(radius, std::sqrt(box.SquareExtent() / 8));
+  }
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  double u0, u1, v0, v1;
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  constexpr int curves = 8, samples = 16;
+  for (int i = 0; i < curves; ++i) {
+    const auto at = [&](double along) {
+      const double s = closed_in_u ? double(i) / curves : along,
+                   t = closed_in_u ? along : double(i) / curves;
+      return from_occ(surface->Value(u0 + s * (u1 - u0), v0 + t * (v1 - v0)).XYZ());
+    };
+    const Vec3 start = at(0), chord = at(1) - start;
+    for (int k = 1; k < samples; ++k) {
+      const Vec3 off = at(double(k) / samples) - start;
+      const double along = chord.squaredNorm() > 0 ? off.dot(chord) / chord.squaredNorm() : 0;
+      if ((off - along * chord).norm() > radius) return true;
+    }
+  }
+  return false;
+}
+
 /// Adds isoparametric curves that divide a closed face. See heal_shape().
-void add_divisions(const TopoDS_Face& face, TopTools_ListOfShape& divisions) {
+/// `keep_tube`: a tube stays whole.
+void add_divisions(const TopoDS_Face& face, bool keep_tube, TopTools_ListOfShape& divisions) {
   const Closures closed = closures_of(face);
-  if (!(closed.in_u || closed.in_v) || is_tube(face)) return;
+  if (!(closed.in_u || closed.in_v) || (keep_tube && is_tube(face))) return;
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
   double u0, u1, v0, v1;
   BRepTools::UVBounds(face, u0, u1, v0, v1);
@@ -290,7 +322,15 @@ double area_of(const TopoDS_Shape& shape) {
 
 void divide_closed_faces(CadFile& cad) {
   TopTools_ListOfShape divisions, whole;
-  for (int f = 1; f <= cad.faces.Extent(); ++f) add_divisions(TopoDS::Face(cad.faces(f)), divisions);
+  // Of two tubes between the same loops (a bored sphere), the second one is divided.
+  std::set<std::set<int>> bounds;
+  for (int f = 1; f <= cad.faces.Extent(); ++f) {
+    const TopoDS_Face& face = TopoDS::Face(cad.faces(f));
+    std::set<int> edges;
+    for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
+      if (!is_seam(TopoDS::Edge(e.Current()), face)) edges.insert(cad.edges.FindIndex(e.Current()));
+    add_divisions(face, bounds.insert(edges).second, divisions);
+  }
   if (divisions.IsEmpty()) return;
   whole.Append(cad.shape);
   try {
@@ -331,7 +371,8 @@ bool is_tube(const TopoDS_Face& face) {
   const Closures closed = closures_of(face);
   if (closed.in_u == closed.in_v || closed.poles > 0) return false;
   const auto chains = boundary_chains(face);
-  return chains.size() == 2 && std::all_of(chains.begin(), chains.end(), is_smooth);
+  return chains.size() == 2 && std::all_of(chains.begin(), chains.end(), is_smooth) &&
+         !is_bent(face, closed.in_u, chains);
 }
 
 void heal_shape(CadFile& cad) {

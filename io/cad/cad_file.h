@@ -86,7 +86,8 @@ std::vector<std::string> edge_names(const CadFile& cad);
 /// former seams along which a face was divided.)
 bool is_seam(const TopoDS_Edge& edge, const TopoDS_Face& face);
 
-/// True if a face is a tube: it has a seam and two boundary loops without corners, and no pole.
+/// True if a face is a tube: it has a seam and two boundary loops without corners, and no pole. From
+/// one loop to the other, it bends by less than their radius.
 bool is_tube(const TopoDS_Face& face);
 
 /// Merges coincident edges, splits faces at creases and divides closed faces.
