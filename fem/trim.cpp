@@ -300,14 +300,29 @@ void Trim::cut_triangle(int t, const TriangleShape& shape,
   corners_.push_back(shape.vertex);
 }
 
+int Trim::find_cut(int triangle) const {
+  const auto at = std::lower_bound(cut_triangles_.begin(), cut_triangles_.end(), triangle);
+  if (at == cut_triangles_.end() || *at != triangle) return -1;
+  return static_cast<int>(at - cut_triangles_.begin());
+}
+
+std::vector<Vec3> Trim::boundary_points(int triangle) const {
+  const int c = find_cut(triangle);
+  if (c < 0) return {};
+  const TriangleShape shape(corners_[c][0], corners_[c][1], corners_[c][2]);
+  std::vector<Vec3> L;
+  for (int k = cones_of_[c]; k < cones_of_[c + 1]; ++k)
+    for (const double t : {0.0, 0.5, 1.0})
+      if (!cones_[k].straight) L.push_back(shape.barycentric(cones_[k].side.at(t)));
+  return L;
+}
+
 TriangleRule Trim::rule(int triangle, int degree) const {
-  const auto edge_parameter =
-      std::lower_bound(cut_triangles_.begin(), cut_triangles_.end(), triangle);
-  if (edge_parameter == cut_triangles_.end() || *edge_parameter != triangle) {
+  const int c = find_cut(triangle);
+  if (c < 0) {
     if (side_[triangle] == Side::Inside) return split_triangle_rule(degree);
     return {Points(0, 3), VecX(0)};
   }
-  const auto c = static_cast<size_t>(edge_parameter - cut_triangles_.begin());
   const TriangleShape shape(corners_[c][0], corners_[c][1], corners_[c][2]);
   std::vector<Vec3> L;
   std::vector<double> weights;

@@ -53,6 +53,10 @@ class Trim {
   /// are ordered by sub-triangle.
   TriangleRule rule(int triangle, int degree) const;
 
+  /// Points on the boundary loops inside a triangle, in barycentric coordinates: the ends and the
+  /// middle of each arc between the sides of the sub-triangles. Empty unless the triangle is cut.
+  std::vector<Vec3> boundary_points(int triangle) const;
+
   /// Trim of the concatenated `meshes` (ParametricMesh::concatenated()). `trims`: one per mesh;
   /// null for an untrimmed mesh. The result has no loops(), because loops belong to the (u, v)
   /// plane of a single mesh.
@@ -64,6 +68,8 @@ class Trim {
 
  private:
   Trim() = default;
+  // Index into cut_triangles_; -1 if the triangle is not cut.
+  int find_cut(int triangle) const;
   struct Cone {
     int sub;
     Vec2 apex;

@@ -45,8 +45,9 @@ struct StressTask {
   ShellDeck::Element element = ShellDeck::Element::S6;  ///< element type of the CalculiX deck
   /// Linear solver backend; empty: SparseCholesky.
   BackendFactory factors = {};
-  /// Relative accuracy of displacements (refine_adaptively()); 0: edge_length as given.
+  /// Relative accuracy of displacements and stresses (refine_adaptively()); 0: edge_length as given.
   double accuracy = 0;
+  bool animations = false;  ///< draw an animation of each mode shape
 };
 /// Like run_scene(), and analyses the shape as the shell of [stress]: analyse(). Also throws
 /// InputError for a scene without [stress].

@@ -23,7 +23,7 @@ namespace detail {
 // Results at points.
 
 size_t StressData::index(const std::string& load_case) const {
-  if (load_case.empty()) return governing;
+  if (load_case.empty() && !cases.empty()) return governing;
   std::vector<std::string> names;
   for (size_t c = 0; c < cases.size(); ++c) {
     if (cases[c].name == load_case) return c;
@@ -292,7 +292,7 @@ std::vector<StressReport::Mesh> refine(StressData& data, const Scene& scene, dou
                      ", expected a relative error above 0, or 0 for the elements of the model");
   const ModelData& model = *data.model;
   RefinedShape refined = refine_adaptively(scene, model.shape, accuracy, {}, progress);
-  refined.check_accuracy(accuracy, notes.failed_checks);
+  refined.check_accuracy(accuracy, notes);
   if (refined.meshes.size() > 1)
     data.model = std::make_shared<const ModelData>(model.text, model.scene, model,
                                                    std::move(refined.shape), std::nullopt);
@@ -494,7 +494,9 @@ Stress stress(const Model& model, const StressSettings& settings, const Progress
 
 // Stress.
 
-double Stress::max_von_mises() const { return data_->cases[data_->governing].max_von_mises; }
+double Stress::max_von_mises() const {
+  return data_->cases.empty() ? 0 : data_->cases[data_->governing].max_von_mises;
+}
 
 double Stress::max_displacement() const {
   double most = 0;

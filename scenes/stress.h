@@ -103,7 +103,9 @@ struct StressCase {
   double safety_factor = 0;       ///< yield_stress / max_von_mises; 0: no yield stress
   double strain_energy = 0;
   double error_estimate = 0;        ///< estimated relative error in the energy norm
-  double equilibrium_residual = 0;  ///< |loads + reactions|, relative to the loads
+  /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same
+  /// for their moments, whichever is larger.
+  double equilibrium_residual = 0;
   std::vector<double> buckling_factors;
   std::vector<ShellReaction> reactions;
 };

@@ -89,6 +89,9 @@ struct PartPoint {
   Vec3 x, area;  // position, and area vector dA n
   const std::array<int, 12>& dofs;
   Vec12 functions;
+  double weight;                        // dA = weight |x_u × x_v|
+  Vec3 x_u, x_v;                        // tangents
+  Eigen::Matrix<double, 12, 2> slopes;  // derivatives of the functions with respect to u and v
 
   ConstraintEntries entries() const {
     ConstraintEntries row;
@@ -132,11 +135,17 @@ void for_each_part_point(const ModelLayout& model, const Surface& surface, const
       if (part.box && cut && !part.box->contains(x)) continue;
       const Eigen::Matrix<double, 3, 2> d =
           X.transpose().lazyProduct(f.middleCols<2>(1)).eval() * map.first.transpose();
-      visit(PartPoint{{t, points.rule.L.row(p).transpose()},
-                      x,
-                      points.rule.weights[p] * triangle.shape().area * d.col(0).cross(d.col(1)),
-                      dofs,
-                      P.transpose().lazyProduct(f.col(0))});
+      const double weight = points.rule.weights[p] * triangle.shape().area;
+      visit(
+          PartPoint{{t, points.rule.L.row(p).transpose()},
+                    x,
+                    weight * d.col(0).cross(d.col(1)),
+                    dofs,
+                    P.transpose().lazyProduct(f.col(0)),
+                    weight,
+                    d.col(0),
+                    d.col(1),
+                    P.transpose().lazyProduct(f.middleCols<2>(1)).eval() * map.first.transpose()});
     }
   }
 }

@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "batten/analysis/models/inertia_relief.h"
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"
+#include "batten/analysis/models/vertex_constraints.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -72,10 +74,14 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
     add_support(model, shape, definition.sections, support, ties);
   for (const PointSupport& support : definition.points)
     add_point_support(model, support, ties.constraints);
+  if (definition.inertia_relief)
+    for (const PointSupport& support : determinate_supports(model, shape))
+      add_point_support(model, support, ties.constraints);
   for (const AreaSupport& support : definition.areas)
     add_area_support(model, shape, definition.sections, support, ties.springs);
   for (const ElasticSupport& support : definition.elastic)
     add_elastic_support(model, shape, support, ties.springs);
+  relax_dependent_constraints(model, shape, definition.sections, ties);
   return ties;
 }
 

@@ -99,6 +99,8 @@ struct ShellDefinition {
   /// Offset that is added to the thickness at each vertex of the model's mesh, linear in between;
   /// empty: no offsets.
   VecX nodal_thickness_offset = {};
+  /// The shell is free, and its loads are balanced (InertiaRelief). There are no other supports.
+  bool inertia_relief = false;
 };
 
 /// Assigns sections to the triangles of a model. The result contains a single section for all

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "batten/analysis/models/inertia_relief.h"
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
@@ -70,12 +71,16 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
     displacements.push_back(solve(cases[i], i));
   }
   displacements_ = std::move(displacements);
+  std::optional<InertiaRelief> relief;
+  if (definition_.inertia_relief) relief.emplace(shell_->layout(), shape_, assembler());
   MaxValues largest;
   for (size_t i = 0; i < cases.size(); ++i) {
-    const Surface moved = shell_->layout().surface(displacements_[i]);
+    const Points displacement =
+        relief ? relief->without_rigid_motion(displacements_[i]) : displacements_[i];
+    const Surface moved = shell_->layout().surface(displacement);
     largest.displacement =
         std::max(largest.displacement, max_displacement(assembler().surface(), moved).value);
-    auto solved = recovered(cases[i].name, displacements_[i]);
+    auto solved = recovered(cases[i].name, displacement);
     const double peak = solved->stresses->peak().value;
     if (governing_ && !(peak > largest.von_mises)) continue;
     largest.von_mises = peak;

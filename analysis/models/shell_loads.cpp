@@ -21,6 +21,13 @@ const TabulatedRule& load_rule(TriangleElement kind) {
   return kind == TriangleElement::HCT ? split : duffy;
 }
 
+// The matrix of a × b as a function of b.
+Mat3 cross_matrix(const Vec3& a) {
+  Mat3 A;
+  A << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return A;
+}
+
 [[noreturn]] void throw_nothing_in(const Box3& box) {
   const auto corner = [](const Vec3& p) {
     return "[" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
@@ -75,6 +82,49 @@ Points surface_traction(const ModelLayout& model, const Points& shape, const Sur
   });
 }
 
+SparseMatrix follower_stiffness(const ModelLayout& model, const Points& shape,
+                                const std::function<PressureAt(const Vec3& x)>& pressure,
+                                const ShellPart& part) {
+  const Surface surface = model.surface(shape);
+  const auto n = static_cast<int>(shape.rows());
+  using Block = Eigen::Matrix<double, 36, 36>;  // rows and columns 3 m + c
+  std::vector<Triplet> entries;
+  Block sum = Block::Zero();
+  std::array<int, 12> dofs{};
+  int triangle = -1;
+  const auto flush = [&] {
+    if (triangle < 0) return;
+    for (int i = 0; i < 36; ++i)
+      for (int j = 0; j < 36; ++j) {
+        const int row = i % 3 * n + dofs[i / 3], column = j % 3 * n + dofs[j / 3];
+        if (row >= column) entries.emplace_back(row, column, 0.5 * (sum(i, j) + sum(j, i)));
+      }
+    sum.setZero();
+  };
+  constexpr int degree = 6;
+  for_each_part_point(
+      model, surface, part, load_rule(surface.kind()), degree, [&](const PartPoint& at) {
+        if (at.where.triangle != triangle) {
+          flush();
+          triangle = at.where.triangle;
+          dofs = at.dofs;
+        }
+        const PressureAt p = pressure(at.x);
+        const Mat3 of_u = -at.weight * p.value * cross_matrix(at.x_v),
+                   of_v = at.weight * p.value * cross_matrix(at.x_u),
+                   of_value = at.area * p.gradient.transpose();
+        for (int k = 0; k < 12; ++k) {
+          const Mat3 change =
+              at.slopes(k, 0) * of_u + at.slopes(k, 1) * of_v + at.functions[k] * of_value;
+          for (int m = 0; m < 12; ++m) sum.block<3, 3>(3 * m, 3 * k) += at.functions[m] * change;
+        }
+      });
+  flush();
+  SparseMatrix S(3 * n, 3 * n);
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
 Points gravity_load(const ModelLayout& model, const Points& shape,
                     const std::vector<ShellSection>& sections, const Vec3& acceleration) {
   return integrate_over_area(model, shape, {}, [&](const PartPoint& position) -> Vec3 {
@@ -123,6 +173,23 @@ Resultant resultant(const ModelLayout& model, const Points& shape, const Points&
   sum.force = F.transpose() * model.position_dofs();
   for (long m = 0; m < F.rows(); ++m) sum.moment += Vec3(shape.row(m)).cross(Vec3(F.row(m)));
   return sum;
+}
+
+ForceMagnitudes magnitudes(const ModelLayout& model, const Points& shape, const Points& F) {
+  const VecX positions = model.position_dofs();
+  const Vec3 c = centre(model, shape);
+  ForceMagnitudes sum;
+  for (long m = 0; m < F.rows(); ++m) {
+    const Vec3 force = F.row(m), x = shape.row(m);
+    sum.force += positions[m] * force.norm();
+    sum.moment += (x - positions[m] * c).cross(force).norm();
+  }
+  return sum;
+}
+
+Vec3 centre(const ModelLayout& model, const Points& shape) {
+  const VecX positions = model.position_dofs();
+  return shape.transpose() * positions / std::max(positions.sum(), 1.0);
 }
 
 }  // namespace batten

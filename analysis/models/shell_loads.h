@@ -26,6 +26,25 @@ using SurfaceTraction = std::function<Vec3(const Vec3& x, const Vec3& n)>;
 Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
                         const ShellPart& part = {});
 
+/// A pressure along the normal at a point, and its gradient in space.
+struct PressureAt {
+  double value = 0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+/// Stiffness of a pressure p that follows the surface (follower load): change of its load vector F
+/// with the displacement U, made symmetric,
+///
+///     S = (A + Aᵀ)/2,   A u = dF = ∬ N (p (U_u × x_v + x_u × U_v) + (∇p · U) x_u × x_v) du dv
+///
+/// as a 3n×3n matrix over [x; y; z], lower triangle. In a linear buckling analysis, it is
+/// subtracted from the geometric stiffness. The part that is not symmetric is an integral along the
+/// boundary of the loaded part; it vanishes where p = 0 or the boundary is fixed [Hibbitt1979].
+/// Same quadrature and exceptions as surface_traction().
+SparseMatrix follower_stiffness(const ModelLayout& model, const Points& shape,
+                                const std::function<PressureAt(const Vec3& x)>& pressure,
+                                const ShellPart& part = {});
+
 /// Gravity load F = ∬ N ρ t a dA for an acceleration a, with the shape functions N, density ρ and
 /// thickness t. `sections`: one for all triangles, or one per triangle of the model's mesh.
 Points gravity_load(const ModelLayout& model, const Points& shape,
@@ -60,5 +79,16 @@ struct Resultant {
 };
 /// Computes the resultant of a load vector F (n×3) on the middle surface with dofs `shape`.
 Resultant resultant(const ModelLayout& model, const Points& shape, const Points& F);
+
+/// Magnitudes of a load: sums that do not cancel, Σ |F_m| over the position dofs m, and
+/// Σ |(x_m - c) × F_m| over all dofs, with c = centre() for position dofs and 0 for derivatives.
+struct ForceMagnitudes {
+  double force = 0, moment = 0;
+};
+/// The magnitudes of a load vector F (n×3) on the middle surface with dofs `shape`.
+ForceMagnitudes magnitudes(const ModelLayout& model, const Points& shape, const Points& F);
+
+/// Mean of the vertex positions of a middle surface with dofs `shape`.
+Vec3 centre(const ModelLayout& model, const Points& shape);
 
 }  // namespace batten

@@ -125,30 +125,28 @@ Points ShellModel::adjoint(const Points& G) const {
 std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
   const VecX lambda =
       solver_.reduction().rhs_to_particular().transpose() * stacked(residual_forces(q, F));
-  const VecX positions = layout_.position_dofs();
-  std::vector<SupportReaction> result;
-  for (const std::string& name : supports_) result.push_back({name, {}});
-  // Resultant of the support with this name; ties are not supports and give null.
-  const auto resultant_of = [&](const std::string& name) -> Resultant* {
+  std::vector<Points> forces(supports_.size(), Points::Zero(q.rows(), 3));
+  // Nodal forces of the support with this name; ties are not supports and give null.
+  const auto forces_of = [&](const std::string& name) -> Points* {
     const auto found = std::find(supports_.begin(), supports_.end(), name);
-    return found == supports_.end() ? nullptr : &result[found - supports_.begin()].resultant;
+    return found == supports_.end() ? nullptr : &forces[found - supports_.begin()];
   };
-  const auto add = [&](const ShellSprings::Entries& entries, double factor, Resultant& sum) {
-    for (const auto& e : entries) {
-      const Vec3 force = factor * e.coefficient;
-      sum.force += positions[e.dof] * force;
-      sum.moment += Vec3(shape_.row(e.dof)).cross(force);
-    }
+  const auto add = [](const ShellSprings::Entries& entries, double factor, Points& sum) {
+    for (const auto& e : entries) sum.row(e.dof) += factor * e.coefficient.transpose();
   };
   const auto first = static_cast<long>(3 * ties_.constraints.constraints().size());
   for (size_t r = 0; r < ties_.constraints.coupled_constraints().size(); ++r) {
     const ConstraintSet::CoupledConstraint& row = ties_.constraints.coupled_constraints()[r];
-    if (Resultant* sum = resultant_of(ties_.constraints.names()[row.name]))
+    if (Points* sum = forces_of(ties_.constraints.names()[row.name]))
       add(row.entries, lambda[first + static_cast<long>(r)], *sum);
   }
   for (const ShellSprings::Spring& spring : ties_.springs.springs())
-    if (Resultant* sum = resultant_of(ties_.springs.names()[spring.name]))
+    if (Points* sum = forces_of(ties_.springs.names()[spring.name]))
       add(spring.entries, ShellSprings::pull(spring, q), *sum);
+  std::vector<SupportReaction> result;
+  for (size_t s = 0; s < supports_.size(); ++s)
+    result.push_back({supports_[s], resultant(layout_, shape_, forces[s]),
+                      magnitudes(layout_, shape_, forces[s])});
   return result;
 }
 

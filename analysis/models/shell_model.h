@@ -38,7 +38,8 @@ RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& sha
 /// Reaction of a support.
 struct SupportReaction {
   std::string support;
-  Resultant resultant;  ///< force on the shell, and moment about the origin
+  Resultant resultant;         ///< force on the shell, and moment about the origin
+  ForceMagnitudes magnitudes;  ///< of the nodal forces
 };
 
 /// Assembled system of a shell: constraints and springs of ties and supports, and the 3n×3n

@@ -14,12 +14,13 @@
 namespace batten {
 namespace {
 
-// Product y = Dᵀ A D x for a matrix A of one coordinate, applied to x, y and z.
+// Product y = Dᵀ (A + B) D x for a matrix A of one coordinate, applied to x, y and z, and a matrix B
+// of all three, which may be empty.
 class ReducedProduct {
  public:
   using Scalar = double;
-  ReducedProduct(const AffineReduction& reduction, const SparseMatrix& A)
-      : D_(reduction.D()), A_(A) {}
+  ReducedProduct(const AffineReduction& reduction, const SparseMatrix& A, const SparseMatrix& B)
+      : D_(reduction.D()), A_(A), B_(B) {}
   Eigen::Index rows() const { return D_.cols(); }
   Eigen::Index cols() const { return D_.cols(); }
   void perform_op(const double* x, double* y) const {
@@ -27,12 +28,13 @@ class ReducedProduct {
     const VecX q = D_ * Eigen::Map<const VecX>(x, D_.cols());
     const Eigen::Map<const Points> points(q.data(), A_.rows(), 3);
     const Points forces = A_.selfadjointView<Eigen::Lower>() * points;
-    Eigen::Map<VecX>(y, D_.cols()) =
-        D_.transpose() * Eigen::Map<const VecX>(forces.data(), forces.size());
+    VecX all = Eigen::Map<const VecX>(forces.data(), forces.size());
+    if (B_.size() > 0) all += B_.selfadjointView<Eigen::Lower>() * q;
+    Eigen::Map<VecX>(y, D_.cols()) = D_.transpose() * all;
   }
 
  private:
-  const SparseMatrix &D_, &A_;
+  const SparseMatrix &D_, &A_, &B_;
 };
 
 // Product y = DᵀKD x, and its inverse by the factor.
@@ -63,15 +65,16 @@ struct EigenPairs {
   std::vector<Points> vectors;
 };
 
-// Eigenpairs of A u = μ K u with the largest μ, or with the largest magnitude. Empty if the
-// iteration does not converge.
+// Eigenpairs of (A + B) u = μ K u (ReducedProduct) with the largest μ, or with the largest
+// magnitude. Empty if the iteration does not converge.
 std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, const SparseMatrix& A,
-                                             int count, Spectra::SortRule which) {
+                                             const SparseMatrix& B, int count,
+                                             Spectra::SortRule which) {
   const int n = solver.reduction().free_count();
   if (count < 1 || 2 * count >= n)
     throw InputError("found " + std::to_string(count) + " modes for " + std::to_string(n) +
                      " unknowns, expected 1 or more, and fewer than half of the unknowns");
-  ReducedProduct product(solver.reduction(), A);
+  ReducedProduct product(solver.reduction(), A, B);
   ReducedStiffness stiffness(solver);
   // Additional dimensions for multiple eigenvalues, which occur on symmetric shells.
   const int krylov_dimension = std::min(n, 2 * count + 20);
@@ -105,12 +108,15 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
     if (const double density = shell.section(r).material.density; !(density > 0))
       throw InputError("natural frequencies need a density, found " + format_number(density));
   const SparseMatrix M = shell.assembler().mass();
-  const auto found =
-      largest_eigenpairs(shell.solver(), M, count + isize(shell.rigid_body_modes().unconstrained),
-                         Spectra::SortRule::LargestAlge);
+  const auto found = largest_eigenpairs(shell.solver(), M, {},
+                                        count + isize(shell.rigid_body_modes().unconstrained),
+                                        Spectra::SortRule::LargestAlge);
   if (!found) throw_not_converged(count);
   const EigenPairs& pairs = *found;
+  const VecX positions = shell.layout().position_dofs();
+  const VecX nodal_mass = M.selfadjointView<Eigen::Lower>() * positions;
   ShellModes modes;
+  modes.mass = positions.dot(nodal_mass);
   modes.rigid_body_count = isize(shell.rigid_body_modes().unconstrained);
   modes.frequencies.resize(pairs.values.size());
   for (long k = 0; k < pairs.values.size(); ++k) {
@@ -120,6 +126,7 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
     const Points& u = pairs.vectors[k];
     const double mass = u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum();
     modes.shapes.push_back(u / std::sqrt(mass));
+    modes.participation.push_back(modes.shapes.back().transpose() * nodal_mass);
   }
   return modes;
 }
@@ -150,14 +157,16 @@ bool has_membrane_forces(const ShellModel& shell, const Points& q, const SparseM
 
 }  // namespace
 
-ShellBuckling buckling(const ShellModel& shell, const Points& q, int count) {
+ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
+                       const SparseMatrix& follower) {
   const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
   if (!has_membrane_forces(shell, q, G)) return {};
-  auto found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestAlge);
+  auto found =
+      largest_eigenpairs(shell.solver(), G, follower, count, Spectra::SortRule::LargestAlge);
   if (!found) {
     // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors. All eigenvalues
     // that are not near 0 are then negative, which the search by magnitude confirms.
-    found = largest_eigenpairs(shell.solver(), G, count, Spectra::SortRule::LargestMagn);
+    found = largest_eigenpairs(shell.solver(), G, follower, count, Spectra::SortRule::LargestMagn);
     if (!found || found->values[0] > 0) throw_not_converged(count);
   }
   const EigenPairs& pairs = *found;

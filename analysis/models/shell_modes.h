@@ -13,6 +13,11 @@ struct ShellModes {
   VecX frequencies;  ///< natural frequencies, 1/time: Hz if the unit of time is the second
   std::vector<Points> shapes;  ///< mode shapes q (n×3), scaled so that tr(qᵀ M q) = 1 (M: mass)
   int rigid_body_count = 0;    ///< number of rigid-body modes, which come first
+  /// Participation factors of the modes for accelerations along x, y and z: Γ = qᵀ M 1. Their
+  /// squares are the effective masses, whose sums over all modes of an unconstrained direction are
+  /// the mass.
+  std::vector<Vec3> participation;
+  double mass = 0;  ///< mass of the shell
 };
 
 /// Computes the lowest `count` natural frequencies f and modes q, K q = (2π f)² M q with the
@@ -35,13 +40,15 @@ struct ShellBuckling {
 };
 
 /// Linear buckling under the load F whose displacement is q = shell.solve(F): solves (K + λ G(q)) u
-/// = 0 for the smallest load factors λ > 0, with the stiffness matrix K and the geometric stiffness
-/// G (ShellAssembler::geometric_stiffness()). Bending prestress and displacements before buckling
-/// are neglected.
+/// = 0 for the smallest load factors λ > 0, with the stiffness matrix K, and G the geometric
+/// stiffness (ShellAssembler::geometric_stiffness()) minus that of loads that follow the surface.
+/// Bending prestress and displacements before buckling are neglected.
 ///
-/// `q`: displacement dofs, n×3, model units. `count`: number of load factors. Throws InputError for
-/// an invalid count, and NoSolutionError, as natural_modes() does. Cost: as natural_modes(); twice
-/// as much if no positive load factor exists.
-ShellBuckling buckling(const ShellModel& shell, const Points& q, int count);
+/// `q`: displacement dofs, n×3, model units. `count`: number of load factors. `follower`:
+/// follower_stiffness() of the load F; empty: dead loads. Throws InputError for an invalid count,
+/// and NoSolutionError, as natural_modes() does. Cost: as natural_modes(); twice as much if no
+/// positive load factor exists.
+ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
+                       const SparseMatrix& follower = {});
 
 }  // namespace batten

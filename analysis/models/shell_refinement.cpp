@@ -50,13 +50,86 @@ RefinedShell::Mesh mesh_result(const std::vector<ShellCaseResult>& cases) {
   return mesh;
 }
 
+// Observes the largest stress of each load case from mesh to mesh.
+class StressConvergence {
+ public:
+  // Takes the results on the next mesh. Returns the largest estimated error.
+  double update(const std::vector<ShellCaseResult>& cases) {
+    double most = 0;
+    cases_.resize(cases.size());
+    for (size_t c = 0; c < cases.size(); ++c) {
+      Case& of = cases_[c];
+      of.name = cases[c].name;
+      of.at = cases[c].max_stress.at;
+      of.where = cases[c].max_stress.where;
+      of.at_point_load = of.at_point_load || cases[c].near_singularity;
+      const double value = cases[c].max_stress.value;
+      if (!of.values.empty())
+        of.increases.push_back(value > 0 ? (value - of.values.back()) / value : 0);
+      of.values.push_back(value);
+      of.singular = of.singular || grows_without_limit(of.increases);
+      if (of.excluded() || value == 0) continue;
+      of.error = of.increases.empty()
+                     ? 1
+                     : std::max(std::abs(of.increases.back()), cases[c].max_stress.spread / value);
+      most = std::max(most, of.error);
+    }
+    return most;
+  }
+
+  // Marks the triangles around the largest stresses whose error exceeds `accuracy`.
+  void mark(const ModelLayout& layout, const Points& shape, double accuracy,
+            std::vector<char>& marks) const {
+    const Surface surface = layout.surface(shape);
+    for (const Case& of : cases_) {
+      if (of.excluded() || of.error <= accuracy) continue;
+      const auto centre = [&](int t) { return surface.position({t, Vec3::Constant(1.0 / 3)}); };
+      const int peak = of.where.triangle;
+      const double edge =
+          std::sqrt(2 * surface.mesh().shape(peak).area *
+                    surface.jet({peak, Vec3::Constant(1.0 / 3)}).area_vector().norm());
+      constexpr double around = 2;  // in edge lengths
+      for (int t = 0; t < surface.mesh().triangle_count(); ++t)
+        if ((centre(t) - of.at).norm() <= around * edge) marks[t] = 1;
+    }
+  }
+
+  std::vector<RefinedShell::Singularity> singularities() const {
+    std::vector<RefinedShell::Singularity> found;
+    for (const Case& of : cases_)
+      if (of.singular && !of.at_point_load) found.push_back({of.name, of.at});
+    return found;
+  }
+
+ private:
+  struct Case {
+    std::string name;
+    Vec3 at = Vec3::Zero();
+    Location where;
+    std::vector<double> values, increases;
+    double error = 0;
+    bool singular = false, at_point_load = false;
+    bool excluded() const { return singular || at_point_load; }
+  };
+  static bool grows_without_limit(const std::vector<double>& increases) {
+    constexpr size_t rounds = 3;
+    constexpr double least = 0.02;
+    if (increases.size() < rounds) return false;
+    const double* last = increases.data() + increases.size() - rounds;
+    return *std::min_element(last, last + rounds) > least && last[rounds - 1] > 0.5 * last[0];
+  }
+
+  std::vector<Case> cases_;
+};
+
 }  // namespace
 
 RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Points& shape,
                           const ShellProblem& problem, const ShellRefinementOptions& options,
                           const Progress& progress) {
   require_valid(options);
-  RefinedShell result{layout, shape, {}, false};
+  RefinedShell result{layout, shape, {}, false, {}};
+  StressConvergence stresses;
   VecX indicators;
   for (int round = 0; round < options.max_meshes; ++round) {
     progress.update("mesh " + std::to_string(round + 1), 0);
@@ -65,7 +138,9 @@ RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Point
       Points dofs = result.shape;
       if (round > 0) {
         std::vector<char> marks(static_cast<size_t>(indicators.size()), 0);
-        for (const int t : dorfler_marking(indicators, options.bulk_fraction)) marks[t] = 1;
+        if (!(result.meshes.back().error <= options.accuracy))
+          for (const int t : dorfler_marking(indicators, options.bulk_fraction)) marks[t] = 1;
+        stresses.mark(*result.layout, result.shape, options.accuracy, marks);
         ModelLayout finer = *result.layout;
         finer.refine(marks);
         dofs = interpolate_onto(*result.layout, result.shape, finer);
@@ -74,14 +149,17 @@ RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Point
       const ShellDefinition definition = problem.definition(*next, dofs);
       const ShellModel shell(*next, dofs, definition, ShellModel::RigidBodyHandling::Refused,
                              options.backend_factory);
-      RefinedShell::Mesh mesh = mesh_result(evaluate_load_cases(
-          shell, problem.load_cases(*next, dofs, definition), {}, &indicators, progress));
+      const std::vector<ShellCaseResult> cases = evaluate_load_cases(
+          shell, problem.load_cases(*next, dofs, definition), {}, &indicators, progress);
+      RefinedShell::Mesh mesh = mesh_result(cases);
+      mesh.stress_error = stresses.update(cases);
       mesh.edge_length = mean_edge_length(*next, dofs);
       mesh.unknowns = shell.unknowns();
       result.meshes.push_back(mesh);
       result.layout = std::move(next);
       result.shape = std::move(dofs);
-      result.converged = mesh.error <= options.accuracy;
+      result.singularities = stresses.singularities();
+      result.converged = mesh.error <= options.accuracy && mesh.stress_error <= options.accuracy;
       if (result.converged) break;
     } catch (const MemoryError&) {
       if (round == 0) throw;  // otherwise keep the largest mesh that fits into memory

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
-// Adaptive mesh refinement of a shell analysis for a given accuracy of displacements.
+// Adaptive mesh refinement of a shell analysis for a given accuracy of displacements and stresses.
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "batten/analysis/models/shell_results.h"
@@ -13,7 +14,8 @@ namespace batten {
 
 /// Options of refine_shell().
 struct ShellRefinementOptions {
-  double accuracy = 0.01;  ///< largest accepted relative error of displacements, above 0
+  /// Largest accepted relative error of displacements and of the largest stresses, above 0.
+  double accuracy = 0.01;
   int max_meshes = 20;     ///< number of meshes including the first one, 1 or more
   /// Fraction of the total error that the bisected triangles contain (Dörfler marking); above 0, at
   /// most 1.
@@ -34,20 +36,36 @@ struct RefinedShell {
     /// Estimated relative error of the displacements: the larger of the error of the largest
     /// displacement and the error of the work of the loads (energy_norm_error²).
     double error = 0;
+    /// Estimated relative error of the largest stress of each load case, without `singularities`:
+    /// the larger of its change since the mesh before and ShellStresses::Peak::spread. 1 on the
+    /// first mesh.
+    double stress_error = 1;
   };
   std::vector<Mesh> meshes;  ///< all meshes in their order; the last one is that of `layout`
-  bool converged = false;    ///< true: the error on the last mesh is at most `accuracy`
+  /// True: on the last mesh, `error` and `stress_error` are at most `accuracy`.
+  bool converged = false;
+  /// A load case whose largest stress grows with each refinement (a re-entrant corner, the end of a
+  /// support). Stresses at point forces and point supports are not refined either, nor listed here
+  /// (ShellCaseResult::near_singularity).
+  struct Singularity {
+    std::string load_case;
+    Vec3 at;
+  };
+  std::vector<Singularity> singularities;
 };
 
-/// Refines the mesh of a shell until the displacements of all load cases have the requested
-/// accuracy.
+/// Refines the mesh of a shell until the displacements and the largest stresses of all load cases
+/// have the requested accuracy.
 ///
 /// `layout`, `shape`: the model and the absolute dofs (n×3) of its middle surface on the first
 /// mesh. `problem`: the definition and the load cases, computed anew on every mesh. `progress` has
 /// the stages "mesh 1", "mesh 2", …, and those of evaluate_load_cases().
 ///
 /// Each round solves the load cases, estimates the errors (evaluate_load_cases()), and bisects the
-/// triangles that contribute most to them (Dörfler marking [Dorfler1996], ModelLayout::refine()).
+/// triangles that contribute most to them (Dörfler marking [Dorfler1996], ModelLayout::refine()),
+/// and those around the largest stress of each case. A stress is singular if its relative increase
+/// is at least 2 % in three successive rounds, and does not halve from the first to the last of
+/// them; it is then not refined further.
 /// The surface is transferred to the new mesh by interpolate_onto(). The refinement stops at
 /// `max_meshes`, and before a mesh that does not fit into memory; the last mesh is then returned
 /// with `converged` = false.

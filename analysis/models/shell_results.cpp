@@ -4,14 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "batten/analysis/models/inertia_relief.h"
 #include "batten/core/cancellation.h"
 #include "batten/fem/surface.h"
 
 namespace batten {
 namespace {
 
-// Visits vertices inside the trim and, in cut triangles, quadrature points of their inside.
+// Visits vertices, edge midpoints and centroids inside the trim and, in cut triangles, points of the
+// boundary and quadrature points of their inside.
 template <class Visit>
 void visit_sample_points(const Surface& surface, const Visit& visit) {
   const Trim* trim = surface.trim().get();
@@ -19,12 +22,39 @@ void visit_sample_points(const Surface& surface, const Visit& visit) {
     poll_every<2048>(t);
     if (trim && trim->side(t) == Trim::Side::Outside) continue;
     if (!trim || trim->side(t) != Trim::Side::Cut) {
-      for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
+      for (int i = 0; i < 3; ++i) {
+        visit(Location{t, Vec3::Unit(i)});
+        visit(Location{t, 0.5 * (Vec3::Ones() - Vec3::Unit(i))});
+      }
+      visit(Location{t, Vec3::Constant(1.0 / 3)});
       continue;
     }
     const TriangleRule rule = trim->rule(t, 1);
     for (long p = 0; p < rule.weights.size(); ++p) visit(Location{t, rule.L.row(p).transpose()});
+    for (const Vec3& L : trim->boundary_points(t)) visit(Location{t, L});
   }
+}
+
+// Moves a location inside its triangle to a local maximum of `value` by compass search.
+template <class Value>
+Location climb(Location where, const Value& value) {
+  double largest = value(where);
+  constexpr double first = 0.25, last = 1e-3;
+  for (double step = first; step > last;) {
+    Location best = where;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const Location next{where.triangle, where.L + step * (Vec3::Unit(i) - Vec3::Unit(j))};
+        if (next.L.minCoeff() < 0) continue;
+        if (const double there = value(next); there > largest) {
+          largest = there;
+          best = next;
+        }
+      }
+    if (best.L == where.L) step /= 2;
+    where = best;
+  }
+  return where;
 }
 
 // Edge length √(twice the area) of a triangle.
@@ -37,14 +67,18 @@ double edge_length(const Surface& surface, int t) {
 void measure_balance(const ShellModel& shell, const Points& load, ShellCaseResult& result) {
   result.load = resultant(shell.layout(), shell.shape(), load);
   result.reactions = shell.reactions(result.displacement, load);
-  Vec3 sum = result.load.force;
-  double size = 0;
+  Resultant sum = result.load;
+  ForceMagnitudes size = magnitudes(shell.layout(), shell.shape(), load);
   for (const SupportReaction& r : result.reactions) {
-    sum += r.resultant.force;
-    size += r.resultant.force.norm();
+    sum.force += r.resultant.force;
+    sum.moment += r.resultant.moment;
+    size.force += r.magnitudes.force;
+    size.moment += r.magnitudes.moment;
   }
-  size = std::max(size, result.load.force.norm());
-  result.equilibrium_residual = size > 0 ? sum.norm() / size : 0;
+  sum.moment -= centre(shell.layout(), shell.shape()).cross(sum.force);
+  const auto relative = [](const Vec3& a, double b) { return b > 0 ? a.norm() / b : 0.0; };
+  result.equilibrium_residual =
+      std::max(relative(sum.force, size.force), relative(sum.moment, size.moment));
   result.energy = shell.energy(result.displacement);
 }
 
@@ -85,14 +119,20 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
 
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved) {
   MaxDisplacement largest;
+  const auto value = [&](const Location& where) { return moved.position(where).norm(); };
   visit_sample_points(surface, [&](const Location& where) {
-    const Vec3 u = moved.position(where);
-    if (!(u.norm() > largest.value)) return;
-    largest.value = u.norm();
-    largest.where = where;
-    largest.vector = u;
-    largest.at = surface.position(where);
+    if (const double u = value(where); u > largest.value) {
+      largest.value = u;
+      largest.where = where;
+    }
   });
+  if (!(largest.value > 0)) return largest;
+  const Trim* trim = surface.trim().get();
+  if (!trim || trim->side(largest.where.triangle) == Trim::Side::Inside)
+    largest.where = climb(largest.where, value);
+  largest.vector = moved.position(largest.where);
+  largest.value = largest.vector.norm();
+  largest.at = surface.position(largest.where);
   return largest;
 }
 
@@ -102,12 +142,16 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
                                                  VecX* error_indicators, const Progress& progress) {
   const ProgressScope scope(progress);
   if (error_indicators) *error_indicators = VecX::Zero(shell.layout().mesh()->triangle_count());
+  std::optional<InertiaRelief> relief;
+  if (shell.definition().inertia_relief)
+    relief.emplace(shell.layout(), shell.shape(), shell.assembler());
   std::vector<ShellCaseResult> results;
   for (const ShellLoadCase& one : cases) {
     progress.update("stress of " + one.name, 0);
     ShellCaseResult& result = results.emplace_back();
     result.name = one.name;
     result.displacement = shell.solve(one.load);
+    if (relief) result.displacement = relief->without_rigid_motion(result.displacement);
     measure_balance(shell, one.load, result);
     result.max_displacement =
         max_displacement(shell.assembler().surface(), shell.layout().surface(result.displacement));

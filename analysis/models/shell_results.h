@@ -19,6 +19,8 @@ struct ShellLoadCase {
   Points load;  ///< load vector, n×3 (shell_loads.h)
   /// Points of application of point forces, at which stresses are singular.
   std::vector<Vec3> singular_points = {};
+  /// Stiffness of loads that follow the surface (follower_stiffness()), for buckling; empty: none.
+  SparseMatrix follower = {};
 };
 
 /// A shell whose shape or mesh changes: its definition and its loads as functions of the shape.
@@ -50,7 +52,9 @@ struct ShellCaseResult {
   Points displacement;  ///< displacement dofs of the model, n×3
   Resultant load;
   std::vector<SupportReaction> reactions;
-  double equilibrium_residual = 0;  ///< |load + Σ reactions| / max(|load|, Σ |reaction|)
+  /// Larger one of |Σ forces| / Σ |force| and |Σ moments| / Σ |moment| over all nodal forces of
+  /// loads and supports, with moments about centre() (ForceMagnitudes).
+  double equilibrium_residual = 0;
   double energy = 0;                ///< strain energy (ShellModel::energy())
   double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;
@@ -60,7 +64,8 @@ struct ShellCaseResult {
   bool near_singularity = false;
 };
 
-/// Finds the largest displacement of a middle surface. `moved`: a surface on the same mesh whose
+/// Finds the largest displacement of a middle surface: the largest of seven samples per triangle,
+/// and from there a local maximum within the triangle. `moved`: a surface on the same mesh whose
 /// positions are the displacements. O(triangles).
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved);
 

@@ -265,9 +265,13 @@ void ShellStresses::find_peak() {
   for (int t = 0; t < isize(samples_); ++t) {
     poll_every<1024>(t);
     const bool cut = trim && trim->side(t) == Trim::Side::Cut;
-    for (const Sample& s : samples_[t])
-      if (cut) take(s.where);
-    for (int i = 0; i < 3 && !cut && !samples_[t].empty(); ++i) take({t, Vec3::Unit(i)});
+    if (samples_[t].empty()) continue;
+    if (cut) {
+      for (const Sample& s : samples_[t]) take(s.where);
+      for (const Vec3& L : trim->boundary_points(t)) take({t, L});
+    } else {
+      for (int i = 0; i < 3; ++i) take({t, Vec3::Unit(i)});
+    }
   }
   peak_.at = surface.position(peak_.where);
   for (const Sample& s : samples_[peak_.where.triangle]) {

@@ -165,10 +165,12 @@ Command add_stress(CommandLine& program, CommonOptions& common) {
   subcommand.group("Analysis");
   subcommand
       .option("--accuracy NUMBER", a->stress.accuracy,
-              "refine the mesh until the estimated relative error of the displacements is below "
-              "this value; 0.01 is 1 %")
+              "refine the mesh until the estimated relative errors of the displacements and of the "
+              "largest stresses are below this value; 0.01 is 1 %")
       .positive()
       .default_text("no refinement");
+  subcommand.flag("--animations", a->stress.animations,
+                  "draw an animation (GIF) of each natural mode and buckling mode");
   const CommandOption with_ccx =
       subcommand.flag("--with-ccx", a->stress.with_calculix,
                       "cross-check: analyse the same shell with CalculiX and print its results");

@@ -207,7 +207,8 @@ Reference: Celniker, Gossard 1991: K q = F with the curves as constraints (docs/
 
 Points are those of the file; CAD curves are sampled uniformly by arc length between their corners,
 where they turn by more than `corner_angle` degrees. `unit`: length unit of a file that states none.
-Raises InputError.
+The vertices of a polyline of a drawing are returned as points, of which skin() detects corners by
+their angles; load() of the file keeps every vertex as a corner. Raises InputError.
 
     >>> batten.write_curves("rim.csv", rim)
     []

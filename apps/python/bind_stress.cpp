@@ -227,7 +227,8 @@ void bind_case(py::module_& m) {
       .def_readonly("error_estimate", &StressCase::error_estimate,
                     "Estimated relative error in the energy norm.")
       .def_readonly("equilibrium_residual", &StressCase::equilibrium_residual,
-                    "Norm of loads + reactions, relative to the loads.")
+                    "Sum of the forces of loads and supports, relative to the sum of their "
+                    "magnitudes, or the same for their moments, whichever is larger.")
       .def_property_readonly(
           "buckling_factors", [](const StressCase& of) { return array_of(of.buckling_factors); },
           "Load factors at which the shell buckles, ascending, array.")

@@ -78,6 +78,7 @@ void add_network(Json& json, const NetworkReport& n) {
   json["network"] = {{"curves", n.lines},
                      {"edges", n.edges},
                      {"nodes", n.nodes},
+                     {"added_curves", n.added_curves},
                      {"size", n.size},
                      {"gap_tolerance", n.tolerance},
                      {"joined_fraction", n.joined_fraction},
@@ -356,13 +357,20 @@ Json json_of(const StressReport& s) {
                               {"unknowns", m.unknowns},
                               {"max_displacement", m.displacement},
                               {"max_von_mises", m.stress},
-                              {"displacement_error", m.error}});
+                              {"displacement_error", m.error},
+                              {"stress_error", m.stress_error}});
   for (const auto& d : s.sensitivities)
     json["sensitivities"].push_back({{"parameter", d.parameter},
                                      {"case", d.load_case},
                                      {"max_displacement", d.displacement},
                                      {"compliance", d.compliance}});
-  if (!s.frequencies.empty()) json["frequencies"] = s.frequencies;
+  if (s.frequencies.empty()) return json;
+  json["frequencies"] = s.frequencies;
+  json["mass"] = s.mass;
+  for (const Vec3& factor : s.participation) {
+    json["participation_factors"].push_back(json_of(factor));
+    json["effective_masses"].push_back(json_of(factor.cwiseAbs2()));
+  }
   return json;
 }
 

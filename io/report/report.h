@@ -71,7 +71,9 @@ struct StressReport {
     double safety = 0;  ///< safety factor against yield, yield / stress; 0: no yield stress given
     double energy = 0;
     double error = 0;  ///< estimated relative error of the solution in the energy norm
-    double equilibrium_residual = 0;  ///< |sum of loads + reactions| / |sum of loads|
+    /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same
+    /// for their moments, whichever is larger.
+    double equilibrium_residual = 0;
     bool buckling_requested = false;
     std::vector<double> buckling;  ///< buckling load factors, ascending
     std::vector<Reaction> reactions;
@@ -84,6 +86,7 @@ struct StressReport {
     int unknowns = 0;
     double displacement = 0, stress = 0;
     double error = 0;  ///< estimated relative error of the displacements
+    double stress_error = 1;  ///< estimated relative error of the largest stresses
   };
   std::vector<Mesh> meshes;
   /// Derivatives of results of a load case with respect to a parameter of the scene.
@@ -95,6 +98,10 @@ struct StressReport {
   std::vector<Sensitivity> sensitivities;
   /// Natural frequencies, 1/time. Rigid-body modes come first, with frequency 0.
   std::vector<double> frequencies;
+  /// Per frequency: participation factors for accelerations along x, y and z of modes with the
+  /// modal mass 1; their squares are the effective masses.
+  std::vector<Vec3> participation;
+  double mass = 0;  ///< mass of the shell; 0: no modes requested
 };
 
 /// Results of `batten run`, `batten skin` and `batten sculpt`. Lengths are in model units, angles

@@ -59,13 +59,13 @@ std::vector<std::string> SceneStress::cases() const {
 
 const std::vector<std::string>& stress_keys() {
   static const std::vector<std::string> keys = {
-      "thickness",    "thicknesses",   "material",
-      "young",        "poisson",       "density",
-      "yield",        "pressure",      "pressures",
-      "gravity",      "supports",      "hinges",
-      "loads",        "combinations",  "modes",
-      "buckling",     "shear_modulus", "material_direction",
-      "sensitivities"};
+      "thickness",     "thicknesses",       "material",
+      "young",         "poisson",           "density",
+      "yield",         "pressure",          "pressures",
+      "gravity",       "supports",          "hinges",
+      "loads",         "combinations",      "modes",
+      "buckling",      "shear_modulus",     "material_direction",
+      "sensitivities", "follower_pressure", "inertia_relief"};
   return keys;
 }
 
@@ -326,6 +326,22 @@ void read_combinations(const TomlTable& table, SceneStress& stress) {
 
 }  // namespace
 
+// A shell without supports is free: it has natural modes, and responds to loads by inertia relief.
+void require_supports(const TomlTable& table, const SceneStress& stress) {
+  if (stress.inertia_relief && !stress.supports.empty())
+    table.fail("inertia_relief", "supports and inertia_relief", "one of them");
+  if (stress.inertia_relief && stress.density == 0)
+    table.fail("inertia_relief", "inertia_relief without 'density'", "both");
+  if (stress.inertia_relief && stress.sensitivities)
+    table.fail("inertia_relief", "sensitivities and inertia_relief", "one of them");
+  if (!stress.supports.empty() || stress.inertia_relief) return;
+  if (stress.modes > 0 && stress.loads.empty()) return;
+  table.fail(
+      "supports", "no supports",
+      "one or more: supports = [{curve = \"…\"}], or inertia_relief = true for a free shell, "
+      "or only modes, without loads");
+}
+
 SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   SceneStress stress;
   read_material(table, unit, stress);
@@ -347,14 +363,15 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
        table.tables("supports", {"curve", "point", "type", "directions", "normal", "rotation",
                                  "displacement", "foundation", "spring", "face", "box"}))
     stress.supports.push_back(read_support(t));
-  if (stress.supports.empty())
-    table.fail("supports", "no supports", "one or more: supports = [{curve = \"…\"}]");
   stress.hinges = table.names("hinges");
   stress.modes = table.integer("modes", 1, 0);
+  stress.inertia_relief = table.boolean("inertia_relief", false);
   if (stress.modes > 0 && stress.density == 0)
     table.fail("modes", "modes without 'density'", "both");
   stress.sensitivities = table.boolean("sensitivities", false);
+  require_supports(table, stress);
   stress.buckling = table.integer("buckling", 1, 0);
+  stress.follower_pressure = table.boolean("follower_pressure", true);
   return stress;
 }
 

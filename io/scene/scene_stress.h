@@ -114,6 +114,10 @@ struct SceneStress {
   bool sensitivities = false;
   /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.
   int modes = 0, buckling = 0;
+  /// Whether pressures follow the surface in buckling analyses; otherwise they keep their direction.
+  bool follower_pressure = true;
+  /// Whether the shell is free, and its inertia balances the loads.
+  bool inertia_relief = false;
 
   std::vector<std::string> cases() const;  ///< names of the load cases, in order of first use
 };

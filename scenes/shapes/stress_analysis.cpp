@@ -49,11 +49,13 @@ VecX in_order(const Mat3& s) {
   return six;
 }
 
-std::string three_digits(double value) {
+std::string with_digits(int digits, double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
 }
+std::string three_digits(double value) { return with_digits(3, value); }
+std::string five_digits(double value) { return with_digits(5, value); }
 
 std::string stress_unit(const Scene& scene) {
   return scene.unit == "mm" ? " [N/mm²]" : scene.unit == "m" ? " [Pa]" : "";
@@ -70,7 +72,8 @@ std::string stress_stem(const Scene& scene, const std::string& name) {
 /// files in its report. Pictures use the view of the scene's first picture.
 class StressFiles : public StressVisitor {
  public:
-  StressFiles(RunContext& run, const Scene& scene) : run_(run), scene_(scene) {}
+  StressFiles(RunContext& run, const Scene& scene, bool animations)
+      : run_(run), scene_(scene), animations_(animations) {}
 
   void visit_shell(const ShellModel& shell) override;
   void visit_case(const StressReport::Case& c, const ShellCaseResult& result,
@@ -99,6 +102,7 @@ class StressFiles : public StressVisitor {
 
   RunContext& run_;
   const Scene& scene_;
+  bool animations_;
   const ShellModel* shell_ = nullptr;
 };
 
@@ -115,14 +119,14 @@ void StressFiles::visit_case(const StressReport::Case& c, const ShellCaseResult&
 void StressFiles::visit_buckling(const StressReport::Case& c, const std::vector<Points>& shapes) {
   std::vector<std::string> captions;
   for (const double factor : c.buckling)
-    captions.push_back(c.name + ": buckling at " + three_digits(factor) + " times the load");
+    captions.push_back(c.name + ": buckling at " + five_digits(factor) + " times the load");
   if (!captions.empty()) write_mode_shapes(c.name + " buckling", shapes, captions);
 }
 
 void StressFiles::visit_modes(const std::vector<double>& frequencies,
                               const std::vector<Points>& shapes) {
   std::vector<std::string> captions;
-  for (const double f : frequencies) captions.push_back(three_digits(f) + " Hz");
+  for (const double f : frequencies) captions.push_back(five_digits(f) + " Hz");
   write_mode_shapes("modes", shapes, captions);
 }
 
@@ -241,7 +245,7 @@ void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<P
   draw_contact_sheet(run_.out.file(stress_stem(scene_, kind) + ".png"), sheet,
                      static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sheet.size())))));
   run_.report.files.push_back(stress_stem(scene_, kind) + ".png");
-  for (size_t k = 0; k < shapes.size(); ++k) {
+  for (size_t k = 0; k < shapes.size() && animations_; ++k) {
     kept.clear();
     std::vector<PictureScene> phases;
     for (int i = 0; i < frames; ++i)
@@ -259,9 +263,9 @@ void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<P
 }  // namespace
 
 void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
-             const BackendFactory& factors, const Progress& progress) {
+             const BackendFactory& factors, bool animations, const Progress& progress) {
   if (!shape.layout) return;
-  StressFiles files(run, scene);
+  StressFiles files(run, scene, animations);
   run.report.stress = compute_stresses(scene, shape, factors, run.report, files, progress);
   run.watch.lap("stress files");
 }
@@ -286,7 +290,10 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
                      "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
                          std::to_string(m.unknowns) + " unknowns, displacement " +
                          three_digits(m.displacement) + ", von Mises " + three_digits(m.stress) +
-                         ", error " + three_digits(100 * m.error) + " %");
+                         ", error " + three_digits(100 * m.error) + " %" +
+                         (&m == &report.meshes[0] || m.stress_error == 0
+                              ? ""
+                              : ", of the stress " + three_digits(100 * m.stress_error) + " %"));
   for (const auto& c : report.cases) {
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
@@ -303,7 +310,7 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
     if (c.buckling_requested)
       text += summary_line(
           "", c.buckling.empty() ? "does not buckle under this load"
-                                 : "buckles at " + three_digits(c.buckling[0]) + " times its load");
+                                 : "buckles at " + five_digits(c.buckling[0]) + " times its load");
     text += summary_line("", "displacement " + three_digits(c.displacement) + " " + unit + " at " +
                                  format_rounded_point(c.max_displacement_at) + ", ± " +
                                  three_digits(c.displacement_error) + "; error about " +
@@ -315,8 +322,24 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
                              three_digits(d.displacement) + " " + unit + ", work of the loads " +
                              three_digits(d.compliance) + ", per unit of the parameter");
   std::string hertz;
-  for (const double f : report.frequencies) hertz += (hertz.empty() ? "" : ", ") + three_digits(f);
-  if (!hertz.empty()) text += summary_line("frequencies", hertz + " Hz");
+  for (const double f : report.frequencies)
+    if (f > 0) hertz += (hertz.empty() ? "" : ", ") + five_digits(f);
+  const auto rigid = std::count(report.frequencies.begin(), report.frequencies.end(), 0.0);
+  if (!hertz.empty())
+    text += summary_line(
+        "frequencies",
+        hertz + " Hz" +
+            (rigid ? ", after " + std::to_string(rigid) + " rigid-body modes at 0 Hz" : ""));
+  if (report.mass > 0) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& factor : report.participation) sum += factor.cwiseAbs2();
+    const auto percent = [&](int c) {
+      return three_digits(std::round(1e4 * sum[c] / report.mass) / 100) + " %";
+    };
+    text += summary_line("modal mass", percent(0) + " of " + three_digits(report.mass) + " in x, " +
+                                           percent(1) + " in y, " + percent(2) +
+                                           " in z (effective masses of these modes)");
+  }
   return text;
 }
 
@@ -402,10 +425,21 @@ void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape&
   run.watch.lap("CalculiX");
 }
 
-void RefinedShape::check_accuracy(double accuracy, std::vector<FailedCheck>& failed) const {
+void RefinedShape::check_accuracy(double accuracy, RunReport& notes) const {
+  for (const RefinedShell::Singularity& one : singularities)
+    notes.warnings.push_back("case '" + one.load_case + "': the stress at " +
+                             format_rounded_point(one.at) +
+                             " grows with each refinement without limit (a re-entrant "
+                             "corner, the end of a support); the accuracy does not apply to it");
   if (converged) return;
-  failed.push_back({"stress.accuracy", "is " + format_number(meshes.back().error) +
-                                           ", expected at most " + format_number(accuracy)});
+  const auto check = [&](double value, const std::string& of) {
+    if (!(value <= accuracy))
+      notes.failed_checks.push_back(
+          {"stress.accuracy of " + of,
+           "is " + format_number(value) + ", expected at most " + format_number(accuracy)});
+  };
+  check(meshes.back().error, "displacements");
+  check(meshes.back().stress_error, "the largest stress");
 }
 
 RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
@@ -419,8 +453,9 @@ RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, dou
       refine_shell(shape.layout, shape.dofs, shell_problem(scene), options, progress);
   result.converged = refined.converged;
   for (const RefinedShell::Mesh& mesh : refined.meshes)
-    result.meshes.push_back(
-        {mesh.edge_length, mesh.unknowns, mesh.displacement, mesh.von_mises, mesh.error});
+    result.meshes.push_back({mesh.edge_length, mesh.unknowns, mesh.displacement, mesh.von_mises,
+                             mesh.error, mesh.stress_error});
+  result.singularities = refined.singularities;
   if (refined.meshes.size() == 1) return result;
   SolvedShape& finer = result.shape;
   finer.layout = refined.layout;

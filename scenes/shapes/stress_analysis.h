@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/analysis/models/shell_refinement.h"
 #include "batten/core/solvers/linear_solver_backend.h"
 #include "batten/io/decks/calculix_decks.h"
 #include "batten/io/report/report.h"
@@ -23,13 +24,13 @@ namespace batten {
 ///     NAME_CASE.png        its equivalent stress on the deformed shape
 ///     NAME_KIND_1.vtu, …   mode shapes (KIND: "modes", "CASE buckling"): Displacement, normalised
 ///                          to a maximum of 1; NAME_KIND.pvd is their series
-///     NAME_KIND.png        a contact sheet of the mode shapes with captions; NAME_KIND_1.gif, …
-///                          are animations
+///     NAME_KIND.png        a contact sheet of the mode shapes with captions
+///     NAME_KIND_1.gif, …   animations of the mode shapes, if `animations` is true
 ///
 /// Fills report.stress and report.warnings; adds a failed check if the reactions do not balance the
 /// loads. Throws the exceptions of compute_stresses().
 void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
-             const BackendFactory& factors, const Progress& progress);
+             const BackendFactory& factors, bool animations, const Progress& progress);
 
 /// Magnification of drawn displacements for a model of this size: a factor 1, 2 or 5 times a power
 /// of ten, so that the largest displacement is at most a twentieth of the size.
@@ -48,16 +49,17 @@ std::string stress_summary(const StressReport& report, const std::string& unit);
 void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape& shape,
                          ShellDeck::Element element, const Progress& progress);
 
-// Adaptive mesh refinement for a given accuracy of displacements.
+// Adaptive mesh refinement for a given accuracy of displacements and stresses.
 
 /// A solved shape on smaller elements of the same surface, by refine_shell(). Throws its exceptions.
 struct RefinedShape {
   SolvedShape shape;
   std::vector<StressReport::Mesh> meshes;  ///< results on each mesh
   bool converged = false;
+  std::vector<RefinedShell::Singularity> singularities = {};
 
-  /// Adds a failed check if the accuracy was not reached.
-  void check_accuracy(double accuracy, std::vector<FailedCheck>& failed) const;
+  /// Adds a failed check if the accuracy was not reached, and a warning for each singular stress.
+  void check_accuracy(double accuracy, RunReport& notes) const;
 };
 RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
                                const BackendFactory& factors, const Progress& progress);

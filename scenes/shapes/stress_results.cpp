@@ -87,9 +87,10 @@ void warn(const StressReport& s, std::vector<std::string>& warnings) {
                          "singularity where it grows without limit under mesh refinement");
 }
 
-void find_buckling(const Scene& scene, const ShellModel& shell, const Points& displacement,
-                   StressReport::Case& c, StressVisitor& visitor) {
-  const ShellBuckling found = buckling(shell, displacement, scene.stress->buckling);
+void find_buckling(const Scene& scene, const ShellModel& shell, const ShellLoadCase& load_case,
+                   const Points& displacement, StressReport::Case& c, StressVisitor& visitor) {
+  const ShellBuckling found =
+      buckling(shell, displacement, scene.stress->buckling, load_case.follower);
   c.buckling.assign(found.factors.begin(), found.factors.end());
   c.buckling_requested = true;
   visitor.visit_buckling(c, found.shapes);
@@ -99,6 +100,8 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
                 StressVisitor& visitor) {
   const ShellModes modes = natural_modes(shell, scene.stress->modes);
   report.frequencies.assign(modes.frequencies.begin(), modes.frequencies.end());
+  report.participation = modes.participation;
+  report.mass = modes.mass;
   visitor.visit_modes(report.frequencies, modes.shapes);
 }
 
@@ -110,10 +113,15 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
   progress.update("stress", 0);
   const ShellProblem problem = shell_problem(scene);
   const ShellDefinition definition = problem.definition(*shape.layout, shape.dofs);
+  const bool free = scene.stress->supports.empty() && !definition.inertia_relief;
+  using Handling = ShellModel::RigidBodyHandling;
   const ShellModel shell(*shape.layout, shape.dofs, definition,
-                         ShellModel::RigidBodyHandling::Refused, factors);
+                         free ? Handling::Shifted : Handling::Refused, factors);
   visitor.visit_shell(shell);
   StressReport report = shell_report(*scene.stress, shell);
+  const std::vector<ShellLoadCase> cases =
+      free ? std::vector<ShellLoadCase>{}
+           : problem.load_cases(*shape.layout, shape.dofs, definition);
   const auto add = [&](const ShellCaseResult& result, const ShellStresses& stresses) {
     StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
     visitor.visit_case(c, result, stresses);
@@ -122,11 +130,11 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
       notes.failed_checks.push_back(
           {"stress.equilibrium_residual of " + c.name,
            "is " + format_number(c.equilibrium_residual) + ", expected at most 1e-8"});
-    if (scene.stress->buckling > 0) find_buckling(scene, shell, result.displacement, c, visitor);
+    if (scene.stress->buckling > 0)
+      find_buckling(scene, shell, cases[report.cases.size()], result.displacement, c, visitor);
     report.cases.push_back(std::move(c));
   };
-  evaluate_load_cases(shell, problem.load_cases(*shape.layout, shape.dofs, definition), add,
-                      nullptr, progress);
+  evaluate_load_cases(shell, cases, add, nullptr, progress);
   if (scene.stress->modes > 0) find_modes(scene, shell, report, visitor);
   warn(report, notes.warnings);
   return report;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "batten/analysis/models/inertia_relief.h"
 #include "batten/core/errors.h"
 #include "batten/sculpting/loads/loads.h"
 #include "batten/skinning/region/skinned_region.h"
@@ -218,6 +219,7 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
           ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
           : ShellMaterial::isotropic(s.young, s.poisson, s.density);
   definition.sections = {{material, s.thickness, s.along}};
+  definition.inertia_relief = s.inertia_relief;
   set_thicknesses(scene, layout, shape, definition);
   for (const SceneStress::Support& support : s.supports)
     add_support(scene, layout, shape, support, definition);
@@ -231,13 +233,52 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
   return definition;
 }
 
-std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& layout,
-                                         const Points& shape, const ShellDefinition& definition) {
-  std::map<std::string, Points> loads;
+// Adds `factor` times a load case to another one.
+void add(const ShellLoadCase& load_case, double factor, ShellLoadCase& sum) {
+  sum.load += factor * load_case.load;
+  if (load_case.follower.size() == 0) return;
+  if (sum.follower.size() == 0)
+    sum.follower = factor * load_case.follower;
+  else
+    sum.follower += factor * load_case.follower;
+}
+
+// The stiffness of a pressure that follows the surface; empty for other loads.
+SparseMatrix follower_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                         const SceneStress::Load& load) {
+  using Type = SceneStress::Load::Type;
+  const double value = load.value, level = load.level;
+  const ShellPart part = part_of(scene, layout, load.region, load.box);
+  if (load.type == Type::Pressure)
+    return follower_stiffness(
+        layout, shape,
+        [=](const Vec3&) {
+          return PressureAt{value, Vec3::Zero()};
+        },
+        part);
+  if (load.type == Type::Hydrostatic)
+    return follower_stiffness(
+        layout, shape,
+        [=](const Vec3& x) {
+          const double depth = level - x.z();
+          return depth > 0 ? PressureAt{value * depth, -value * Vec3::UnitZ()} : PressureAt{};
+        },
+        part);
+  return {};
+}
+
+std::map<std::string, ShellLoadCase> case_loads(const Scene& scene, const ModelLayout& layout,
+                                                const Points& shape,
+                                                const ShellDefinition& definition) {
+  const bool follows = scene.stress->buckling > 0 && scene.stress->follower_pressure;
+  std::map<std::string, ShellLoadCase> loads;
   for (const SceneStress::Load& load : scene.stress->loads) {
-    Points& sum = loads.try_emplace(load.load_case, Points::Zero(shape.rows(), 3)).first->second;
+    const ShellLoadCase none{load.load_case, Points::Zero(shape.rows(), 3)};
+    ShellLoadCase& sum = loads.try_emplace(load.load_case, none).first->second;
     try {
-      sum += load_of(scene, layout, shape, definition, load);
+      ShellLoadCase one{load.load_case, load_of(scene, layout, shape, definition, load)};
+      if (follows) one.follower = follower_of(scene, layout, shape, load);
+      add(one, 1, sum);
     } catch (const EmptyPartError& e) {
       throw InputError(scene.at(load.location) + e.what());
     }
@@ -245,18 +286,27 @@ std::map<std::string, Points> case_loads(const Scene& scene, const ModelLayout& 
   return loads;
 }
 
+// Balances the loads of a free shell by its inertia.
+void balance(const ModelLayout& layout, const Points& shape, const ShellDefinition& definition,
+             std::vector<ShellLoadCase>& cases) {
+  const InertiaRelief relief(
+      layout, shape, ShellAssembler(layout.surface(shape), triangle_sections(layout, definition)));
+  for (ShellLoadCase& one : cases) one.load = relief.balanced(one.load);
+}
+
 std::vector<ShellLoadCase> load_cases(const Scene& scene, const ModelLayout& layout,
                                       const Points& shape, const ShellDefinition& definition) {
   const auto loads = case_loads(scene, layout, shape, definition);
   std::vector<ShellLoadCase> cases;
-  for (const std::string& name : scene.stress->cases()) cases.push_back({name, loads.at(name)});
+  for (const std::string& name : scene.stress->cases()) cases.push_back(loads.at(name));
   for (const SceneStress::Combination& sum : scene.stress->combinations) {
     cases.push_back({sum.name, Points::Zero(shape.rows(), 3)});
     for (const auto& [load_case, factor] : sum.parts)
-      cases.back().load += factor * loads.at(load_case.text);
+      add(loads.at(load_case.text), factor, cases.back());
   }
   if (cases.empty())  // prescribed displacements only
     cases.push_back({"supports", Points::Zero(shape.rows(), 3)});
+  if (definition.inertia_relief) balance(layout, shape, definition, cases);
   for (ShellLoadCase& one : cases)
     for (const SceneStress::Load& load : scene.stress->loads)
       if (load.type == SceneStress::Load::Type::Point) one.singular_points.push_back(load.point);
@@ -274,6 +324,10 @@ void require_differentiable(const Scene& scene) {
           "the box selects other elements when the shape changes, so that there are no "
           "derivatives");
   };
+  if (scene.stress->inertia_relief)
+    throw InputError(
+        "derivatives of a shell with inertia_relief are not implemented, expected "
+        "supports");
   for (const SceneStress::Support& support : scene.stress->supports) refuse(support, "support");
   for (const SceneStress::Load& load : scene.stress->loads) refuse(load, "load");
 }
@@ -313,6 +367,7 @@ class DeckOfScene {
       deck_.thicknesses.push_back({of.region.text, of.thickness});
     }
     if (!stress.hinges.empty()) refuse(stress.hinges[0].location, "a hinge");
+    if (stress.supports.empty()) refuse({}, "a shell without supports");
     for (const Support& support : stress.supports) add(support);
     for (const Load& load : stress.loads)
       if (load.load_case == load_case) add(load);

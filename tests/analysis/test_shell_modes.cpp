@@ -86,6 +86,12 @@ TEST_CASE("an unsupported strip has six rigid-body modes, then the bending modes
   const SparseMatrix M = shell.assembler().mass();
   const Points& u = modes.shapes[6];
   CHECK(u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum() == Approx(1));
+  // The rigid-body modes have the whole mass.
+  CHECK(modes.mass == Approx(kDensity * Plates::t * Plates::W * strip.L));
+  Vec3 effective = Vec3::Zero();
+  for (int k = 0; k < 6; ++k) effective += modes.participation[k].cwiseAbs2();
+  for (int c = 0; c < 3; ++c) CHECK(effective[c] == Approx(modes.mass).epsilon(1e-6));
+  CHECK(modes.participation[6].norm() < 1e-6 * std::sqrt(modes.mass));
   const ShellModel weightless(
       strip.layout, strip.shape,
       {{{ShellMaterial::isotropic(1, 0), 1}}, {LineSupport::clamped("a")}, {}, {}});
@@ -256,4 +262,52 @@ TEST_CASE("a square plate buckles under the pressure of two sides at the load of
   CHECK(found.factors[1] == Approx(6.25 * unit).epsilon(1e-2));
   // Under tension it does not buckle.
   CHECK(buckling(shell, -q, 1).factors.size() == 0);
+}
+
+TEST_CASE(
+    "a ring buckles at 3 EI/R³ under pressure that follows it, at 4 EI/R³ if the pressure keeps "
+    "its direction",
+    "[analysis][modes]") {
+  const Sector ring(pi / 2, 0.1, 0.01, 0.05);
+  ShellDefinition d{{{ShellMaterial::isotropic(Sector::E, 0), ring.t}}, {}, {}, {}};
+  d.lines = {LineSupport::symmetric("left", {0, 1, 0}), LineSupport::symmetric("right", {1, 0, 0}),
+             held("low", {Vec3::UnitZ()})};
+  const ShellModel shell(ring.layout, ring.shape, d);
+  const Vec3 n = ring.layout.surface(ring.shape).jet({0, Vec3::Constant(1.0 / 3)}).normal();
+  const Vec3 x = ring.layout.surface(ring.shape).position({0, Vec3::Constant(1.0 / 3)});
+  const double inwards = n.head<2>().dot(x.head<2>()) > 0 ? -1 : 1;
+  const Points q = shell.solve(
+      surface_traction(ring.layout, ring.shape,
+                       [&](const Vec3&, const Vec3& normal) -> Vec3 { return inwards * normal; }));
+  const SparseMatrix follower =
+      follower_stiffness(ring.layout, ring.shape, [&](const Vec3&) { return PressureAt{inwards}; });
+  const double unit = Sector::E * ring.t * ring.t * ring.t / 12;
+  CHECK(buckling(shell, q, 1, follower).factors[0] == Approx(3 * unit).epsilon(1e-2));
+  CHECK(buckling(shell, q, 1).factors[0] == Approx(4 * unit).epsilon(1e-2));
+}
+
+TEST_CASE("the follower stiffness of a constant pressure is the second derivative of the volume",
+          "[analysis][modes]") {
+  const Sector sector(0.6, 0.4, 0.01, 0.1);
+  const SparseMatrix S =
+      follower_stiffness(sector.layout, sector.shape, [](const Vec3&) { return PressureAt{2}; });
+  // A displacement that vanishes near the boundary.
+  const VecX positions = sector.layout.position_dofs();
+  const Vec3 middle(std::cos(0.3), std::sin(0.3), 0.2);
+  Points u = Points::Zero(sector.shape.rows(), 3);
+  for (long m = 0; m < u.rows(); ++m)
+    if (positions[m] > 0 && (Vec3(sector.shape.row(m)) - middle).norm() < 0.1)
+      u.row(m) << std::sin(3.0 * m), std::cos(2.0 * m), std::sin(5.0 * m + 1);
+  REQUIRE(u.norm() > 0);
+  const auto work = [&](double step) {  // of the pressure on u, at the displaced surface
+    const Points moved = sector.shape + step * u;
+    return surface_traction(sector.layout, moved,
+                            [](const Vec3&, const Vec3& n) -> Vec3 { return 2 * n; })
+        .cwiseProduct(u)
+        .sum();
+  };
+  constexpr double step = 1e-4;
+  const Eigen::Map<const VecX> all(u.data(), u.size());
+  const double second = all.dot(S.selfadjointView<Eigen::Lower>() * all);
+  CHECK(second == Approx((work(step) - work(-step)) / (2 * step)).epsilon(1e-7));
 }

@@ -342,3 +342,91 @@ TEST_CASE("a deck that cannot hold the loads of a scene is refused", "[apps][str
   CHECK(r.code == 1);
   CHECK(r.err.find("which 'p.inp' cannot contain; use `batten stress`") != std::string::npos);
 }
+
+TEST_CASE("a plate without supports has six rigid-body modes and those of Leissa",
+          "[apps][stress]") {
+  const CliCase c("stress_free");
+  const auto stress = stress_of(c, plate(kSteel + "modes = 6"));
+  CHECK(stress["cases"].empty());
+  REQUIRE(stress["frequencies"].size() == 12);
+  for (int k = 0; k < 6; ++k) CHECK(stress["frequencies"][k] == 0);
+  const double unit = std::sqrt(210000.0 / (12 * 0.91) / 7.85e-9) / (2 * std::acos(-1.0) * 1e4);
+  const double roots[] = {13.468, 19.596, 24.270, 34.801, 34.801, 61.093};
+  for (int k = 0; k < 6; ++k)
+    CHECK(stress["frequencies"][6 + k].get<double>() == Approx(roots[k] * unit).epsilon(5e-3));
+  CHECK(stress["mass"].get<double>() == Approx(7.85e-9 * 1e4));
+  CHECK_FALSE(fs::exists(c / "out/plate_modes_1.gif"));
+}
+
+TEST_CASE("inertia relief gives the response of a free plate, whatever accelerates it",
+          "[apps][stress]") {
+  const CliCase c("stress_inertia_relief");
+  const std::string push = "{point = [50, 50, 0], force = [0, 0, 1]}";
+  const auto alone = stress_of(c, plate(kSteel + "inertia_relief = true\nloads = [" + push + "]"));
+  const auto lifted = stress_of(
+      c, plate(kSteel + "inertia_relief = true\nloads = [" + push + "]\ngravity = [0, 0, -9810]"));
+  const auto of = [](const auto& s, const char* key) {
+    return s["cases"][0][key].template get<double>();
+  };
+  CHECK(of(alone, "max_displacement") > 0);
+  CHECK(of(alone, "max_displacement") == Approx(of(lifted, "max_displacement")).epsilon(1e-6));
+  CHECK(of(alone, "equilibrium_residual") < 1e-8);
+  refused(c, kSteel + kClamped + "inertia_relief = true", 1, {"supports and inertia_relief"});
+  refused(c, kSteel + "inertia_relief = true\npressure = 1\nsensitivities = true", 1,
+          {"sensitivities"});
+  refused(c, "thickness = 1\nyoung = 210e3\ninertia_relief = true\npressure = 1", 1, {"density"});
+  refused(c, kSteel + "pressure = 1", 1, {"found no supports", "inertia_relief = true"});
+}
+
+TEST_CASE("a couple is in balance", "[apps][stress]") {
+  const CliCase c("stress_couple");
+  c.file("s.toml",
+         plate(kSteel + kClamped +
+               "loads = [{point = [0, 100, 0], force = [0, 0, -1]}, {point = [100, 100, 0], "
+               "force = [0, 0, 1]}]"));
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(r.err);
+  CHECK(r.code == 0);
+  const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
+  CHECK(report["stress"]["cases"][0]["equilibrium_residual"].get<double>() < 1e-8);
+}
+
+TEST_CASE("--accuracy applies to the stress at a hole, and names stresses that have no limit",
+          "[apps][stress]") {
+  const CliCase c("stress_hole");
+  const auto side = [](const std::string& name, int x0, int y0, int x1, int y1) {
+    const auto at = [](int x, int y) {
+      return "[" + std::to_string(x) + ", " + std::to_string(y) + ", 0]";
+    };
+    return line_of(name, "[" + at(x0, y0) + ", " + at(x1, y1) + "]");
+  };
+  const std::string sheet = "name = \"sheet\"\nunit = \"mm\"\n" +
+                            side("left", -200, -100, -200, 100) + side("top", -200, 100, 200, 100) +
+                            side("right", 200, 100, 200, -100) +
+                            side("bottom", 200, -100, -200, -100);
+  c.file("hole.toml",
+         sheet +
+             "[[curve]]\nname = \"hole\"\ncircle = {centre = [0, 0, 0], radius = 10}\nrole = "
+             "\"hole\"\n[stress]\n" +
+             kSteel +
+             "supports = [{point = [-200, -100, 0]}, {point = [-200, 100, 0], directions = [[1, 0, "
+             "0], [0, 0, 1]]}, {point = [200, 100, 0], directions = [[0, 0, 1]]}]\n"
+             "loads = [{curve = \"right\", force = [100, 0, 0]}, {curve = \"left\", force = [-100, "
+             "0, 0]}]\n");
+  const auto at = [&](const std::string& scene) {
+    const CliResult r = c.run({"stress", scene + ".toml", "--out", "out", "--accuracy", "0.01"});
+    INFO(r.err);
+    CHECK((r.code == 0 || r.code == 4));
+    return nlohmann::json::parse(contents(c / "out/report.json"));
+  };
+  const auto hole = at("hole");
+  // Howland: 3.02 times the stress of the whole section.
+  CHECK(hole["stress"]["cases"][0]["max_von_mises"].get<double>() == Approx(302).epsilon(0.015));
+  CHECK(hole["stress"]["meshes"].back()["stress_error"].get<double>() <= 0.01);
+  // A clamped end with free sides is singular at its corners.
+  c.file("clamped.toml", sheet + "[stress]\n" + kSteel +
+                             "supports = [{curve = \"left\"}]\nloads = [{curve = \"right\", force "
+                             "= [100, 0, 0]}]\n");
+  const auto clamped = at("clamped");
+  CHECK(clamped["warnings"].dump().find("grows with each refinement") != std::string::npos);
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MPL-2.0
+// Static analysis of a free shell by inertia relief.
+#pragma once
+
+#include <vector>
+
+#include "batten/analysis/models/shell_definition.h"
+#include "batten/analysis/shell_assembler.h"
+
+namespace batten {
+
+/// Inertia relief: the static response of a shell without supports. The loads F accelerate the shell
+/// as a rigid body; the inertia forces of this motion balance them,
+///
+///     F' = F - M R a,   a = (Rᵀ M R)⁻¹ Rᵀ F,
+///
+/// with the six rigid-body displacements R and the mass matrix M. The balanced loads are applied to
+/// the shell on statically determinate supports, whose reactions are zero. Of the displacement, the
+/// rigid-body part is removed: it is orthogonal to R in the inner product of M.
+class InertiaRelief {
+ public:
+  /// `shell`: a shell with a density; `shape`: absolute dofs of the middle surface. Throws
+  /// InputError if the mass is zero. Cost: one mass matrix.
+  InertiaRelief(const ModelLayout& model, const Points& shape, const ShellAssembler& shell);
+
+  /// The balanced loads F' (n×3).
+  Points balanced(const Points& F) const;
+  /// A displacement (n×3) without its rigid-body part.
+  Points without_rigid_motion(const Points& q) const;
+
+ private:
+  VecX moments(const Points& F) const;        // Rᵀ F
+  std::vector<Points> R_, MR_;                // n×3 each
+  Eigen::Matrix<double, 6, 6> inverse_mass_;  // (Rᵀ M R)⁻¹
+};
+
+/// Statically determinate supports at three vertices far from each other: all displacements of the
+/// first one, those of the second one across the line between them, that of the third one normal to
+/// the plane of the three. Throws InputError if all vertices lie on a line.
+std::vector<PointSupport> determinate_supports(const ModelLayout& model, const Points& shape);
+
+}  // namespace batten
