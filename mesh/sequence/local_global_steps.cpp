@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-constexpr int kLanes = RotationBatch::kLanes, kChunk = 512;
+constexpr int kLanes = RotationBatch::kLanes, kNodesPerChunk = 512;
 
 struct RingArrays {
   const int *start, *neighbour;
@@ -78,8 +78,8 @@ double local_step(const NodeGraph& graph, const RowPoints& rest, const RowPoints
                   std::vector<double>& parts) {
   const RingArrays ring_arrays{graph.start.data(), graph.neighbour.data(), graph.weight.data(),
                                rest.data(), now.data()};
-  parts.assign(graph.nodes / kChunk + 1, 0);
-  parallel_chunks<kChunk>(graph.nodes, [&](long begin, long end) {
+  parts.assign(graph.nodes / kNodesPerChunk + 1, 0);
+  parallel_chunks<kNodesPerChunk>(graph.nodes, [&](long begin, long end) {
     double energy = 0;
     RotationBatch M, R;
     double squares[kLanes];
@@ -100,7 +100,7 @@ double local_step(const NodeGraph& graph, const RowPoints& rest, const RowPoints
         energy += squares[l] - 2 * rotations[i].cwiseProduct(m).sum();
       }
     }
-    parts[begin / kChunk] = energy;
+    parts[begin / kNodesPerChunk] = energy;
   });
   double total = 0;
   for (const double part : parts) total += part;
@@ -112,7 +112,7 @@ void global_step_rhs(const NodeGraph& graph, const RowPoints& rest,
   const RingArrays ring_arrays{graph.start.data(), graph.neighbour.data(), graph.weight.data(),
                                rest.data(), nullptr};
   const double* R = graph.nodes > 0 ? rotations.front().data() : nullptr;
-  parallel_chunks<kChunk>(graph.nodes, [&](long first, long last) {
+  parallel_chunks<kNodesPerChunk>(graph.nodes, [&](long first, long last) {
     global_step_rhs_chunk(ring_arrays, R, static_cast<int>(first), static_cast<int>(last),
                           loads.data());
   });
