@@ -354,7 +354,8 @@ void Rewriting::rewrite_material_direction(const MaterialDirection& material,
     const Vec3 n = normal.normalized(), flat = direction - direction.dot(n) * n;
     return std::atan2(edge.cross(flat).dot(n), edge.dot(flat)) * 180 / std::numbers::pi;
   };
-  const double angle = angle_in(points_, motion.R * material.direction);
+  double angle = angle_in(points_, motion.R * material.direction);
+  if (std::abs(angle) < 1e-9) angle = 0;  // a rounding error
   // The field contains the number of a system, not an angle.
   const double none = std::numeric_limits<double>::quiet_NaN();
   if (!std::isfinite(angle)) return;

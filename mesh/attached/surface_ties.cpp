@@ -112,18 +112,18 @@ void SurfaceTies::attach(const SurfaceTie& tie, int index, const Search& search)
   for (const auto& faces : tie.sides) sides.push_back(search.flags(faces));
   if (sides.empty()) sides.emplace_back();
   std::vector<int> body = tie.nodes;
-  int far = 0;
-  double farthest = 0;
+  std::vector<std::pair<int, double>> far;  // part and distance of nodes
+  std::set<int> tied_parts;
   for (const int node : tie.nodes)
     for (const auto& side : sides) {
       const auto found = search.in_faces(node, side);
       const double reach = !found ? 0 : tie.reach > 0 ? tie.reach : search.longest_edge(*found);
       if (!found || found->distance > reach) {
-        ++far;
-        if (found) farthest = std::max(farthest, found->distance);
+        far.emplace_back(search.part_of(node), found ? found->distance : 0);
         continue;
       }
       const int from = search.part_of(node), to = search.part_of(found->corners[0]);
+      tied_parts.insert(from);
       if (weld) {
         search.add_face(found->triangle, body);
       } else if (from < 0 || from == to || !directions_.contains({to, from})) {
@@ -134,9 +134,14 @@ void SurfaceTies::attach(const SurfaceTie& tie, int index, const Search& search)
     }
   if (weld && body.size() > tie.nodes.size())
     welds_.push_back({tie.name, sorted_unique(std::move(body)), FormFeature::Kind::Free});
-  if (far > 0)
-    notes_.push_back(tie.name + ": " + std::to_string(far) + (far == 1 ? " node" : " nodes") +
-                     " of " + std::to_string(tie.nodes.size()) + " not attached, up to " +
+  // Contacts name whole parts, of which only the nodes nearby are tied.
+  if (!weld) std::erase_if(far, [&](const auto& f) { return tied_parts.contains(f.first); });
+  double farthest = 0;
+  for (const auto& [part, distance] : far) farthest = std::max(farthest, distance);
+  if (!far.empty())
+    notes_.push_back(tie.name + ": " + std::to_string(far.size()) +
+                     (far.size() == 1 ? " node" : " nodes") + " of " +
+                     std::to_string(tie.nodes.size()) + " not attached, up to " +
                      format_number(farthest) +
                      " from the surface, which is more than the stated tolerance or the longest "
                      "edge of the closest face");

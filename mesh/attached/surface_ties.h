@@ -29,7 +29,8 @@ struct TiedNode {
 
 /// The closest points of all ties of a mesh.
 ///
-/// - Nodes beyond the reach of their tie are not tied, and listed in notes().
+/// - Nodes beyond the reach of their tie are not tied. If no node of their part is tied, notes() lists
+///   them.
 /// - If two parts are tied to each other in both directions, only the first direction counts.
 /// - Beams and springs that stand between two surfaces to which both of their ends are tied are
 ///   welds.

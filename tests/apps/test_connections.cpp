@@ -73,9 +73,9 @@ std::string scene(const std::string& deck, const std::string& edit) {
          edit;
 }
 
-const std::string kLift =
+const std::string kLiftRight =
     "[[edit]]\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\ntranslate = [10, 0, 30]\n";
-const std::string kTurn =
+const std::string kTurnAll =
     "[[edit]]\n[[edit.handle]]\nname = \"all\"\nrotate = { axis = [1, 2, 3], angle = 90 }\n"
     "about = [3, 4, 5]\n";
 
@@ -126,7 +126,7 @@ TEST_CASE("a doubler that is tied to a sheet goes with it, the gap stays", "[app
                               "SDOUB, SBASE\n"));
   for (const std::string mode : {"estimated", "harmonic", "nonlinear"}) {
     INFO(mode);
-    std::string edit = kLift;
+    std::string edit = kLiftRight;
     edit.insert(edit.find("[[edit.handle]]"), "rotation_mode = \"" + mode + "\"\n");
     const Edited e(c, "tie.inp", edit);
     CHECK(e.result.err.find("not moved") == std::string::npos);
@@ -136,7 +136,7 @@ TEST_CASE("a doubler that is tied to a sheet goes with it, the gap stays", "[app
         CHECK(e.distance(kDoubler.node(i, j), kBase) == Approx(1.5).margin(2e-3));
       }
   }
-  const Edited e(c, "tie.inp", kTurn);
+  const Edited e(c, "tie.inp", kTurnAll);
   for (int i = 0; i <= kDoubler.nx; ++i)
     CHECK(e.distance(kDoubler.node(i, 3), kBase) == Approx(1.5).margin(1e-9));
 }
@@ -148,7 +148,7 @@ TEST_CASE("features of tied sheets keep their shape, and what is too far is name
   const std::string feature =
       "[[select]]\nname = \"patch\"\nbox = [[85, 20, 1], [100, 35, 2]]\n[[feature]]\n"
       "name = \"patch\"\n";
-  const Edited e(c, "tie.inp", feature + kLift);
+  const Edited e(c, "tie.inp", feature + kLiftRight);
   CHECK(report(c, "out")["features"][0]["max_rigid_error"].get<double>() < 1e-12);
   for (int i = 0; i <= kDoubler.nx; i += 4)
     CHECK(e.distance(kDoubler.node(i, 4), kBase) == Approx(1.5).margin(0.05));
@@ -156,7 +156,7 @@ TEST_CASE("features of tied sheets keep their shape, and what is too far is name
   Sheet far = kDoubler;
   far.z = 30;
   c.file("far.inp", tied_deck(kBase, far, "*TIE, NAME=GLUE\nSDOUB, SBASE\n"));
-  const CliResult r = Edited::run(c, "far.inp", kLift);
+  const CliResult r = Edited::run(c, "far.inp", kLiftRight);
   CHECK(r.err.find("*TIE GLUE: 117 nodes of 117 not attached, up to 30") != std::string::npos);
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("spot welds join their sheets and keep their length", "[apps][deform]"
     deck << 9001 + k << ",3," << 5001 + 2 * k << "," << 5002 + 2 * k << ",0\n";
   deck << "*CONTACT_SPOTWELD\n3,11,3,0\n\n\n*END\n";
   c.file("weld.k", deck.str());
-  const Edited e(c, "weld.k", kLift);
+  const Edited e(c, "weld.k", kLiftRight);
   for (int k = 0; k < 3; ++k) {
     const long a = 5001 + 2 * k, b = a + 1;
     CHECK(e.moved(a) > 1);
@@ -212,7 +212,7 @@ TEST_CASE("adhesive solids carry the second sheet", "[apps][deform]") {
                                    solids + "*SURFACE, NAME=BOTTOM\nGLUE, S1\n*SURFACE, NAME=TOP\n"
                                             "GLUE, S2\n*TIE, NAME=A\nBOTTOM, SBASE\n*TIE, NAME=B\n"
                                             "TOP, SDOUB\n"));
-  const Edited e(c, "glue.inp", kLift);
+  const Edited e(c, "glue.inp", kLiftRight);
   for (int i = 0; i <= upper.nx; i += 2) CHECK(e.moved(upper.node(i, 4)) > 1);
   for (int i = 0; i <= glue.nx; i += 2) {
     CHECK(e.distance(glue.node(i, 2), lower) == Approx(0.4).margin(1e-3));
@@ -233,7 +233,7 @@ TEST_CASE("the reference point of an assembly goes with its coupling", "[apps][d
                         "*SURFACE, TYPE=NODE, NAME=S\nENDS, 1.\n"
                         "*COUPLING, CONSTRAINT NAME=C, REF NODE=RP, SURFACE=S\n*KINEMATIC\n"
                         "*END ASSEMBLY\n*STEP\n*STATIC\n*CLOAD\nRP, 3, 10.\n*END STEP\n");
-  c.file("edit.toml", scene("cae.inp", kLift));
+  c.file("edit.toml", scene("cae.inp", kLiftRight));
   const CliResult r = c.run({"deform", "edit.toml", "--out", "out"});
   INFO(r.err);
   REQUIRE(r.code == 0);
@@ -285,7 +285,7 @@ TEST_CASE("what nothing connects is named with its number and distance", "[apps]
   const Sheet sheet{1, 1, 40, 4, 0, 0, 0, 5};
   c.file("a.inp", sheet.abaqus_nodes() + "*NODE\n901, 190., 10., 20.\n902, 2., 10., 3.\n" +
                       sheet.abaqus_quads("E"));
-  const CliResult r = Edited::run(c, "a.inp", kLift);
+  const CliResult r = Edited::run(c, "a.inp", kLiftRight);
   CHECK(r.err.find("1 node of no element (901) stay") != std::string::npos);
 }
 
@@ -393,7 +393,7 @@ TEST_CASE("a whole body that is turned has the same displacements in ccx", "[app
              "*BEAM SECTION, ELSET=B, MATERIAL=ST, SECTION=RECT\n3., 1.\n0., 0.2, 1.\n"
              "*BOUNDARY\nROOT, 1, 6\n*STEP\n*STATIC\n*CLOAD\nTIP, 1, 2.\nTIP, 3, 1.\n"
              "*NODE PRINT, NSET=TIP, GLOBAL=YES\nU\n*END STEP\n");
-  const Edited e(c, "body.inp", kTurn);
+  const Edited e(c, "body.inp", kTurnAll);
   const batten::Mat3 R = Eigen::AngleAxisd(std::acos(-1) / 2, Vec3(1, 2, 3).normalized()).matrix();
   const auto before = displacements_by_ccx(c / "body.inp"),
              after = displacements_by_ccx(c / "out/body-deformed.inp");
