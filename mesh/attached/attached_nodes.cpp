@@ -92,7 +92,9 @@ Mat3 AttachedNodes::ring_rotation(int node, const Points& before, const Points& 
   std::vector<int> ring{node};
   for (const int v : topology.coincident_vertices(node))
     ring.insert(ring.end(), topology.neighbours(v).begin(), topology.neighbours(v).end());
-  return rotation_of_face(ring, before, after);
+  const bool moved =
+      std::any_of(ring.begin(), ring.end(), [&](int v) { return before.row(v) != after.row(v); });
+  return moved ? rotation_of_face(ring, before, after) : Mat3(Mat3::Identity());
 }
 
 std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& after,
@@ -110,11 +112,17 @@ std::vector<Mat3> AttachedNodes::rotations(const Points& before, const Points& a
     Mat3 mean = Mat3::Identity();
     if (vertices_on_line(f.vertices, before)) {
       Mat3 sum = Mat3::Zero();
-      for (const int v : f.vertices)
-        if (has_face_[v]) sum += ring_rotation(v, before, after);
-      mean = nearest_rotation(sum);
+      bool rotates = false;
+      for (const int v : f.vertices) {
+        if (!has_face_[v]) continue;
+        sum += ring_rotation(v, before, after);
+        rotates |= ring_rotation(v, before, after) != Mat3::Identity();
+      }
+      if (rotates) mean = nearest_rotation(sum);
     }
-    const Mat3 R = rotation_from(mean, f.vertices, before, after);
+    const bool moved = std::any_of(f.vertices.begin(), f.vertices.end(),
+                                   [&](int v) { return before.row(v) != after.row(v); });
+    const Mat3 R = moved ? rotation_from(mean, f.vertices, before, after) : mean;
     for (const int v : f.vertices) {
       rotations[v] = R;
       known[v] = 1;

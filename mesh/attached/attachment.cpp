@@ -83,8 +83,10 @@ class AttachmentPropagator {
   /// Best rigid motion of known nodes. If their positions leave it undetermined, their rotations
   /// decide.
   Motion motion_of(const std::vector<int>& nodes, const std::vector<double>& weights = {}) const {
-    if (std::all_of(nodes.begin(), nodes.end(),
-                    [&](int v) { return after_.row(v) == before_.row(v); }))
+    // A node on the axis of a rotation does not move, but rotates.
+    if (std::all_of(nodes.begin(), nodes.end(), [&](int v) {
+          return after_.row(v) == before_.row(v) && rotations_[v] == Mat3::Identity();
+        }))
       return {Mat3::Identity(), Vec3::Zero(), true};
     Mat3 sum = Mat3::Zero();
     for (size_t i = 0; i < nodes.size(); ++i)

@@ -9,7 +9,8 @@ RBE2. INCLUDE is not followed. Prints JSON:
   nodes     number of GRID cards
   moved     number of those whose global position changed
   largest   largest displacement
-  other     the first line that differs in anything but coordinates of a GRID; "" if none
+  other     the first line that differs in anything but coordinates of a GRID and the orientation
+            vector of a bar; "" if none
   spiders   number of RBE2
   bent      largest distance of a node of an RBE2 from its position after the best-fit rigid motion
 """
@@ -105,9 +106,16 @@ def bent(before, after):
     return float(np.linalg.norm(b - a @ turn.T, axis=1).max())
 
 
+def without_vector(line):
+    """A card of a bar, in columns, without its orientation vector."""
+    bar = re.match(r"(CBAR|CBEAM|CBUSH) ", line)
+    return line[:40] + line[64:].rstrip() if bar else line
+
+
 def main(before, after):
     a, b = Deck(before), Deck(after)
-    other = next((y for x, y in zip(a.text + [""], b.text + [""]) if x != y), "")
+    other = next((y for x, y in zip(a.text + [""], b.text + [""])
+                  if x != y and without_vector(x) != without_vector(y)), "")
     if len(a.text) != len(b.text):
         other = other or f"{len(a.text)} and {len(b.text)} cards and lines"
     moves = [float(np.linalg.norm(b.places[n] - p)) for n, p in a.places.items() if n in b.places]

@@ -388,7 +388,7 @@ class AbaqusReader {
           mesh_.fixed_nodes.push_back({isize(systems_), "has a coordinate that is the parameter " +
                                                             std::string(line.value(c + 1, 0, 0))});
       }
-      directions_.read_normal(data, isize(systems_), number);
+      if (line.count() > 4) directions_.read_normal(data, isize(systems_), number);
       deck_.add_node(number, label, xyz, fields);
       systems_.push_back(system);
       if (set) set->ranges.push_back({number, number});
