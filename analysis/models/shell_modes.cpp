@@ -69,7 +69,7 @@ struct EigenPairs {
 // magnitude. Empty if the iteration does not converge.
 std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, const SparseMatrix& A,
                                              const SparseMatrix& B, int count,
-                                             Spectra::SortRule which) {
+                                             Spectra::SortRule which, int restarts = 300) {
   const int n = solver.reduction().free_count();
   if (count < 1 || 2 * count >= n)
     throw InputError("found " + std::to_string(count) + " modes for " + std::to_string(n) +
@@ -81,7 +81,6 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
   Spectra::SymGEigsSolver<ReducedProduct, ReducedStiffness, Spectra::GEigsMode::RegularInverse>
       lanczos(product, stiffness, count, krylov_dimension);
   lanczos.init();
-  constexpr int restarts = 300;
   constexpr double tolerance = 1e-10;
   lanczos.compute(which, restarts, tolerance, Spectra::SortRule::LargestAlge);
   if (lanczos.info() != Spectra::CompInfo::Successful) return std::nullopt;
@@ -161,13 +160,18 @@ ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
                        const SparseMatrix& follower) {
   const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
   if (!has_membrane_forces(shell, q, G)) return {};
-  auto found =
-      largest_eigenpairs(shell.solver(), G, follower, count, Spectra::SortRule::LargestAlge);
+  // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors, and the iteration does
+  // not converge. All eigenvalues that are not near 0 are then negative, which the search by
+  // magnitude confirms.
+  constexpr int few = 30;
+  const auto largest = [&](Spectra::SortRule which, int restarts) {
+    return largest_eigenpairs(shell.solver(), G, follower, count, which, restarts);
+  };
+  auto found = largest(Spectra::SortRule::LargestAlge, few);
   if (!found) {
-    // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors. All eigenvalues
-    // that are not near 0 are then negative, which the search by magnitude confirms.
-    found = largest_eigenpairs(shell.solver(), G, follower, count, Spectra::SortRule::LargestMagn);
-    if (!found || found->values[0] > 0) throw_not_converged(count);
+    found = largest(Spectra::SortRule::LargestMagn, few);
+    if (!found || found->values[0] > 0) found = largest(Spectra::SortRule::LargestAlge, 10 * few);
+    if (!found) throw_not_converged(count);
   }
   const EigenPairs& pairs = *found;
   ShellBuckling result;

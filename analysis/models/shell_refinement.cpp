@@ -69,9 +69,8 @@ class StressConvergence {
       of.values.push_back(value);
       of.singular = of.singular || grows_without_limit(of.increases);
       if (of.excluded() || value == 0) continue;
-      of.error = of.increases.empty()
-                     ? 1
-                     : std::max(std::abs(of.increases.back()), cases[c].max_stress.spread / value);
+      of.error = cases[c].max_stress.spread / value;
+      if (!of.increases.empty()) of.error = std::max(of.error, std::abs(of.increases.back()));
       most = std::max(most, of.error);
     }
     return most;

@@ -37,9 +37,8 @@ struct RefinedShell {
     /// displacement and the error of the work of the loads (energy_norm_error²).
     double error = 0;
     /// Estimated relative error of the largest stress of each load case, without `singularities`:
-    /// the larger of its change since the mesh before and ShellStresses::Peak::spread. 1 on the
-    /// first mesh.
-    double stress_error = 1;
+    /// the larger of its change since the mesh before and ShellStresses::Peak::spread.
+    double stress_error = 0;
   };
   std::vector<Mesh> meshes;  ///< all meshes in their order; the last one is that of `layout`
   /// True: on the last mesh, `error` and `stress_error` are at most `accuracy`.

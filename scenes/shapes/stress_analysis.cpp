@@ -285,15 +285,14 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
       summary_line("stress", std::to_string(report.unknowns) + " unknowns" +
                                  (report.material.empty() ? "" : ", " + report.material));
   for (const auto& m : report.meshes)
-    text +=
-        summary_line(&m == &report.meshes[0] ? "meshes" : "",
-                     "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
-                         std::to_string(m.unknowns) + " unknowns, displacement " +
-                         three_digits(m.displacement) + ", von Mises " + three_digits(m.stress) +
-                         ", error " + three_digits(100 * m.error) + " %" +
-                         (&m == &report.meshes[0] || m.stress_error == 0
-                              ? ""
-                              : ", of the stress " + three_digits(100 * m.stress_error) + " %"));
+    text += summary_line(
+        &m == &report.meshes[0] ? "meshes" : "",
+        "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
+            std::to_string(m.unknowns) + " unknowns, displacement " + three_digits(m.displacement) +
+            ", von Mises " + three_digits(m.stress) + ", error " + three_digits(100 * m.error) +
+            " %" +
+            (m.stress_error == 0 ? ""
+                                 : ", of the stress " + three_digits(100 * m.stress_error) + " %"));
   for (const auto& c : report.cases) {
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +

@@ -39,7 +39,7 @@ TEST_CASE("a free beam under a force bends as one under its inertia forces",
     return layout.surface(result.displacement).position(at.where).z();
   };
   // Each half is a cantilever under the uniform inertia forces P/L.
-  const double exact = P * L * L * L / (128 * Plates::EI);
+  const double exact = P * L * L * L / (128 * Plates::EI * Plates::W);
   CHECK(z(L / 2) - z(0) == Approx(exact).epsilon(1e-3));
   CHECK(z(0) == Approx(z(L)).epsilon(1e-6));
   // No rigid-body motion, and the same response to any rigid acceleration in addition.

@@ -73,7 +73,8 @@ TEST_CASE("supports at almost right or straight angles give the result of the ex
         INFO(sign * angle << ": " << near.displacement / exact.displacement << ", "
                           << near.stress / exact.stress);
         CHECK(near.displacement == Approx(exact.displacement).epsilon(1e-3 + 4 * angle));
-        CHECK(near.stress == Approx(exact.stress).epsilon(1e-3 + 4 * angle));
+        // The meshes differ as well.
+        CHECK(near.stress == Approx(exact.stress).epsilon(5e-3 + 4 * angle));
       }
     // Beyond, the result changes gradually.
     Maxima before = exact;
