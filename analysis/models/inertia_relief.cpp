@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "batten/core/containers.h"
+#include "batten/analysis/models/shell_loads.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -64,41 +64,6 @@ Points InertiaRelief::without_rigid_motion(const Points& q) const {
   Points result = q;
   for (int k = 0; k < kRigid; ++k) result -= a[k] * R_[k];
   return result;
-}
-
-std::vector<PointSupport> determinate_supports(const ModelLayout& model, const Points& shape) {
-  const Surface surface = model.surface(shape);
-  const Trim* trim = surface.trim().get();
-  std::vector<Location> places;
-  std::vector<Vec3> at;
-  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
-    if (trim && trim->side(t) != Trim::Side::Inside) continue;
-    for (int i = 0; i < 3; ++i) {
-      places.push_back({t, Vec3::Unit(i)});
-      at.push_back(surface.position(places.back()));
-    }
-  }
-  const auto farthest = [&](const auto& distance) {
-    int best = 0;
-    for (int i = 1; i < isize(at); ++i)
-      if (distance(at[i]) > distance(at[best])) best = i;
-    return best;
-  };
-  if (at.empty()) throw InputError("found no element inside of the boundary of the shell");
-  const Vec3 c = centre(model, shape);
-  const int first = farthest([&](const Vec3& p) { return (p - c).norm(); });
-  const int second = farthest([&](const Vec3& p) { return (p - at[first]).norm(); });
-  const Vec3 line = (at[second] - at[first]).normalized();
-  const int third = farthest([&](const Vec3& p) { return (p - at[first]).cross(line).norm(); });
-  const Vec3 normal = line.cross(at[third] - at[first]).normalized();
-  constexpr double collinear = 1e-9;
-  if (!((at[third] - at[first]).cross(line).norm() > collinear * model.size()))
-    throw InputError("found a shell along a line, expected a surface");
-  const auto support = [&](int i, const std::vector<Vec3>& directions) {
-    return PointSupport{"inertia relief", {{}, places[i], 0}, directions};
-  };
-  return {support(first, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}),
-          support(second, {normal, normal.cross(line)}), support(third, {normal})};
 }
 
 }  // namespace batten

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "batten/analysis/models/shell_definition.h"
 #include "batten/analysis/shell_assembler.h"
+#include "batten/skinning/model/model_layout.h"
 
 namespace batten {
 
@@ -33,10 +33,5 @@ class InertiaRelief {
   std::vector<Points> R_, MR_;                // n×3 each
   Eigen::Matrix<double, 6, 6> inverse_mass_;  // (Rᵀ M R)⁻¹
 };
-
-/// Statically determinate supports at three vertices far from each other: all displacements of the
-/// first one, those of the second one across the line between them, that of the third one normal to
-/// the plane of the three. Throws InputError if all vertices lie on a line.
-std::vector<PointSupport> determinate_supports(const ModelLayout& model, const Points& shape);
 
 }  // namespace batten

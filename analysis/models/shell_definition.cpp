@@ -4,10 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "batten/analysis/models/inertia_relief.h"
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"
 #include "batten/analysis/models/vertex_constraints.h"
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 
 namespace batten {
@@ -17,6 +17,44 @@ void add_point_support(const ModelLayout& model, const PointSupport& support, Co
   const ConstraintEntries position = shape_functions_at(model, support.position.where);
   for (const Vec3& unit : unit_directions(support.name, support.directions))
     add_summed(support.name, along(unit, position), unit.dot(support.displacement), set);
+}
+
+// Statically determinate supports at three vertices far from each other: all displacements of the
+// first one, those of the second one across the line between them, that of the third one normal to
+// the plane of the three. Throws InputError if all vertices lie on a line.
+std::vector<PointSupport> determinate_supports(const ModelLayout& model, const Points& shape) {
+  const Surface surface = model.surface(shape);
+  const Trim* trim = surface.trim().get();
+  std::vector<Location> places;
+  std::vector<Vec3> at;
+  for (int t = 0; t < surface.mesh().triangle_count(); ++t) {
+    if (trim && trim->side(t) != Trim::Side::Inside) continue;
+    for (int i = 0; i < 3; ++i) {
+      places.push_back({t, Vec3::Unit(i)});
+      at.push_back(surface.position(places.back()));
+    }
+  }
+  const auto farthest = [&](const auto& distance) {
+    int best = 0;
+    for (int i = 1; i < isize(at); ++i)
+      if (distance(at[i]) > distance(at[best])) best = i;
+    return best;
+  };
+  if (at.empty()) throw InputError("found no element inside of the boundary of the shell");
+  const Vec3 c = centre(model, shape);
+  const int first = farthest([&](const Vec3& p) { return (p - c).norm(); });
+  const int second = farthest([&](const Vec3& p) { return (p - at[first]).norm(); });
+  const Vec3 line = (at[second] - at[first]).normalized();
+  const int third = farthest([&](const Vec3& p) { return (p - at[first]).cross(line).norm(); });
+  const Vec3 normal = line.cross(at[third] - at[first]).normalized();
+  constexpr double collinear = 1e-9;
+  if (!((at[third] - at[first]).cross(line).norm() > collinear * model.size()))
+    throw InputError("found a shell along a line, expected a surface");
+  const auto support = [&](int i, const std::vector<Vec3>& directions) {
+    return PointSupport{"inertia relief", {{}, places[i], 0}, directions};
+  };
+  return {support(first, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}),
+          support(second, {normal, normal.cross(line)}), support(third, {normal})};
 }
 
 void add_area_support(const ModelLayout& model, const Points& shape,
