@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "batten/analysis/models/inertia_relief.h"
+#include "batten/analysis/models/triangle_maximum.h"
 #include "batten/core/cancellation.h"
 #include "batten/fem/surface.h"
 
@@ -33,28 +34,6 @@ void visit_sample_points(const Surface& surface, const Visit& visit) {
     for (long p = 0; p < rule.weights.size(); ++p) visit(Location{t, rule.L.row(p).transpose()});
     for (const Vec3& L : trim->boundary_points(t)) visit(Location{t, L});
   }
-}
-
-// Moves a location inside its triangle to a local maximum of `value` by compass search.
-template <class Value>
-Location climb(Location where, const Value& value) {
-  double largest = value(where);
-  constexpr double first = 0.25, last = 1e-3;
-  for (double step = first; step > last;) {
-    Location best = where;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const Location next{where.triangle, where.L + step * (Vec3::Unit(i) - Vec3::Unit(j))};
-        if (next.L.minCoeff() < 0) continue;
-        if (const double there = value(next); there > largest) {
-          largest = there;
-          best = next;
-        }
-      }
-    if (best.L == where.L) step /= 2;
-    where = best;
-  }
-  return where;
 }
 
 // Edge length √(twice the area) of a triangle.
@@ -120,16 +99,25 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved) {
   MaxDisplacement largest;
   const auto value = [&](const Location& where) { return moved.position(where).norm(); };
+  std::vector<Location> places;  // the largest samples: a vertex is one of several triangles
   visit_sample_points(surface, [&](const Location& where) {
-    if (const double u = value(where); u > largest.value) {
-      largest.value = u;
-      largest.where = where;
-    }
+    constexpr double same = 1e-9;
+    const double u = value(where);
+    if (!(u > (1 - same) * largest.value)) return;
+    if (u > (1 + same) * largest.value) places.clear();
+    largest.value = std::max(largest.value, u);
+    places.push_back(where);
   });
-  if (!(largest.value > 0)) return largest;
+  if (places.empty()) return largest;
   const Trim* trim = surface.trim().get();
-  if (!trim || trim->side(largest.where.triangle) == Trim::Side::Inside)
-    largest.where = climb(largest.where, value);
+  largest.where = places[0];
+  constexpr double kAccuracy = 1e-7;
+  constexpr size_t few = 24;  // of a shell that moves as a whole, all samples are the largest
+  for (size_t i = 0; i < std::min(places.size(), few); ++i) {
+    const bool inside = !trim || trim->side(places[i].triangle) == Trim::Side::Inside;
+    const Location top = inside ? climb_in_triangle(places[i], kAccuracy, value) : places[i];
+    if (value(top) > value(largest.where)) largest.where = top;
+  }
   largest.vector = moved.position(largest.where);
   largest.value = largest.vector.norm();
   largest.at = surface.position(largest.where);

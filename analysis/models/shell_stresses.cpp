@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "batten/analysis/models/triangle_maximum.h"
 #include "batten/core/cancellation.h"
 #include "batten/core/parallel.h"
 
@@ -255,23 +256,39 @@ double ShellStresses::energy_norm_error() const {
 void ShellStresses::find_peak() {
   const Surface& surface = shell_.surface();
   const Trim* trim = surface.trim().get();
-  const auto take = [&](const Location& where) {
+  const auto is_cut = [&](int t) { return trim && trim->side(t) == Trim::Side::Cut; };
+  const auto largest_at = [&](const Location& where) {
     const ShellStress stress = at(where);
-    for (const double height : {1.0, -1.0}) {
-      const double value = von_mises(stress.at(height));
-      if (value > peak_.value) peak_ = {value, height, 0, where, Vec3::Zero()};
-    }
+    return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
+  };
+  double largest = 0;
+  std::vector<Location> places;  // the largest samples: a vertex is one of several triangles
+  const auto take = [&](const Location& where) {
+    constexpr double same = 1e-9;
+    const double value = largest_at(where);
+    if (!(value > (1 - same) * largest)) return;
+    if (value > (1 + same) * largest) places.clear();
+    largest = std::max(largest, value);
+    places.push_back(where);
   };
   for (int t = 0; t < isize(samples_); ++t) {
     poll_every<1024>(t);
-    const bool cut = trim && trim->side(t) == Trim::Side::Cut;
     if (samples_[t].empty()) continue;
-    if (cut) {
-      for (const Sample& s : samples_[t]) take(s.where);
-      for (const Vec3& L : trim->boundary_points(t)) take({t, L});
-    } else {
-      for (int i = 0; i < 3; ++i) take({t, Vec3::Unit(i)});
-    }
+    for (int i = 0; i < 3 && !is_cut(t); ++i) take({t, Vec3::Unit(i)});
+    if (!is_cut(t)) continue;
+    for (const Sample& s : samples_[t]) take(s.where);
+    for (const Vec3& L : trim->boundary_points(t)) take({t, L});
+  }
+  if (places.empty()) return;
+  constexpr size_t few = 24;
+  for (size_t i = 0; i < std::min(places.size(), few); ++i) {
+    constexpr double accuracy = 1e-2;
+    const Location where =
+        is_cut(places[i].triangle) ? places[i] : climb_in_triangle(places[i], accuracy, largest_at);
+    const ShellStress stress = at(where);
+    for (const double height : {1.0, -1.0})
+      if (const double value = von_mises(stress.at(height)); value > peak_.value)
+        peak_ = {value, height, 0, where, Vec3::Zero()};
   }
   peak_.at = surface.position(peak_.where);
   for (const Sample& s : samples_[peak_.where.triangle]) {

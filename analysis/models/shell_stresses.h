@@ -66,8 +66,9 @@ class ShellStresses {
   /// Contributions of the triangles to goal_error(), for adaptive refinement.
   VecX goal_error_per_triangle(const ShellStresses& adjoint) const;
 
-  /// Largest von Mises stress at the top or bottom of the shell: at vertices and, in triangles that
-  /// the boundary loops cut, at sampling points and at Trim::boundary_points().
+  /// Largest von Mises stress at the top or bottom of the shell: the largest at a vertex and, from
+  /// there, a local maximum in the triangles around it; in triangles that the boundary loops cut, at
+  /// sampling points and at Trim::boundary_points().
   struct Peak {
     double value = 0;
     double height = 1;  ///< side of the shell at which the peak occurs; 1 is the top, -1 the bottom
