@@ -203,13 +203,23 @@ CellType make_cell_type(int type) {
   FaceType& face = *result.face;
   face.nodes = static_cast<size_t>(cell->GetNumberOfPoints());
   for (int i = 0; i < cell->GetNumberOfPoints(); ++i) cell->GetPointIds()->SetId(i, i);
+  // The edges of some types are neither in order nor directed alike (VTK_PIXEL).
+  std::vector<std::vector<int>> edges;
   std::vector<char> used(face.nodes, 0);
   for (int e = 0; e < cell->GetNumberOfEdges(); ++e) {
     vtkIdList* const ids = cell->GetEdge(e)->GetPointIds();
-    face.corners.push_back(static_cast<int>(ids->GetId(0)));
-    if (ids->GetNumberOfIds() > 2) face.middle.push_back(static_cast<int>(ids->GetId(2)));
-    for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k)
-      used[static_cast<size_t>(ids->GetId(k))] = 1;
+    edges.emplace_back(ids->begin(), ids->end());
+    for (const int i : edges.back()) used[static_cast<size_t>(i)] = 1;
+  }
+  for (int at = edges.empty() ? 0 : edges[0][0]; !edges.empty();) {
+    const auto next = std::find_if(edges.begin(), edges.end(), [&](const std::vector<int>& edge) {
+      return edge[0] == at || edge[1] == at;
+    });
+    if (next == edges.end()) break;
+    face.corners.push_back(at);
+    if (next->size() > 2) face.middle.push_back((*next)[2]);
+    at = (*next)[0] == at ? (*next)[1] : (*next)[0];
+    edges.erase(next);
   }
   for (size_t i = 0; i < used.size(); ++i)
     if (!used[i]) face.inside.push_back(static_cast<int>(i));
