@@ -371,6 +371,10 @@ TEST_CASE("inertia relief gives the response of a free plate, whatever accelerat
   CHECK(of(alone, "max_displacement") > 0);
   CHECK(of(alone, "max_displacement") == Approx(of(lifted, "max_displacement")).epsilon(1e-6));
   CHECK(of(alone, "equilibrium_residual") < 1e-8);
+}
+
+TEST_CASE("inertia relief needs a density, and no supports", "[apps][stress]") {
+  const CliCase c("stress_inertia_refused");
   refused(c, kSteel + kClamped + "inertia_relief = true", 1, {"supports and inertia_relief"});
   refused(c, kSteel + "inertia_relief = true\npressure = 1\nsensitivities = true", 1,
           {"sensitivities"});
@@ -380,18 +384,14 @@ TEST_CASE("inertia relief gives the response of a free plate, whatever accelerat
 
 TEST_CASE("a couple is in balance", "[apps][stress]") {
   const CliCase c("stress_couple");
-  c.file("s.toml",
-         plate(kSteel + kClamped +
-               "loads = [{point = [0, 100, 0], force = [0, 0, -1]}, {point = [100, 100, 0], "
-               "force = [0, 0, 1]}]"));
-  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
-  INFO(r.err);
-  CHECK(r.code == 0);
-  const auto report = nlohmann::json::parse(contents(c / "out/report.json"));
-  CHECK(report["stress"]["cases"][0]["equilibrium_residual"].get<double>() < 1e-8);
+  const auto stress = stress_of(
+      c, plate(kSteel + kClamped +
+               "loads = [{point = [0, 100, 0], force = [0, 0, -1]}, {point = [100, 100, 0], force "
+               "= [0, 0, 1]}]"));
+  CHECK(stress["cases"][0]["equilibrium_residual"].get<double>() < 1e-8);
 }
 
-TEST_CASE("--accuracy applies to the stress at a hole, and names stresses that have no limit",
+TEST_CASE("an accuracy applies to the stress at a hole, and stresses that have no limit are named",
           "[apps][stress]") {
   const CliCase c("stress_hole");
   const auto side = [](const std::string& name, int x0, int y0, int x1, int y1) {
