@@ -9,8 +9,8 @@ RBE2. INCLUDE is not followed. Prints JSON:
   nodes     number of GRID cards
   moved     number of those whose global position changed
   largest   largest displacement
-  other     the first line that differs in anything but coordinates of a GRID and the orientation
-            vector of a bar; "" if none
+  other     the first line that differs in anything but coordinates of a GRID, the orientation
+            vector of a bar and the points of a system; "" if none
   spiders   number of RBE2
   bent      largest distance of a node of an RBE2 from its position after the best-fit rigid motion
 """
@@ -70,6 +70,8 @@ class Deck:
                 # endings.
                 ending = own[0][len(own[0].rstrip("\r\n")):]
                 self.text.append(" ".join(["GRID", *data[:2], *data[5:]]) + ending)
+            elif name in ("CORD2R", "CORD2C", "CORD2S"):  # its points may move with the mesh
+                self.text.append(" ".join([name, *data[:2]]))
             else:
                 self.text += own
             if name in ("CORD2R", "CORD2C", "CORD2S"):
