@@ -75,8 +75,7 @@ struct ViewReport : RunReport {
 /// empty, and nothing is drawn, if the file has no faces. `look`: only the view is used. Throws
 /// InputError if `look` requests more than shaded faces, if the file cannot be read, or if there is
 /// no display.
-std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad,
-                                         const PictureScene& look,
+std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad, const PictureScene& look,
                                          const std::filesystem::path& picture);
 
 // The scene of `batten fit`.

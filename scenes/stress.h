@@ -102,7 +102,7 @@ struct StressCase {
   bool near_singularity = false;  ///< whether the maximum is next to a point load or support
   double safety_factor = 0;       ///< yield_stress / max_von_mises; 0: no yield stress
   double strain_energy = 0;
-  double error_estimate = 0;        ///< estimated relative error in the energy norm
+  double error_estimate = 0;  ///< estimated relative error in the energy norm
   /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same
   /// for their moments, whichever is larger.
   double equilibrium_residual = 0;

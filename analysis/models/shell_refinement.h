@@ -16,7 +16,7 @@ namespace batten {
 struct ShellRefinementOptions {
   /// Largest accepted relative error of displacements and of the largest stresses, above 0.
   double accuracy = 0.01;
-  int max_meshes = 20;     ///< number of meshes including the first one, 1 or more
+  int max_meshes = 20;  ///< number of meshes including the first one, 1 or more
   /// Fraction of the total error that the bisected triangles contain (Dörfler marking); above 0, at
   /// most 1.
   double bulk_fraction = 0.7;

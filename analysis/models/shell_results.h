@@ -55,7 +55,7 @@ struct ShellCaseResult {
   /// Larger one of |Σ forces| / Σ |force| and |Σ moments| / Σ |moment| over all nodal forces of
   /// loads and supports, with moments about centre() (ForceMagnitudes).
   double equilibrium_residual = 0;
-  double energy = 0;                ///< strain energy (ShellModel::energy())
+  double energy = 0;             ///< strain energy (ShellModel::energy())
   double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;
   ShellStresses::Peak max_stress;        ///< largest von Mises stress

@@ -115,8 +115,7 @@ std::vector<std::string> face_names_after(
     TopExp::MapShapes(became(cad.faces(f)), TopAbs_FACE, parts);
     for (int p = 1; p <= parts.Extent(); ++p)
       if (const int at = faces.FindIndex(parts(p)))
-        names[at - 1] =
-            cad.face_names[f - 1] + (parts.Extent() > 1 ? "." + std::to_string(p) : "");
+        names[at - 1] = cad.face_names[f - 1] + (parts.Extent() > 1 ? "." + std::to_string(p) : "");
   }
   int added = cad.faces.Extent();
   for (std::string& name : names)
@@ -142,7 +141,8 @@ void replace(CadFile& cad, const TopoDS_Shape& shape,
     TopTools_IndexedMapOfShape parts;
     TopExp::MapShapes(became(cad.edges(e)), TopAbs_EDGE, parts);
     for (int p = 1; p <= parts.Extent(); ++p)
-      if (const int at = edges.FindIndex(parts(p)); at && (!known[at - 1] || labels[at - 1].empty())) {
+      if (const int at = edges.FindIndex(parts(p));
+          at && (!known[at - 1] || labels[at - 1].empty())) {
         labels[at - 1] = cad.labels[e - 1];
         known[at - 1] = 1;
       }

@@ -52,7 +52,7 @@ struct CadFile {
   /// Names of `faces` after heal_shape(): "face 1" … in file order, "face 1.1" … for the parts of a
   /// divided face. Empty before.
   std::vector<std::string> face_names;
-  std::string found;                // number or kinds of entities in the file, for messages
+  std::string found;  // number or kinds of entities in the file, for messages
   /// The product structure with placements, names, colours and layers. `document` and `header` are
   /// set by read_cad_here() only.
   Handle(TDocStd_Document) document;

@@ -95,9 +95,9 @@ std::vector<std::array<int, 3>> triangles_of(const ShellMesh& mesh, int face) {
   };
   // Near a straight corner, one of the diagonals leaves a triangle without area.
   constexpr double kSliver = 0.1;
-  if (rest.size() == 4 && (length(rest[1], rest[3]) < length(rest[0], rest[2])
-                               ? least(1) >= kSliver * least(0)
-                               : least(0) < kSliver * least(1)))
+  if (rest.size() == 4 &&
+      (length(rest[1], rest[3]) < length(rest[0], rest[2]) ? least(1) >= kSliver * least(0)
+                                                           : least(0) < kSliver * least(1)))
     std::rotate(rest.begin(), rest.begin() + 1, rest.end());
   for (size_t i = 2; i < rest.size(); ++i) triangles.push_back({rest[0], rest[i - 1], rest[i]});
   return triangles;

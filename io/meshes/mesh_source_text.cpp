@@ -293,8 +293,7 @@ int width_of(FieldKind kind) {
 
 bool is_fixed_width(FieldKind kind) {
   return kind == FieldKind::Nastran8 || kind == FieldKind::Nastran16 || kind == FieldKind::Dyna10 ||
-         kind == FieldKind::Dyna16 ||
-         kind == FieldKind::Dyna20;
+         kind == FieldKind::Dyna16 || kind == FieldKind::Dyna20;
 }
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
-// Reads and writes VTK's XML files (VTP, VTU) and legacy files (VTK). When writing back, the data set is kept and gets new
-// points.
+// Reads and writes VTK's XML files (VTP, VTU) and legacy files (VTK). When writing back, the data set
+// is kept and gets new points.
 #include <vtkCell.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>

@@ -85,7 +85,7 @@ struct StressReport {
     double edge_length = 0;
     int unknowns = 0;
     double displacement = 0, stress = 0;
-    double error = 0;  ///< estimated relative error of the displacements
+    double error = 0;         ///< estimated relative error of the displacements
     double stress_error = 1;  ///< estimated relative error of the largest stresses
   };
   std::vector<Mesh> meshes;
@@ -177,7 +177,7 @@ struct Report : RunReport {
     Vec3 where = Vec3::Zero();  ///< point of the fitted shape that is farthest from the target
     int iterations = 0, refinements = 0;
     bool reached = false;
-    bool analytic = false;  ///< ModelFit::analytic
+    bool analytic = false;                              ///< ModelFit::analytic
     std::map<std::string, FittedPrimitive> primitives;  ///< of targets, by the name of the face
     struct Line {
       std::string name;
