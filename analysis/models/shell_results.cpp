@@ -99,25 +99,13 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved) {
   MaxDisplacement largest;
   const auto value = [&](const Location& where) { return moved.position(where).norm(); };
-  std::vector<Location> places;  // the largest samples: a vertex is one of several triangles
-  visit_sample_points(surface, [&](const Location& where) {
-    constexpr double same = 1e-9;
-    const double u = value(where);
-    if (!(u > (1 - same) * largest.value)) return;
-    if (u > (1 + same) * largest.value) places.clear();
-    largest.value = std::max(largest.value, u);
-    places.push_back(where);
-  });
-  if (places.empty()) return largest;
+  LargestSamples samples;
+  visit_sample_points(surface, [&](const Location& where) { samples.take(where, value(where)); });
+  if (samples.empty()) return largest;
   const Trim* trim = surface.trim().get();
-  largest.where = places[0];
-  constexpr double kAccuracy = 1e-7;
-  constexpr size_t few = 24;  // of a shell that moves as a whole, all samples are the largest
-  for (size_t i = 0; i < std::min(places.size(), few); ++i) {
-    const bool inside = !trim || trim->side(places[i].triangle) == Trim::Side::Inside;
-    const Location top = inside ? climb_in_triangle(places[i], kAccuracy, value) : places[i];
-    if (value(top) > value(largest.where)) largest.where = top;
-  }
+  constexpr double accuracy = 1e-7;
+  largest.where = samples.climb(
+      accuracy, value, [&](int t) { return !trim || trim->side(t) == Trim::Side::Inside; });
   largest.vector = moved.position(largest.where);
   largest.value = largest.vector.norm();
   largest.at = surface.position(largest.where);

@@ -261,16 +261,8 @@ void ShellStresses::find_peak() {
     const ShellStress stress = at(where);
     return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
   };
-  double largest = 0;
-  std::vector<Location> places;  // the largest samples: a vertex is one of several triangles
-  const auto take = [&](const Location& where) {
-    constexpr double same = 1e-9;
-    const double value = largest_at(where);
-    if (!(value > (1 - same) * largest)) return;
-    if (value > (1 + same) * largest) places.clear();
-    largest = std::max(largest, value);
-    places.push_back(where);
-  };
+  LargestSamples largest;
+  const auto take = [&](const Location& where) { largest.take(where, largest_at(where)); };
   for (int t = 0; t < isize(samples_); ++t) {
     poll_every<1024>(t);
     if (samples_[t].empty()) continue;
@@ -279,17 +271,13 @@ void ShellStresses::find_peak() {
     for (const Sample& s : samples_[t]) take(s.where);
     for (const Vec3& L : trim->boundary_points(t)) take({t, L});
   }
-  if (places.empty()) return;
-  constexpr size_t few = 24;
-  for (size_t i = 0; i < std::min(places.size(), few); ++i) {
-    constexpr double accuracy = 1e-2;
-    const Location where =
-        is_cut(places[i].triangle) ? places[i] : climb_in_triangle(places[i], accuracy, largest_at);
-    const ShellStress stress = at(where);
-    for (const double height : {1.0, -1.0})
-      if (const double value = von_mises(stress.at(height)); value > peak_.value)
-        peak_ = {value, height, 0, where, Vec3::Zero()};
-  }
+  if (largest.empty()) return;
+  constexpr double accuracy = 1e-2;
+  const Location where = largest.climb(accuracy, largest_at, [&](int t) { return !is_cut(t); });
+  const ShellStress stress = at(where);
+  for (const double height : {1.0, -1.0})
+    if (const double value = von_mises(stress.at(height)); value > peak_.value)
+      peak_ = {value, height, 0, where, Vec3::Zero()};
   peak_.at = surface.position(peak_.where);
   for (const Sample& s : samples_[peak_.where.triangle]) {
     const ShellStress own = stress_of(s.parts, surface.jet(s.where).normal(),

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
-// Local maxima of functions inside a triangle of a mesh.
+// Maximum of a function on a surface mesh: the largest sample, and a local maximum around it.
 #pragma once
+
+#include <algorithm>
+#include <vector>
 
 #include "batten/fem/parametric_mesh.h"
 
@@ -28,5 +31,39 @@ Location climb_in_triangle(Location where, double accuracy, const Value& value) 
   }
   return where;
 }
+
+/// The locations of the largest sample of a function. There may be several, because a vertex is a
+/// location in each of the triangles around it.
+class LargestSamples {
+ public:
+  void take(const Location& where, double value) {
+    constexpr double same = 1e-9;
+    if (!(value > (1 - same) * largest_)) return;
+    if (value > (1 + same) * largest_) places_.clear();
+    largest_ = std::max(largest_, value);
+    places_.push_back(where);
+  }
+
+  /// True if no sample is above 0.
+  bool empty() const { return places_.empty(); }
+
+  /// The largest local maximum in the triangles of these locations (climb_in_triangle()). There must
+  /// be a location. `may_climb(triangle)`: whether the function is defined on the whole triangle.
+  template <class Value, class MayClimb>
+  Location climb(double accuracy, const Value& value, const MayClimb& may_climb) const {
+    constexpr size_t few = 24;  // of a constant function, all samples are the largest
+    Location best = places_[0];
+    for (size_t i = 0; i < std::min(places_.size(), few); ++i) {
+      if (!may_climb(places_[i].triangle)) continue;
+      const Location top = climb_in_triangle(places_[i], accuracy, value);
+      if (value(top) > value(best)) best = top;
+    }
+    return best;
+  }
+
+ private:
+  double largest_ = 0;
+  std::vector<Location> places_;
+};
 
 }  // namespace batten
