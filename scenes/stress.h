@@ -41,8 +41,8 @@ struct ShellSupport {
   double foundation = 0;  ///< stiffness per area along the normal, above 0; 0: none
 };
 
-/// A load on a shell, with the keys of `loads` in docs/stress.md. Set one of the first six members,
-/// and the place that it needs.
+/// A load on a shell, with the keys of `loads` in docs/stress.md. Set one of the first nine members
+/// (or both totals), and the place that it needs.
 struct ShellLoad {
   std::optional<double> pressure = {};  ///< force per area along the normal
   std::optional<Vec3> traction = {};    ///< force per area
@@ -51,6 +51,13 @@ struct ShellLoad {
   std::optional<double> hydrostatic = {};
   std::optional<Vec3> force = {};     ///< force at `point`, or force per length along `curve`
   std::optional<double> moment = {};  ///< moment per length about the direction of `curve`
+  /// Force per length on `curve`, an edge of one face: in the tangent plane, away from the face.
+  std::optional<double> edge_force = {};
+  /// Force and moment about the centroid, spread over `curve`, `face`, `box` or the whole surface.
+  std::optional<Vec3> total_force = {}, total_moment = {};
+  std::optional<double> angular_velocity = {};  ///< rad/time about `axis`; needs a density
+  std::optional<Vec3> axis = {};                ///< direction
+  std::optional<Vec3> origin = {};              ///< a point of the axis; empty: [0, 0, 0]
   std::optional<double> level = {};
   std::optional<Vec3> point = {};  ///< the force acts at the nearest point of the surface
   std::string curve = {};

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/analysis/models/shell_loads.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"
@@ -73,6 +75,36 @@ void along_line(const ModelLayout& model, const Points& shape, const std::string
   if (box && !any) throw_nothing_in(*box);
 }
 
+// Adds a force at a fraction of a curve to a load vector.
+void add_force(const JoinEdge& side, double f, const Vec3& force, Points& F) {
+  ConstraintEntries position;
+  side.add_at(f, 0, 0, 1, position);
+  for (const auto& e : position) F.row(e.dof) += e.coefficient * force.transpose();
+}
+
+// A derivative of the shape at a fraction of a curve: across y + along dx/dt (JoinEdge::add_at()).
+Vec3 derivative(const JoinEdge& side, const Points& shape, double f, double across, double along) {
+  ConstraintEntries entries;
+  side.add_at(f, across, along, 0, entries);
+  Vec3 sum = Vec3::Zero();
+  for (const auto& e : entries) sum += e.coefficient * shape.row(e.dof).transpose();
+  return sum;
+}
+
+// Whether a face lies to the left of a curve, in the direction of JoinEdge; nullopt if the curve is
+// not part of the boundary of the face.
+std::optional<bool> face_is_left(const RegionLayout& region, const LineSide& side) {
+  for (const auto& loop : region.boundary())
+    for (const BoundarySegment& segment : loop) {
+      const bool embedded = segment.kind == BoundarySegment::Kind::Embedded;
+      if (embedded != side.embedded || segment.index != side.index) continue;
+      const bool opposite =
+          embedded && region.embedded()[static_cast<size_t>(side.index)].opposite_to_prescribed;
+      return segment.reversed == opposite;
+    }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Points surface_traction(const ModelLayout& model, const Points& shape, const SurfaceTraction& force,
@@ -125,23 +157,87 @@ SparseMatrix follower_stiffness(const ModelLayout& model, const Points& shape,
   return S;
 }
 
-Points gravity_load(const ModelLayout& model, const Points& shape,
-                    const std::vector<ShellSection>& sections, const Vec3& acceleration) {
+Points body_load(const ModelLayout& model, const Points& shape,
+                 const std::vector<ShellSection>& sections, const AccelerationField& acceleration) {
   return integrate_over_area(model, shape, {}, [&](const PartPoint& position) -> Vec3 {
     const ShellSection& s = sections[sections.size() == 1 ? 0 : position.where.triangle];
     return position.area.norm() * s.material.density * s.thickness_at(position.where.L) *
-           acceleration;
+           acceleration(position.x);
   });
+}
+
+Points gravity_load(const ModelLayout& model, const Points& shape,
+                    const std::vector<ShellSection>& sections, const Vec3& acceleration) {
+  return body_load(model, shape, sections, [&](const Vec3&) { return acceleration; });
+}
+
+Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  const LineTraction& per_length, const std::optional<Box3>& box) {
+  Points F = Points::Zero(shape.rows(), 3);
+  along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
+    add_force(side, f, dl * per_length(point_on_line(side, shape, f)), F);
+  });
+  return F;
 }
 
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box) {
+  return line_force(model, shape, line, LineTraction([&](const Vec3&) { return per_length; }), box);
+}
+
+Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  double per_length, const std::optional<Box3>& box) {
+  const ModelLine& found = model.model_line(line);
+  const LineSide& only = found.sides[0];
+  const std::optional<bool> left = face_is_left(*model.regions()[only.region], only);
+  if (found.sides.size() != 1 || !left)
+    throw InputError("found an edge force on '" + line +
+                     "', expected a curve that is the edge of exactly one face");
   Points F = Points::Zero(shape.rows(), 3);
   along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
-    ConstraintEntries position;
-    side.add_at(f, 0, 0, dl, position);
-    for (const auto& e : position) F.row(e.dof) += e.coefficient * per_length.transpose();
+    // The first side of a curve is the left one; see LineSides.
+    const Vec3 y = derivative(side, shape, f, 1, 0), along = derivative(side, shape, f, 0, 1);
+    const Vec3 tangent = along.normalized(), across = y - y.dot(tangent) * tangent;
+    if (!(across.norm() > 0))
+      throw InputError("the surface is singular along '" + line +
+                       "': it has no tangent plane there");
+    add_force(side, f, (*left ? -1 : 1) * dl * per_length * across.normalized(), F);
   });
+  return F;
+}
+
+Points spread_load(const ModelLayout& model, const Points& shape,
+                   const std::function<Points(const LineTraction& f)>& load, const Vec3& force,
+                   const Vec3& moment) {
+  const auto unit = [&](const Vec3& f) { return load([=](const Vec3&) { return f; }); };
+  const Points along[3] = {unit(Vec3::UnitX()), unit(Vec3::UnitY()), unit(Vec3::UnitZ())};
+  const Resultant x = resultant(model, shape, along[0]), y = resultant(model, shape, along[1]);
+  const double size = x.force.x();
+  // The moment of a force e per size is c × e, times the size.
+  const Vec3 c = Vec3(y.moment.z(), -x.moment.z(), x.moment.y()) / size;
+  Points F = Points::Zero(shape.rows(), 3);
+  for (int k = 0; k < 3; ++k) F += force[k] / size * along[k];
+  if (moment.isZero(0)) return F;
+  Points turning[3];
+  Mat3 inertia;
+  for (int k = 0; k < 3; ++k) {
+    turning[k] = load([&](const Vec3& p) -> Vec3 { return Vec3::Unit(k).cross(p - c); });
+    inertia.col(k) = resultant(model, shape, turning[k]).moment;
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  constexpr double straight = 1e-9;
+  Vec3 rotation = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 axis = axes.eigenvectors().col(k);
+    const double about = axis.dot(moment);
+    if (axes.eigenvalues()[k] > straight * axes.eigenvalues()[2])
+      rotation += about / axes.eigenvalues()[k] * axis;
+    else if (std::abs(about) > straight * moment.norm())
+      throw InputError(
+          "found a total moment about the direction of a straight curve, expected one "
+          "perpendicular to it; or 'moment', a moment per length about the curve");
+  }
+  for (int k = 0; k < 3; ++k) F += rotation[k] * turning[k];
   return F;
 }
 

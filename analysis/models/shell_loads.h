@@ -45,16 +45,45 @@ SparseMatrix follower_stiffness(const ModelLayout& model, const Points& shape,
                                 const std::function<PressureAt(const Vec3& x)>& pressure,
                                 const ShellPart& part = {});
 
-/// Gravity load F = ∬ N ρ t a dA for an acceleration a, with the shape functions N, density ρ and
-/// thickness t. `sections`: one for all triangles, or one per triangle of the model's mesh.
+/// Acceleration at a point of space.
+using AccelerationField = std::function<Vec3(const Vec3& x)>;
+
+/// Load F = ∬ N ρ t a dA of an acceleration a(x), with the shape functions N, density ρ and thickness
+/// t. `sections`: one for all triangles, or one per triangle of the model's mesh.
+Points body_load(const ModelLayout& model, const Points& shape,
+                 const std::vector<ShellSection>& sections, const AccelerationField& acceleration);
+/// body_load() of a constant acceleration.
 Points gravity_load(const ModelLayout& model, const Points& shape,
                     const std::vector<ShellSection>& sections, const Vec3& acceleration);
+
+/// Force per length at a point x of a curve.
+using LineTraction = std::function<Vec3(const Vec3& x)>;
 
 /// Load vector of a force per length along a curve, or along the part of the curve in a box. Throws
 /// InputError if the curve does not exist (the message suggests the closest name), EmptyPartError
 /// if the box contains no part of the curve.
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  const LineTraction& per_length, const std::optional<Box3>& box = {});
+/// line_force() of a constant force per length.
+Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box = {});
+
+/// Load vector of a force per length on an edge of the shell, in the tangent plane and perpendicular
+/// to the edge; positive values pull, away from the face. Throws the same exceptions as
+/// line_force(), and InputError for a curve that is not the edge of exactly one face.
+Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  double per_length, const std::optional<Box3>& box = {});
+
+/// A load of given resultant, spread evenly over a curve or a part of the surface.
+///
+/// The force per length or area is f(x) = F / A + ω × (x - c), with the size A (length or area) and
+/// the centroid c of the part. ω follows from ∬ (x - c) × (ω × (x - c)) dA = M, so that the resultant
+/// is the force F at the centroid and the moment M: the load of a rigid part with weights (RBE3) in
+/// a finite-element deck. `load`: makes the load vector of a force per length or area. Throws
+/// InputError for a moment about the direction of a straight curve.
+Points spread_load(const ModelLayout& model, const Points& shape,
+                   const std::function<Points(const LineTraction& f)>& load, const Vec3& force,
+                   const Vec3& moment);
 
 /// Load vector of a moment per length about the tangent of a curve, right-handed. On a curve shared
 /// by several regions, it is applied to the first one. Throws the same exceptions as line_force().

@@ -703,7 +703,7 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
   subcommand
       .option("TO", task->to,
               "file to write; its extension selects the format: .step .iges .brep .glb .3mf .stl "
-              ".obj .ply .off .vtp .vtu .csv .curves .dxf .svg")
+              ".obj .ply .off .vtp .vtu .inp .bdf .csv .curves .dxf .svg")
       .required();
   subcommand.group("Units");
   unit("--unit", task->unit, "length unit of the written file; the geometry is scaled accordingly",

@@ -107,8 +107,9 @@ std::vector<StressPart> stress_parts(const SceneText& scene) {
         part.values.emplace_back(name, to_toml(node));
         if (name == "type") part.kind = node.value_or(part.kind);
         if (name == "curve" || name == "face") part.of = node.value_or(std::string());
-        constexpr const char* acting[] = {"pressure", "force",       "moment",
-                                          "gravity",  "hydrostatic", "traction"};
+        constexpr const char* acting[] = {
+            "pressure", "force",      "moment",      "gravity",      "hydrostatic",
+            "traction", "edge_force", "total_force", "total_moment", "angular_velocity"};
         if (!support && std::find(std::begin(acting), std::end(acting), name) != std::end(acting))
           part.kind = name;
       }

@@ -315,8 +315,10 @@ void add_divisions(const TopoDS_Face& face, bool keep_tube, TopTools_ListOfShape
 }
 
 double area_of(const TopoDS_Shape& shape) {
+  // The default number of Gauss points gives surfaces of revolution only to about 3e-3.
+  constexpr double accuracy = 1e-4;
   GProp_GProps found;
-  BRepGProp::SurfaceProperties(shape, found);
+  BRepGProp::SurfaceProperties(shape, found, accuracy);
   return found.Mass();
 }
 

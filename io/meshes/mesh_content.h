@@ -92,6 +92,8 @@ void write_stl_mesh(const MeshOutput& output);
 void write_vtk_mesh(const MeshOutput& output);
 void write_glb_mesh(const MeshOutput& output);
 void write_3mf_mesh(const MeshOutput& output);
+void write_abaqus_mesh(const MeshOutput& output);
+void write_nastran_mesh(const MeshOutput& output);
 /// Writes an OBJ file. The result is the material file (.mtl), if one was written.
 std::vector<std::filesystem::path> write_obj_mesh(const MeshOutput& output);
 /// The index of the set of each face; -1 if it is in none. If a face is in several sets, the last

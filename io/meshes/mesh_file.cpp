@@ -130,11 +130,18 @@ std::vector<fs::path> alone(const MeshOutput& output) {
 }
 
 const std::map<std::string, MeshWriter*>& writers() {
-  static const std::map<std::string, MeshWriter*> all{
-      {".obj", write_obj_mesh},        {".off", alone<write_off_mesh>},
-      {".ply", alone<write_ply_mesh>}, {".stl", alone<write_stl_mesh>},
-      {".vtp", alone<write_vtk_mesh>}, {".vtu", alone<write_vtk_mesh>},
-      {".glb", alone<write_glb_mesh>}, {".3mf", alone<write_3mf_mesh>}};
+  static const std::map<std::string, MeshWriter*> all{{".obj", write_obj_mesh},
+                                                      {".off", alone<write_off_mesh>},
+                                                      {".ply", alone<write_ply_mesh>},
+                                                      {".stl", alone<write_stl_mesh>},
+                                                      {".vtp", alone<write_vtk_mesh>},
+                                                      {".vtu", alone<write_vtk_mesh>},
+                                                      {".glb", alone<write_glb_mesh>},
+                                                      {".3mf", alone<write_3mf_mesh>},
+                                                      {".inp", alone<write_abaqus_mesh>},
+                                                      {".bdf", alone<write_nastran_mesh>},
+                                                      {".nas", alone<write_nastran_mesh>},
+                                                      {".fem", alone<write_nastran_mesh>}};
   return all;
 }
 

@@ -145,11 +145,15 @@ class MeshFile {
 };
 
 /// Writes a mesh to a new file. Formats: .obj and .off (text, exact), .ply (binary), .stl (binary,
-/// single precision), .vtp and .vtu (doubles), .glb and .3mf (single precision).
+/// single precision), .vtp and .vtu (doubles), .glb and .3mf (single precision), .inp (Abaqus and
+/// CalculiX: S3, S4, S6, S8R; 20 characters a number), .bdf, .nas and .fem (Nastran: CTRIA3, CQUAD4,
+/// CTRIA6, CQUAD8; GRID* with 16 characters a number).
 ///
-/// Second-order faces become quadratic cells in VTU, and polygons through all their nodes in OBJ,
+/// Second-order faces become quadratic cells in VTU and second-order elements of decks, and polygons through all their nodes in OBJ,
 /// PLY, OFF and VTP. In STL, GLB and 3MF all faces are split into triangles. Each face may belong
-/// to at most one face set. The formats store face sets as follows:
+/// to at most one face set. Decks contain no material, section, support or load. Polygons with more
+/// than four corners are split into triangles there, and faces for which is_degenerate() is true are
+/// left out. The formats store face sets as follows:
 ///
 ///   .obj         groups (`g`); coloured sets also get materials (`usemtl`) in a .mtl file
 ///   .ply         face colours (red, green, blue), if any set has a colour
@@ -159,6 +163,8 @@ class MeshFile {
 ///                the y axis up, as glTF requires
 ///   .3mf         triangle materials (name and colour) of a single object, so that closed surfaces
 ///                stay closed; coordinates are in millimetres, with six decimals
+///   .inp         element sets, with the characters that solvers accept in names
+///   .bdf         properties 2, 3, … in the order of the sets, whose names are comments; 1: no set
 ///   .stl .off    not stored: these formats have no sets
 ///
 /// `unit_in_metres`: length of the coordinate unit in metres; required by .glb and .3mf, ignored by
@@ -172,6 +178,8 @@ std::vector<std::filesystem::path> write_mesh(const std::filesystem::path& path,
                                               const ShellMesh& mesh,
                                               const std::vector<MeshSet>& sets = {},
                                               double unit_in_metres = 0);
+/// True if a face has fewer than three different corners; no element of a solver has this shape.
+bool is_degenerate(const ShellMesh& mesh, int face);
 /// The file extensions that write_mesh() supports, with the dot.
 const std::vector<std::string>& mesh_file_endings();
 

@@ -216,11 +216,12 @@ SceneStress::Load read_load(const TomlTable& t) {
   SceneStress::Load load;
   load.location = t.location();
   load.load_case = t.text("case", kDefaultLoadCase);
-  const std::vector<std::string> kinds = {"pressure", "force",       "moment",
-                                          "gravity",  "hydrostatic", "traction"};
+  const std::vector<std::string> kinds = {
+      "pressure", "force",      "moment",      "gravity",      "hydrostatic",
+      "traction", "edge_force", "total_force", "total_moment", "angular_velocity"};
   std::vector<std::string> stated;
   for (const std::string& kind : kinds)
-    if (t.has(kind)) stated.push_back(kind);
+    if (t.has(kind) && !(kind == "total_moment" && t.has("total_force"))) stated.push_back(kind);
   if (stated.size() != 1)
     t.fail(stated.empty() ? "case" : stated[1],
            stated.empty() ? "a load without a value" : "two types of load in one entry",
@@ -233,26 +234,43 @@ SceneStress::Load read_load(const TomlTable& t) {
                         : "'" + kind + "' without a location",
              what);
   };
-  const bool at_line = kind == "moment" || (kind == "force" && !t.has("point"));
+  const bool total = kind == "total_force" || kind == "total_moment",
+             spin = kind == "angular_velocity";
+  const bool at_line = kind == "moment" || kind == "edge_force" ||
+                       (kind == "force" && !t.has("point")) || (total && t.has("curve"));
   const bool at_point = kind == "force" && t.has("point");
   needs("curve", at_line,
-        kind == "moment"  ? "moment = M, curve = \"…\""
-        : kind == "force" ? "force = [x, y, z] with point = [x, y, z], or with curve = \"…\""
-                          : "no curve");
+        kind == "moment"       ? "moment = M, curve = \"…\""
+        : kind == "edge_force" ? "edge_force = F, curve = \"…\""
+        : kind == "force"      ? "force = [x, y, z] with point = [x, y, z], or with curve = \"…\""
+                               : "no curve");
   needs("point", at_point, "force = [x, y, z], point = [x, y, z]");
   needs("level", kind == "hydrostatic", "hydrostatic = WEIGHT, level = Z");
-  if (t.has("face") && (at_line || at_point || kind == "gravity"))
-    t.fail("face", "'face' beside '" + kind + "'", "no face");
-  if (t.has("box") && (at_point || kind == "gravity"))
+  needs("axis", spin, "angular_velocity = OMEGA, axis = [x, y, z]");
+  if (t.has("origin") && !spin) t.fail("origin", "'origin' beside '" + kind + "'", "no origin");
+  if (t.has("face") && (at_line || at_point || kind == "gravity" || spin))
+    t.fail("face", "'face' beside '" + (at_line ? "curve" : kind) + "'", "no face");
+  if (t.has("box") && (at_point || kind == "gravity" || spin))
     t.fail("box", "'box' beside '" + kind + "'", "no box");
   load.box = read_box(t);
   if (t.has("face")) load.region = {t.text("face"), t.location("face")};
   if (at_line) load.line = {t.text("curve"), t.location("curve")};
   if (at_point) load.point = t.vector("point");
-  if (kind == "pressure" || kind == "moment" || kind == "hydrostatic") {
-    load.type = kind == "pressure" ? Type::Pressure
-                : kind == "moment" ? Type::LineMoment
-                                   : Type::Hydrostatic;
+  if (total) {
+    load.type = Type::Total;
+    if (t.has("total_force")) load.vector = t.vector("total_force");
+    if (t.has("total_moment")) load.moment = t.vector("total_moment");
+  } else if (spin) {
+    load.type = Type::Spin;
+    load.value = t.number(kind);
+    load.axis = t.direction("axis").normalized();
+    if (t.has("origin")) load.origin = t.vector("origin");
+  } else if (kind == "pressure" || kind == "moment" || kind == "hydrostatic" ||
+             kind == "edge_force") {
+    load.type = kind == "pressure"     ? Type::Pressure
+                : kind == "moment"     ? Type::LineMoment
+                : kind == "edge_force" ? Type::EdgeForce
+                                       : Type::Hydrostatic;
     load.value = t.number(kind);
     load.level = t.number("level", 0);
   } else {
@@ -351,13 +369,18 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
        table.tables("thicknesses", {"face", "thickness", "near", "radius", "paint", "faces"}))
     stress.thicknesses.push_back(read_thickness(t));
   read_short_loads(table, stress);
-  for (const TomlTable& t :
-       table.tables("loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic",
-                              "traction", "face", "curve", "point", "level", "box"}))
+  for (const TomlTable& t : table.tables(
+           "loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic", "traction",
+                     "edge_force", "total_force", "total_moment", "angular_velocity", "axis",
+                     "origin", "face", "curve", "point", "level", "box"}))
     stress.loads.push_back(read_load(t));
-  for (const SceneStress::Load& load : stress.loads)
-    if (load.type == SceneStress::Load::Type::Gravity && stress.density == 0)
+  for (const SceneStress::Load& load : stress.loads) {
+    using Type = SceneStress::Load::Type;
+    if (load.type == Type::Spin && stress.density == 0)
+      table.fail("loads", "angular_velocity without 'density'", "both");
+    if (load.type == Type::Gravity && stress.density == 0)
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
+  }
   read_combinations(table, stress);
   for (const TomlTable& t :
        table.tables("supports", {"curve", "point", "type", "directions", "normal", "rotation",

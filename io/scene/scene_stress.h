@@ -81,16 +81,21 @@ struct SceneStress {
       Point,        ///< concentrated force Load::vector
       LineForce,    ///< force Load::vector per unit length of the curve
       /// Moment Load::value per unit length of the curve, about its tangent (right-handed).
-      LineMoment
+      LineMoment,
+      /// Force Load::value per unit length of an edge, in the tangent plane, away from the face.
+      EdgeForce,
+      Total,  ///< force Load::vector and moment Load::moment, spread over a curve, face or part
+      Spin    ///< centrifugal force of the angular velocity Load::value about an axis
     };
     Type type = Type::Pressure;
     std::string load_case;      ///< name of the load case to which the load belongs
     LocatedString region;       ///< name of the loaded face; empty: all faces
     std::optional<Box3> box;    ///< restricts the load to the part of the surface in this box
-    LocatedString line;         ///< LineForce and LineMoment: name of the loaded curve
+    LocatedString line;         ///< name of the loaded curve, of loads on curves
     Vec3 point = Vec3::Zero();  ///< loads of type Point: point of application
     double value = 0, level = 0;
-    Vec3 vector = Vec3::Zero();
+    Vec3 vector = Vec3::Zero(), moment = Vec3::Zero();
+    Vec3 axis = Vec3::UnitZ(), origin = Vec3::Zero();  ///< Spin: axis of rotation
     SourceLocation location;
   };
   /// A linear combination of load cases.

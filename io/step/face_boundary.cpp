@@ -2,8 +2,10 @@
 #include "batten/io/step/face_boundary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "batten/core/errors.h"
 
@@ -181,6 +183,60 @@ HermiteCurve straight(const Vec2& a, const Vec2& b) {
   return {{0, 1}, x, d};
 }
 
+/// True if a pcurve is straight from its start to its end, and never turns back.
+bool is_straight(const HermiteCurve& pcurve, double distance) {
+  const Vec2 a = drop_z(pcurve.position(0));
+  const Vec2 b = drop_z(pcurve.evaluate({pcurve.segment_count() - 1, 1.0}));
+  const Vec2 along = (b - a).normalized();
+  double before = 0;
+  for (const PlanarCubic& arc : planar_cubics(pcurve))
+    for (const Vec2& p : arc.b) {
+      const double f = along.dot(p - a);
+      if (!(std::abs(cross(along, p - a)) <= distance) || !(f >= before - distance)) return false;
+      before = f;
+    }
+  return true;
+}
+
+/// The indices of the segments that begin at the corners, if the pcurves of a loop form a convex
+/// quadrilateral that is traversed counter-clockwise.
+std::optional<std::array<size_t, 4>> corners_of_quadrilateral(const FaceLoop& loop) {
+  constexpr double straight_deg = 1e-6, least_deg = 10;
+  double length = 0;
+  for (const FaceBoundarySegment& s : loop) length += (s.last() - s.first()).norm();
+  const double hair = 1e-9 * length;
+  std::vector<size_t> found;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const FaceBoundarySegment &before = loop[(i + loop.size() - 1) % loop.size()], &here = loop[i];
+    const Vec2 a = before.last() - before.first(), b = here.last() - here.first();
+    if (!is_straight(here.pcurve, hair) || !((here.first() - before.last()).norm() <= hair) ||
+        !(b.norm() > hair))
+      return std::nullopt;
+    const double turn = std::atan2(cross(a, b), a.dot(b)) * 180 / std::numbers::pi;
+    if (std::abs(turn) <= straight_deg) continue;
+    if (!(turn > least_deg && turn < 180 - least_deg) || found.size() == 4) return std::nullopt;
+    found.push_back(i);
+  }
+  if (found.size() != 4) return std::nullopt;
+  return std::array<size_t, 4>{found[0], found[1], found[2], found[3]};
+}
+
+/// A pcurve on the line `from` + x `side`, moved to the line `to` + x `along`.
+HermiteCurve moved_to(const HermiteCurve& pcurve, const Vec2& from, const Vec2& side,
+                      const Vec2& to, const Vec2& along) {
+  Points dofs = pcurve.dofs();
+  std::vector<char> is_position(static_cast<size_t>(dofs.rows()), 0);
+  for (int i = 0; i < pcurve.node_count(); ++i) is_position[pcurve.mesh().position_dof(i)] = 1;
+  for (long i = 0; i < dofs.rows(); ++i) {
+    const bool position = is_position[static_cast<size_t>(i)] != 0;
+    const Vec2 p = dofs.row(i).head<2>().transpose();
+    const double x = side.dot(position ? Vec2(p - from) : p) / side.squaredNorm();
+    const Vec2 moved = position ? Vec2(to + x * along) : Vec2(x * along);
+    dofs.row(i).head<2>() = moved.transpose();
+  }
+  return {pcurve.mesh(), std::move(dofs)};
+}
+
 }  // namespace
 
 std::optional<Vec3> FaceBoundarySegment::normal_correction(double t) const {
@@ -204,6 +260,7 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common,
       throw InputError("face '" + region.name + "': found a boundary loop without curves");
     loops.push_back(loop_of(region, pieces, common));
   }
+  map_quadrilateral();
   std::vector<FaceLoop> whole = loops;
   if (period > 0) unroll(region.name);
   std::vector<DomainLoops::Loop> all;
@@ -219,6 +276,35 @@ FaceBoundary::FaceBoundary(const SkinnedRegion& region, const StepPlan* common,
   }
   domain = DomainLoops(std::move(all));
   if (boundary_cut == AnnulusBoundary::Whole) loops = std::move(whole);
+}
+
+/// Replaces the parameters by those of a rectangle if the domain is a convex quadrilateral.
+void FaceBoundary::map_quadrilateral() {
+  if (period > 0 || loops.size() != 1) return;
+  FaceLoop& loop = loops.front();
+  const auto corners = corners_of_quadrilateral(loop);
+  if (!corners) return;
+  std::array<Vec2, 4> at;
+  for (size_t k = 0; k < 4; ++k) at[k] = loop[(*corners)[k]].first();
+  const auto side = [&](size_t k) { return Vec2(at[(k + 1) % 4] - at[k]); };
+  // Mean lengths of opposite sides, so that the parameters keep their scale.
+  const Vec2 extent((side(0).norm() + side(2).norm()) / 2, (side(1).norm() + side(3).norm()) / 2);
+  const BilinearMap map(at, extent);
+  const Vec2 rectangle[4] = {{0, 0}, {extent.x(), 0}, extent, {0, extent.y()}};
+  double least = kInfinity, most = 0;
+  for (const Vec2& corner : rectangle) {
+    const double area = map.jacobian(corner).determinant();
+    least = std::min(least, area);
+    most = std::max(most, area);
+  }
+  constexpr double least_ratio = 0.05;
+  if (!(least > least_ratio * most)) return;  // too close to a triangle
+  for (size_t k = 0; k < 4; ++k) {
+    const Vec2 to = rectangle[k], along = rectangle[(k + 1) % 4] - to;
+    for (size_t i = (*corners)[k]; i != (*corners)[(k + 1) % 4]; i = (i + 1) % loop.size())
+      loop[i].pcurve = moved_to(loop[i].pcurve, at[k], side(k), to, along);
+  }
+  to_domain = map;
 }
 
 bool FaceBoundary::contains(Vec2 uv) const {

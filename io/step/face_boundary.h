@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/bilinear_map.h"
 #include "batten/core/geometry.h"
 #include "batten/io/step/step_plan.h"
 
@@ -14,9 +15,10 @@ namespace batten {
 
 /// A smooth segment of the boundary, oriented along its loop.
 struct FaceBoundarySegment {
-  HermiteCurve curve, pcurve;  ///< in space and in (u, v), over the same parameter range
-  std::string line;            ///< name of its curve
-  bool reversed = false;       ///< true if the loop traverses the curve backwards
+  /// In space and in the (u, v) of FaceBoundary, over the same parameter range.
+  HermiteCurve curve, pcurve;
+  std::string line;       ///< name of its curve
+  bool reversed = false;  ///< true if the loop traverses the curve backwards
   /// Parameter on the curve = shift + scale · parameter on the segment.
   double shift = 0, scale = 1;
   bool shared = false;  ///< true if the curve has more than one adjacent side
@@ -36,10 +38,16 @@ struct FaceBoundarySegment {
 using FaceLoop = std::vector<FaceBoundarySegment>;
 
 /// All boundary loops of a model face.
+///
+/// The parameters (u, v) are those of the model face, except if its domain is a convex quadrilateral
+/// without holes. Then they are coordinates on a rectangle that is mapped bilinearly onto it, so that
+/// the sides are isoparametric curves: the knots of a tensor-product spline can become dense along
+/// them, for example along the leading edge of a swept wing.
 struct FaceBoundary {
   std::vector<FaceLoop> loops;  ///< for an annulus, the first two form one wire with the seam
-  double period = 0;            ///< of the mesh in u; 0 if the model face is not an annulus
-  double seam = 0;              ///< u of the annulus's seam
+  std::optional<BilinearMap> to_domain;  ///< from the rectangle to the domain of the model face
+  double period = 0;  ///< of the mesh in u; 0 if the model face is not an annulus
+  double seam = 0;    ///< u of the annulus's seam
   DomainLoops domain;
 
   /// How the two boundary circles of an annulus are handled. AtSeam: they start at the seam of (u,
@@ -55,11 +63,15 @@ struct FaceBoundary {
 
   /// True if (u, v) lies inside the boundary.
   bool contains(Vec2 uv) const;
+  /// The parameters of the model face at (u, v), and the reverse.
+  Vec2 domain_point(const Vec2& uv) const { return to_domain ? to_domain->at(uv) : uv; }
+  Vec2 parameters(const Vec2& at) const { return to_domain ? to_domain->inverse(at) : at; }
   /// Adds to the plan the interior parameters at which this boundary cuts its curves.
   void add_cuts(StepPlan& plan) const;
 
  private:
   void unroll(const std::string& name);
+  void map_quadrilateral();
 };
 
 /// Adds to the plan the cuts that the boundaries of these model faces make, so that all model faces

@@ -137,10 +137,12 @@ FaceMaker::FaceMaker(const SkinnedRegion& region, const StepFaceOptions& options
   goal_ = {0.9 * options.tolerance, 0.4 * options.join_deg};
 }
 
-Vec3 FaceMaker::position(const Vec2& uv) const { return near_origin_.position(uv) + middle_; }
+Vec3 FaceMaker::position(const Vec2& uv) const {
+  return near_origin_.position(boundary_.domain_point(uv)) + middle_;
+}
 
 Vec3 FaceMaker::normal(const Vec2& uv) const {
-  return near_origin_.surface().jet(near_origin_.locate(uv)).normal();
+  return near_origin_.surface().jet(near_origin_.locate(boundary_.domain_point(uv))).normal();
 }
 
 int FaceMaker::cells() const {
@@ -615,12 +617,15 @@ std::vector<PatchTangent> FaceMaker::tangents(const BoundaryStep& longest) const
           const auto normal_correction = segment.normal_correction(t);
           if (!normal_correction) continue;
           const Vec2 uv = arcs[k].at(s);
-          const SurfaceJet jet = near_origin_.surface().jet(near_origin_.locate(uv));
+          const SurfaceJet jet =
+              near_origin_.surface().jet(near_origin_.locate(boundary_.domain_point(uv)));
           // Near a degenerate corner the tangent planes rotate without limit.
           if (!(jet.area_vector().norm() > 1e-3 * jet.x_u.norm() * jet.x_v.norm())) continue;
           const Vec3 n_both = (jet.normal() + *normal_correction).normalized();
-          found.push_back(
-              {uv, jet.x_u - n_both.dot(jet.x_u) * n_both, jet.x_v - n_both.dot(jet.x_v) * n_both});
+          const Mat2 J = boundary_.to_domain ? boundary_.to_domain->jacobian(uv) : Mat2::Identity();
+          const Vec3 x_u = J(0, 0) * jet.x_u + J(1, 0) * jet.x_v,
+                     x_v = J(0, 1) * jet.x_u + J(1, 1) * jet.x_v;
+          found.push_back({uv, x_u - n_both.dot(x_u) * n_both, x_v - n_both.dot(x_v) * n_both});
         }
       }
     }
@@ -630,7 +635,9 @@ std::vector<PatchTangent> FaceMaker::tangents(const BoundaryStep& longest) const
 PatchTarget FaceMaker::target() const {
   PatchTarget target;
   target.inside = [&](const Vec2& uv) { return boundary_.contains(uv); };
-  target.position = [&](const Vec2& uv) { return near_origin_.position(uv); };
+  target.position = [&](const Vec2& uv) {
+    return near_origin_.position(boundary_.domain_point(uv));
+  };
   target.boundary = [&](const BoundaryStep& longest) {
     std::vector<Vec2> points;
     for (const FaceLoop& loop : boundary_.loops)

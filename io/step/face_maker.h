@@ -71,7 +71,7 @@ class FaceMaker {
   const AnalyticFace* analytic() const { return analytic_; }
   /// Number of knot cells of the fit; 64 for an analytic face.
   int cells() const;
-  /// Point of the model face's surface at (u, v).
+  /// Point of the model face's surface at the (u, v) of the boundary.
   Vec3 position(const Vec2& uv) const;
   /// Unit normal of the model face; zero if the surface is singular.
   Vec3 normal(const Vec2& uv) const;

@@ -376,7 +376,7 @@ std::vector<Vec2> points_of_region(const FaceMaker& made) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
         const double a = (i + 1.0 / 3) / n, b = (j + 1.0 / 3) / n;
-        const Vec2 uv = shape.point({a, b, 1 - a - b});
+        const Vec2 uv = made.boundary().parameters(shape.point({a, b, 1 - a - b}));
         if (made.boundary().contains(uv)) points.push_back(uv);
       }
   }

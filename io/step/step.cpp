@@ -115,7 +115,8 @@ void find_joins(const FittedFaces& made, const StepPlan& plan, double tolerance)
     others.push_back(std::make_unique<NeighbourSide>(*region, plan));
     sides.push_back(
         {&others.back()->boundary, [other = others.back().get(), region](const Vec2& uv) {
-           return region->surface.jet(other->locator.locate(uv)).normal();
+           const Vec2 at = other->boundary.domain_point(uv);
+           return region->surface.jet(other->locator.locate(at)).normal();
          }});
   }
   find_tangent_joins(plan, sides, tolerance);
@@ -581,8 +582,7 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     // The file is measured between the samples used here.
     constexpr double most = 0.95;
     const double size = kInfinity;
-    const double tolerance =
-        std::min(most * options.tolerance, primitive_tolerance(region, size));
+    const double tolerance = std::min(most * options.tolerance, primitive_tolerance(region, size));
     const auto known = options.primitives.find(region.name);
     found[k] = known != options.primitives.end() && is_within(region, known->second, tolerance)
                    ? known->second

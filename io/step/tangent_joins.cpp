@@ -26,6 +26,7 @@ struct Join {
   std::array<const TangentSide*, 2> sides;
   double same = 1;                               // -1: the normals of the two sides are opposite
   std::vector<std::array<Vec3, 2>> of_surfaces;  // at points along the curve; zero: not tangent
+  std::vector<Vec3> along;                       // unit tangents of the curve
   std::vector<Vec3> common;                      // common normals, oriented as on the first side
 
   /// Converts the index of a point along the curve to the index along the segment of a side.
@@ -40,6 +41,15 @@ struct Join {
     return i == kPieces
                ? curve.evaluate({curve.segment_count() - 1, 1.0})
                : curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kPieces);
+  }
+  Vec3 unit_tangent(int k) const {
+    const HermiteCurve& curve = segments[0]->curve;
+    const int i = index(0, k);
+    const Vec3 slope =
+        i == kPieces
+            ? curve.evaluate({curve.segment_count() - 1, 1.0}, 1)
+            : curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kPieces, 1);
+    return (segments[0]->reversed ? -1 : 1) * slope.normalized();
   }
   bool tangent(int k) const { return !of_surfaces[static_cast<size_t>(k)][0].isZero(); }
 };
@@ -75,25 +85,48 @@ void drop_crossings(Join& join) {
   }
 }
 
-/// Computes the common normals by local quadratic regression, which removes features shorter than
-/// the knots of a face can follow. (A surface that bends sharply at a corner has the tip of its
-/// bend in one element.)
+/// Computes the common normals. They are perpendicular to the curve; their angles about it, from a
+/// parallel transported frame, are smoothed by local quadratic regression, which removes features
+/// shorter than the knots of a face can follow. (A surface that bends sharply at a corner has the
+/// tip of its bend in one element.) The regression of the normals themselves would also remove the
+/// curvature of the curve, such as that of the nose of an aerofoil.
 void smooth(Join& join) {
   const int reach = static_cast<int>(kNearby * kPieces);
   join.common.assign(kPieces + 1, Vec3::Zero());
+  std::vector<std::array<Vec3, 2>> frame;  // perpendicular to the curve
+  std::vector<double> angle;
+  for (int k = 0; k <= kPieces; ++k) {
+    join.along.push_back(join.unit_tangent(k));
+    const Vec3& t = join.along.back();
+    Vec3 first = t.unitOrthogonal();
+    if (k > 0)
+      first = Eigen::Quaterniond::FromTwoVectors(join.along[static_cast<size_t>(k) - 1], t) *
+              frame.back()[0];
+    first = (first - first.dot(t) * t).normalized();
+    frame.push_back({first, t.cross(first)});
+    const auto& [one, other] = join.of_surfaces[static_cast<size_t>(k)];
+    const Vec3 mean = one + join.same * other;
+    angle.push_back(std::atan2(mean.dot(frame.back()[1]), mean.dot(first)));
+    if (k > 0) {  // continuous
+      constexpr double turn = 2 * std::numbers::pi;
+      double& here = angle.back();
+      here += turn * std::round((angle[static_cast<size_t>(k) - 1] - here) / turn);
+    }
+  }
   for (int k = 0; k <= kPieces; ++k) {
     if (!join.tangent(k)) continue;
-    Mat3 A = Mat3::Zero(), b = Mat3::Zero();
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero();
     for (int i = std::max(0, k - reach); i <= std::min(kPieces, k + reach); ++i) {
       if (!join.tangent(i)) continue;
       const double s = double(i - k) / (reach + 1), w = std::pow(1 - std::abs(s * s * s), 3);
       const Vec3 powers(1, s, s * s);
-      const auto& [one, other] = join.of_surfaces[static_cast<size_t>(i)];
       A += w * powers * powers.transpose();
-      b += w * powers * (one + join.same * other).transpose() / 2;
+      b += w * angle[static_cast<size_t>(i)] * powers;
     }
-    join.common[static_cast<size_t>(k)] =
-        Vec3(Eigen::CompleteOrthogonalDecomposition<Mat3>(A).solve(b).row(0)).normalized();
+    const double found = Eigen::CompleteOrthogonalDecomposition<Mat3>(A).solve(b)[0];
+    const auto& [first, second] = frame[static_cast<size_t>(k)];
+    join.common[static_cast<size_t>(k)] = std::cos(found) * first + std::sin(found) * second;
   }
 }
 
@@ -113,19 +146,39 @@ EndPointId end_point_of(const StepPlan& plan, const LineSegmentId& piece, bool e
   return {piece.first, cut};
 }
 
-/// Gives all joins at a corner the same normal, because a face has one tangent plane there. The
-/// correction fades out along each join.
+/// The normal of the tangent plane at a corner: perpendicular to the curves that end there or, if
+/// these have one direction only, the mean of their normals.
+Vec3 normal_of(const Corner& corner) {
+  Mat3 tangents = Mat3::Zero();
+  for (const auto& [join, k] : corner.ends) {
+    const Vec3& t = join->along[static_cast<size_t>(k)];
+    tangents += t * t.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(tangents);
+  constexpr double other_direction = 0.03;  // curves that meet at 14 degrees
+  if (!(axes.eigenvalues()[1] > other_direction)) return corner.sum.normalized();
+  const Vec3 normal = axes.eigenvectors().col(0);
+  return (normal.dot(corner.sum) < 0 ? -1 : 1) * normal;
+}
+
+/// Gives all joins at a corner the same normal, because a face has one tangent plane there: rotates
+/// the normals about the curves. The rotation fades out along each join.
 void unify_normals(const Corner& corner) {
   constexpr double fade = 0.3;  // of a join
+  const Vec3 normal = normal_of(corner);
   for (const auto& [join, k] : corner.ends) {
-    const Vec3 end = join->common[static_cast<size_t>(k)];
-    const Vec3 normal_correction =
-        (end.dot(corner.sum) < 0 ? -1 : 1) * corner.sum.normalized() - end;
+    const Vec3 end = join->common[static_cast<size_t>(k)], t = join->along[static_cast<size_t>(k)];
+    const Vec3 to = (end.dot(normal) < 0 ? -1 : 1) * normal;
+    const double angle = std::atan2(t.dot(end.cross(to)), end.dot(to));
     for (int i = 0; i <= kPieces; ++i) {
       const double s = std::abs(i - k) / (fade * kPieces);
-      if (s < 1 && join->tangent(i))
-        join->common[static_cast<size_t>(i)] += (1 - s) * (1 - s) * (1 + 2 * s) * normal_correction;
+      if (!(s < 1) || !join->tangent(i)) continue;
+      Vec3& n = join->common[static_cast<size_t>(i)];
+      n = Eigen::AngleAxisd((1 - s) * (1 - s) * (1 + 2 * s) * angle,
+                            join->along[static_cast<size_t>(i)]) *
+          n;
     }
+    join->common[static_cast<size_t>(k)] = to;
   }
 }
 

@@ -7,8 +7,8 @@
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
 #include "batten/fairing/curves/curve_fit.h"
-#include "batten/io/files/command_files.h"
 #include "batten/io/cad/cad_format.h"
+#include "batten/io/files/command_files.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/files/toml_table.h"
@@ -164,6 +164,23 @@ void cad_to_cad(const ConvertTask& task, ConvertReport& report) {
     report.warnings.insert(report.warnings.end(), notes->begin(), notes->end());
 }
 
+bool is_deck(const fs::path& file) {
+  return has({".inp", ".bdf", ".nas", ".dat", ".fem", ".k", ".key", ".dyn", ".rad"}, file);
+}
+
+/// Warns of faces that the elements of a deck cannot represent.
+void warn_of_degenerate_faces(const ConvertTask& task, const ShellMesh& mesh,
+                              ConvertReport& report) {
+  if (!is_deck(task.to)) return;
+  int count = 0, first = 0;
+  for (int f = mesh.face_count() - 1; f >= 0; --f)
+    if (is_degenerate(mesh, f)) ++count, first = f;
+  if (count > 0)
+    report.warnings.push_back(format_count(count, "face") +
+                              " with fewer than three different corners not written, the first " +
+                              "is number " + std::to_string(first + 1));
+}
+
 void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   CadFacetOptions options;
   options.unit_in_metres = metres(task.unit);
@@ -182,6 +199,7 @@ void cad_to_mesh(const ConvertTask& task, ConvertReport& report) {
   row(report, "", describe_chord(f.deviation, f.chord, f.size, unit));
   check_facets(report, f.chord, f.deviation, f.cracks, f.unmeshed);
   report.warnings = f.contents.notes;
+  warn_of_degenerate_faces(task, f.mesh, report);
 }
 
 // ---- meshes and curves ----------------------------------------------------------------------
@@ -246,10 +264,13 @@ void mesh_to_mesh(const ConvertTask& task, ConvertReport& report) {
           (to.empty() || to == task.from_unit ? ", coordinates unchanged"
                                               : ", " + task.from_unit + " to " + to) +
           beside);
+  if (is_deck(task.from))
+    row(report, "", "nodes, shells and sets only: no materials, sections, supports or loads");
   report.warnings = file.warnings();
   if (!file.other_elements().empty())
     report.warnings.push_back(format_count(isize(file.other_elements()), "element") +
                               " other than shells not written");
+  warn_of_degenerate_faces(task, mesh, report);
 }
 
 /// The curve of a line; a polyline of a drawing or CAD file has a corner at every vertex, also if it

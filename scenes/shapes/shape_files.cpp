@@ -253,8 +253,8 @@ std::map<std::string, int> kinds_of_target(const BuiltModel& made) {
 }
 
 /// Writes the faces of the target's file, with their names and colours, in the unit of the scene.
-/// nullopt, without a file, if they are not as closed as the model: the faces of many IGES files
-/// share no edges.
+/// nullopt, without a file, if they are not as closed as the model (the faces of many IGES files
+/// share no edges) or if OpenCASCADE does not accept them.
 std::optional<StepReport> target_step(Report& report, const Scene& scene, const BuiltModel& made,
                                       const std::filesystem::path& file) {
   const double unit = unit_in_metres(scene.unit);
@@ -270,12 +270,19 @@ std::optional<StepReport> target_step(Report& report, const Scene& scene, const 
     return std::nullopt;
   }
   StepReport step = cad_plugin().check_step(file, unit, {});
+  const std::string source = scene.targets.front().file.filename().string();
+  if (!step.valid) {
+    std::filesystem::remove(file);
+    report.warnings.push_back(scene.step + ": OpenCASCADE finds the faces of " + source +
+                              " invalid; the fitted faces are written instead");
+    return std::nullopt;
+  }
   step.continuity = cad_plugin().measure_continuity(file, unit, {});
   step.max_normal_jump_deg = 0;  // check_step() counts the creases of the part
   step.max_deviation = std::max(report.target->max, report.target->back_max);
   report.step->tolerance = report.target->tolerance;
   report.step->faces_by_kind = kinds_of_target(made);
-  report.step->source = scene.targets.front().file.filename().string();
+  report.step->source = source;
   return step;
 }
 

@@ -245,7 +245,7 @@ void set_shape(BuiltModel& made, const SolvedShape& shape, const Progress& progr
     return;
   // The area of a fitted shape may exceed that of the hole filling.
   if (shape.fairing.fit)
-    for (ModelRegion& region : made.model.regions) region.filling_area = 0;
+    for (ModelRegion& region : made.model.regions) region.expected_area = 0;
   reshape(made.model, shape.layout, shape.dofs, shape.regions, progress);
 }
 

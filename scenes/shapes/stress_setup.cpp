@@ -172,6 +172,28 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
       return along_lines([&](const std::string& line) {
         return line_moment(layout, shape, line, value, load.box);
       });
+    case Type::EdgeForce:
+      return along_lines([&](const std::string& line) {
+        return edge_force(layout, shape, line, value, load.box);
+      });
+    case Type::Total:
+      return spread_load(
+          layout, shape,
+          [&](const LineTraction& f) {
+            if (load.line.text.empty())
+              return surface_traction(
+                  layout, shape, [&](const Vec3& x, const Vec3&) { return f(x); }, part);
+            return along_lines([&](const std::string& line) {
+              return line_force(layout, shape, line, f, load.box);
+            });
+          },
+          v, load.moment);
+    case Type::Spin:
+      return body_load(layout, shape, triangle_sections(layout, definition),
+                       [&](const Vec3& x) -> Vec3 {
+                         const Vec3 r = x - load.origin;
+                         return value * value * (r - r.dot(load.axis) * load.axis);
+                       });
   }
   return {};
 }
@@ -466,6 +488,12 @@ class DeckOfScene {
         return;
       case Load::Type::LineMoment:
         refuse(load.location, "a line moment");
+      case Load::Type::EdgeForce:
+        refuse(load.location, "an edge force");
+      case Load::Type::Total:
+        refuse(load.location, "a total force or moment");
+      case Load::Type::Spin:
+        refuse(load.location, "a centrifugal load");
     }
   }
 

@@ -106,6 +106,14 @@ std::optional<BoundarySweep> BoundarySweep::of(const RegionLayout& region) {
   return sweep;
 }
 
+double BoundarySweep::mismatch() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Patch& patch : patches_)
+    for (const auto* sweep : {&patch.along_t, &patch.along_s})
+      if (*sweep) least = std::min(least, (*sweep)->mismatch());
+  return least;
+}
+
 bool BoundarySweep::has_many_sides(const RegionLayout& region) {
   if (region.boundary().empty() || region.mesh()->period() > 0) return false;
   const std::vector<BoundarySide> sides = sides_of(region);

@@ -82,6 +82,8 @@ class BoundarySweep {
   /// True if the region has five or more sides that are not coplanar: no side has an opposite one.
   static bool has_many_sides(const RegionLayout& region);
 
+  /// The smallest Sweep::mismatch() of all sweeps: how little two opposite sides differ in shape.
+  double mismatch() const;
   /// Position and gradient at a point of the domain; points slightly outside are allowed.
   FirstOrderJet at(const Vec2& uv) const;
   /// Interpolating dofs on the region's mesh; nullopt if the surface would be inverted in the

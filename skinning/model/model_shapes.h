@@ -41,6 +41,11 @@ Points rest_dofs(const ModelLayout& layout, const std::vector<const Points*>& of
 /// has no rest shape.
 Points rest_dofs(const RegionLayout& region);
 
+/// Area of the rest shape of one face if its sides determine it well: two opposite sides have
+/// similar shapes (Sweep::mismatch() below 0.25); otherwise 0. `rest`: rest_dofs() of the face.
+/// O(triangles).
+double reliable_rest_area(const RegionLayout& region, const Points& rest);
+
 /// True if the face has five or more sides that are not coplanar. Such a face has no pairs of
 /// opposite sides, and therefore no rest shape. The minimum-variation surface (fair_shape()) is the
 /// best choice among the surfaces through the boundary curves: see the table in docs/fairness.md.

@@ -3,8 +3,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "batten/core/containers.h"
 #include "batten/core/geometry.h"
@@ -32,21 +34,32 @@ int domain_side(const RegionLayout& region, const EdgeAlignedLine& run) {
   return nearest;
 }
 
-SectionSurface::SectionSurface(const RegionLayout& region, int side)
-    : region_(region), annulus_(is_annulus(region)), across_(!annulus_ && side % 2 == 1) {
+namespace {
+
+/// The map from (s, t) to the domain of a region; s runs along the given side.
+BilinearMap map_of(const RegionLayout& region, int side) {
   const ParametricMesh& mesh = *region.mesh();
-  if (annulus_) {
+  if (is_annulus(region)) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec2& p : mesh.vertices()) {
       low = std::min(low, p.y());
       high = std::max(high, p.y());
     }
     const double u = mesh.vertices()[0].x(), period = mesh.period();
-    const Vec2 corner[4] = {{u, low}, {u + period, low}, {u + period, high}, {u, high}};
-    std::copy_n(corner, 4, corners_);
-  } else {
-    for (size_t k = 0; k < 4; ++k) corners_[k] = region.corners()[k].uv;
+    return BilinearMap(
+        {Vec2(u, low), Vec2(u + period, low), Vec2(u + period, high), Vec2(u, high)});
   }
+  std::array<Vec2, 4> corners;
+  for (size_t k = 0; k < 4; ++k) corners[k] = region.corners()[k].uv;
+  if (side % 2 == 1) std::swap(corners[1], corners[3]);
+  return BilinearMap(corners);
+}
+
+}  // namespace
+
+SectionSurface::SectionSurface(const RegionLayout& region, int side)
+    : region_(region), annulus_(is_annulus(region)), map_(map_of(region, side)) {
+  const ParametricMesh& mesh = *region.mesh();
   for (const EdgeAlignedLine& run : region.edge_aligned()) {
     const bool outline = run.line.role == CharacterLine::Role::Outline;
     if (!outline || annulus_ || domain_side(region, run) % 2 == side % 2)
@@ -56,32 +69,8 @@ SectionSurface::SectionSurface(const RegionLayout& region, int side)
     if (line.line.role == CharacterLine::Role::Inner) add(line.fitted, line.pcurve);
 }
 
-Vec2 SectionSurface::map(const Vec2& st) const {
-  const double s = across_ ? st[1] : st[0], t = across_ ? st[0] : st[1];
-  return (1 - t) * ((1 - s) * corners_[0] + s * corners_[1]) +
-         t * ((1 - s) * corners_[3] + s * corners_[2]);
-}
-
-Mat2 SectionSurface::slopes_of_map(const Vec2& st) const {
-  const double s = across_ ? st[1] : st[0], t = across_ ? st[0] : st[1];
-  Mat2 slopes;
-  slopes.col(across_) = (1 - t) * (corners_[1] - corners_[0]) + t * (corners_[2] - corners_[3]);
-  slopes.col(!across_) = (1 - s) * (corners_[3] - corners_[0]) + s * (corners_[2] - corners_[1]);
-  return slopes;
-}
-
-Vec2 SectionSurface::st(const Vec2& uv) const {
-  Vec2 st(0.5, 0.5);
-  for (int round = 0; round < 10; ++round) {
-    const Vec2 step = slopes_of_map(st).inverse() * (uv - map(st));
-    st += step;
-    if (step.squaredNorm() < 1e-28) break;
-  }
-  return st;
-}
-
 double SectionSurface::s_of(const Piece& piece, double parameter) const {
-  return st(drop_z(piece.pcurve.evaluate(parameter)))[0];
+  return map_.inverse(drop_z(piece.pcurve.evaluate(parameter)))[0];
 }
 
 void SectionSurface::add(HermiteCurve curve, HermiteCurve pcurve) {
@@ -100,7 +89,7 @@ void SectionSurface::add(HermiteCurve curve, HermiteCurve pcurve) {
     if (last && piece.curve.closed() && !piece.s.empty())
       s = piece.s.front() + (piece.s.back() > piece.s.front() ? 1 : -1);
     piece.s.push_back(s);
-    const double t = st(drop_z(piece.pcurve.evaluate(at)))[1];
+    const double t = map_.inverse(drop_z(piece.pcurve.evaluate(at)))[1];
     low = std::min(low, t);
     high = std::max(high, t);
   }
@@ -137,7 +126,8 @@ Vec3 SectionSurface::evaluate_at(const Vec2& st_point, Vec3* by_t) const {
   std::vector<std::pair<double, Vec3>> points;
   for (const Piece& piece : pieces_)
     if (const auto p = parameter_at(piece, st_point[0]))
-      points.emplace_back(st(drop_z(piece.pcurve.evaluate(*p)))[1], piece.curve.evaluate(*p));
+      points.emplace_back(map_.inverse(drop_z(piece.pcurve.evaluate(*p)))[1],
+                          piece.curve.evaluate(*p));
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
   constexpr double kSameTolerance = 1e-6;
@@ -196,11 +186,11 @@ SectionSurface::Slopes SectionSurface::slopes(const Vec2& st_point) const {
 
 Points SectionSurface::dofs() const {
   return interpolate_surface(*region_.mesh(), [this](const Vec2& uv) {
-    const Vec2 st_point = inside(st(uv));
+    const Vec2 st_point = inside(map_.inverse(uv));
     const Slopes s = slopes(st_point);
     Eigen::Matrix<double, 3, 2> by_st;
     by_st << s.by_s, s.by_t;
-    return FirstOrderJet{s.x, by_st * slopes_of_map(st_point).inverse()};
+    return FirstOrderJet{s.x, by_st * map_.jacobian(st_point).inverse()};
   });
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/core/bilinear_map.h"
 #include "batten/skinning/layout/region_layout.h"
 
 namespace batten {
@@ -31,7 +32,7 @@ class SectionSurface {
   SectionSurface(const RegionLayout& region, int side);
 
   /// Position of the loft at a point of the domain.
-  Vec3 at(const Vec2& uv) const { return evaluate_at(inside(st(uv)), nullptr); }
+  Vec3 at(const Vec2& uv) const { return evaluate_at(inside(map_.inverse(uv)), nullptr); }
   /// Positions and derivatives at the dofs of the region's mesh. Derivatives along s are finite
   /// differences, accurate to about 1e-9.
   Points dofs() const;
@@ -47,9 +48,6 @@ class SectionSurface {
     HermiteCurve curve, pcurve;
     std::vector<double> at, s;
   };
-  Mat2 slopes_of_map(const Vec2& st) const;
-  Vec2 map(const Vec2& st) const;
-  Vec2 st(const Vec2& uv) const;
   double s_of(const Piece& piece, double parameter) const;
   void add(HermiteCurve curve, HermiteCurve pcurve);
   std::optional<double> parameter_at(const Piece& piece, double s) const;
@@ -58,8 +56,8 @@ class SectionSurface {
   Slopes slopes(const Vec2& st) const;
 
   const RegionLayout& region_;
-  bool annulus_, across_;  // across_: s is the second parameter of the bilinear map
-  Vec2 corners_[4];        // of an annulus: those of one period
+  bool annulus_;
+  BilinearMap map_;  // from (s, t) to the domain; of an annulus: to one period
   std::vector<Piece> pieces_;
 };
 

@@ -53,7 +53,7 @@ struct ScoredCandidate {
 
 // Fast check whether the full search for defects is needed: strongly sheared elements, elements
 // inverted against their neighbours, or a too large area.
-bool suspicious(const SkinnedRegion& region, double filling_area) {
+bool suspicious(const SkinnedRegion& region, double expected_area) {
   const Surface& surface = region.surface;
   const ParametricMesh& mesh = surface.mesh();
   const Trim* trim = surface.trim().get();
@@ -77,7 +77,7 @@ bool suspicious(const SkinnedRegion& region, double filling_area) {
   std::nth_element(sizes.begin(), sizes.begin() + isize(sizes) / 2, sizes.end());
   constexpr double kLow = 0.15, kLarge = 1.8;  // stricter than the limits of a defect
   if (!(least > kLow * sizes[sizes.size() / 2])) return true;
-  if (filling_area > 0 && area > kLarge * filling_area) return true;
+  if (expected_area > 0 && area > kLarge * expected_area) return true;
   return std::any_of(mesh.edges().begin(), mesh.edges().end(), [&](const auto& edge) {
     if (edge.triangle[1] < 0) return false;
     const Vec3 &a = middle[edge.triangle[0]], &b = middle[edge.triangle[1]];
@@ -95,21 +95,22 @@ std::pair<int, const char*> defect_score_of(SurfaceDefect::Kind kind) {
 
 // Scores the defects of a region on its own. Skipped for convex polygon layouts: their initial
 // shape is not final.
-void score(ScoredCandidate& made, double filling_area) {
+void score(ScoredCandidate& made) {
+  const double expected_area = made.candidate.expected_area;
   const RegionLayout& layout = *made.candidate.layout;
   if (made.candidate.strategy.skin.convex && layout.domain() == Domain::Polygon) return;
   const SkinnedRegion region = layout.region(made.candidate.shape);
-  if (layout.embedded().empty() && !suspicious(region, filling_area)) return;
+  if (layout.embedded().empty() && !suspicious(region, expected_area)) return;
   SkinQuality quality = measure(region.surface);
   quality.max_line_gap = line_gap(region);
-  constexpr double kFarOff = 20;  // times the hole filling: the surface is unrelated to its lines
-  if (!std::isfinite(quality.area) || (filling_area > 0 && quality.area > kFarOff * filling_area))
+  constexpr double kFarOff = 20;  // times the expected area: the surface is unrelated to its lines
+  if (!std::isfinite(quality.area) || (expected_area > 0 && quality.area > kFarOff * expected_area))
     throw NoSolutionError("the surface deviates far from its curves");
   const auto add = [&](int defect_score, const std::string& why) {
     made.defect_score += defect_score;
     if (made.why.empty()) made.why = why;
   };
-  for (const SurfaceDefect& defect : find_defects({&region}, {quality}, {filling_area})) {
+  for (const SurfaceDefect& defect : find_defects({&region}, {quality}, {expected_area})) {
     const auto [defect_score, why] = defect_score_of(defect.kind);
     add(defect_score, why);
   }
@@ -130,10 +131,17 @@ LayoutCandidate laid_out(const RegionRequest& request, const SkinOptions& skin, 
   constexpr int kMaxRounds = 8;
   double gap = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
-    LayoutCandidate candidate{
-        std::make_shared<const RegionLayout>(layout), {}, {}, {skin, inner}, {}};
+    LayoutCandidate candidate{std::make_shared<const RegionLayout>(layout),
+                              {},
+                              {},
+                              {skin, inner},
+                              {},
+                              request.filling_area};
     const ModelLayout alone(metadata, {candidate.layout}, {});
     candidate.rest = rest_dofs(alone);
+    if (request.filling_area > 0)
+      candidate.expected_area =
+          std::max(request.filling_area, reliable_rest_area(*candidate.layout, candidate.rest));
     candidate.shape = alone.minimize_energy(material, candidate.rest);
     if (layout.embedded().empty() || round == kMaxRounds) return candidate;
     const SkinnedRegion made = layout.region(candidate.shape);
@@ -195,7 +203,7 @@ class CandidateSearch {
       skin.rest = strategy.rest;
       skin.edge_length *= strategy.edge;
       ScoredCandidate made{laid_out(request_, skin, inner, metadata_, material_), 0, ""};
-      score(made, request_.filling_area);
+      score(made);
       if (!inner) ++made.defect_score;
       why = made.why;
       spent_ += made.candidate.layout->mesh()->triangle_count();
@@ -249,11 +257,11 @@ class CandidateSearch {
 
 }  // namespace
 
-bool is_inverted_or_sagging(const SkinnedRegion& region, double filling_area) {
-  if (!suspicious(region, filling_area)) return false;
+bool is_inverted_or_sagging(const SkinnedRegion& region, double expected_area) {
+  if (!suspicious(region, expected_area)) return false;
   const SkinQuality quality = measure(region.surface);
   return !(quality.min_jacobian_ratio >= kMinJacobianRatio) ||
-         (filling_area > 0 && quality.area > kMaxAreaRatio * filling_area);
+         (expected_area > 0 && quality.area > kMaxAreaRatio * expected_area);
 }
 
 LayoutCandidate best_layout(const RegionRequest& request, const ModelMetadata& metadata,
@@ -278,7 +286,7 @@ std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request, Do
     skin.convex = false;
     try {
       ScoredCandidate made{laid_out(request, skin, true, metadata, material), 0, ""};
-      score(made, request.filling_area);
+      score(made);
       if (made.defect_score > 0) continue;
       made.candidate.warnings.push_back(
           std::string("it is laid out on a ") +
@@ -300,7 +308,7 @@ std::optional<LayoutCandidate> retry_layout(const RegionRequest& request,
   ScoredCandidate made{laid_out(request, strategy.skin, strategy.inner, metadata, material),
                        strategy.inner ? 0 : 1, ""};
   try {
-    score(made, request.filling_area);
+    score(made);
   } catch (const NoSolutionError&) {  // the surface deviates far from its curves
     return std::nullopt;
   }

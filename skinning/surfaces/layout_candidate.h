@@ -6,7 +6,7 @@
 // finally without inner lines. Each that is inverted, folds or intersects itself is also tried
 // without the rest shape. The candidate with the lowest defect score is taken:
 //
-//    score = 4 [inverted] + 2 [folds] + 2 [intersects itself] + 1 [area > 2 × hole filling]
+//    score = 4 [inverted] + 2 [folds] + 2 [intersects itself] + 1 [area > 2 × expected area]
 //            + 1 [Jacobian < 0.05 of the median] + 1 [misses its lines] + 1 [without inner lines]
 #pragma once
 
@@ -39,12 +39,16 @@ struct LayoutStrategy {
 /// The layout of a region and its initial shape, which depends only on the region's own lines.
 struct LayoutCandidate {
   std::shared_ptr<const RegionLayout> layout;
-  Points rest;  ///< dofs of the rest shape (rest_shape.h); no rows: none
+  Points rest;  ///< dofs of the rest shape (model_shapes.h); no rows: none
   /// Dofs of the initial shape.
   Points shape;
   LayoutStrategy strategy;
   /// Which candidates were tried before, and why they were not taken.
   std::vector<std::string> warnings;
+  /// Area of the hole-filling triangulation or, if it is larger, of a reliable rest shape
+  /// (reliable_rest_area()): the nose of a wing between two guides has several times the area of
+  /// the web between its curves. 0: unknown.
+  double expected_area = 0;
 };
 
 /// Selects the best layout: the first candidate without defects, otherwise the one with the lowest
@@ -80,7 +84,7 @@ std::optional<LayoutCandidate> try_other_domain(const RegionRequest& request,
                                                 const SurfaceStiffness& material);
 
 /// True if the Jacobian of a finished region falls below 0.05 of the median, or if its area is more
-/// than twice `filling_area` (hole-filling triangulation; 0: unknown). Cost: O(triangles).
-bool is_inverted_or_sagging(const SkinnedRegion& region, double filling_area);
+/// than twice `expected_area` (LayoutCandidate::expected_area; 0: unknown). Cost: O(triangles).
+bool is_inverted_or_sagging(const SkinnedRegion& region, double expected_area);
 
 }  // namespace batten

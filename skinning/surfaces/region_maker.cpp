@@ -347,10 +347,37 @@ RegionRequest RegionMaker::request_of(size_t r) const {
 
 void RegionMaker::take(size_t r, LayoutCandidate candidate) {
   strategies_[r] = candidate.strategy;
+  model_.regions[r].expected_area = candidate.expected_area;
   model_.regions[r].skinned = candidate.layout->region(candidate.shape);
   layouts_[r] = std::move(candidate.layout);
   initial_shapes_[r] = std::move(candidate.shape);
   rest_shapes_[r] = std::move(candidate.rest);
+}
+
+// An annulus whose loops are far from concentric has strongly sheared elements: a face with a hole
+// is better.
+void RegionMaker::try_as_hole(size_t r, LayoutCandidate& annulus) {
+  const NetworkRegion before = model_.regions[r].plan;
+  NetworkRegion& plan = model_.regions[r].plan;
+  const auto length = [&](const EdgeLoop& loop) {
+    double sum = 0;
+    for (const OrientedEdge& use : loop) sum += network_.edges()[use.edge].length;
+    return sum;
+  };
+  plan.annulus = false;
+  if (length(plan.loops[0]) < length(plan.loops[1])) std::swap(plan.loops[0], plan.loops[1]);
+  try {
+    LayoutCandidate with_hole = best_layout(request_of(r), metadata(), options_.material);
+    if (with_hole.strategy.defect_score < annulus.strategy.defect_score) {
+      annulus = std::move(with_hole);
+      return;
+    }
+  } catch (const CancelledError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    // The annulus remains.
+  }
+  plan = before;
 }
 
 void RegionMaker::lay_out_one(size_t r) {
@@ -360,6 +387,8 @@ void RegionMaker::lay_out_one(size_t r) {
     candidate = retry_layout(request, *strategies_[r], metadata(), options_.material);
   if (!candidate) {
     candidate = best_layout(request, metadata(), options_.material);
+    if (candidate->strategy.defect_score > 0 && model_.regions[r].plan.annulus)
+      try_as_hole(r, *candidate);
     model_.regions[r].warnings = candidate->warnings;
   }
   take(r, std::move(*candidate));

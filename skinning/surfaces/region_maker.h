@@ -69,6 +69,7 @@ class RegionMaker {
   std::vector<CharacterLine> lines_of(const NetworkRegion& plan) const;
   RegionRequest request_of(size_t r) const;
   void lay_out_one(size_t r);
+  void try_as_hole(size_t r, LayoutCandidate& annulus);
   void take(size_t r, LayoutCandidate candidate);
 
   const CurveNetwork& network_;

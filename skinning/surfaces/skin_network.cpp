@@ -306,10 +306,10 @@ class ModelMaker {
     parallel_for(isize(model_.regions), [&](int r) {
       const ModelRegion& region = model_.regions[r];
       if (!region.skinned) return;
-      const double filling_area = region.filling_area;
-      spoiled[r] = is_inverted_or_sagging(*region.skinned, filling_area) &&
+      const double expected = region.expected_area;
+      spoiled[r] = is_inverted_or_sagging(*region.skinned, expected) &&
                    !is_inverted_or_sagging(
-                       regions_.layouts()[r]->region(regions_.initial_shapes()[r]), filling_area);
+                       regions_.layouts()[r]->region(regions_.initial_shapes()[r]), expected);
     });
     bool any = false;
     for (size_t r = 0; r < spoiled.size(); ++r)
@@ -710,14 +710,14 @@ void measure(SurfaceModel& model, const Progress& progress) {
         fit_primitive(*region.skinned, primitive_tolerance(*region.skinned, model.layout->size()));
   });
   std::vector<SkinQuality> qualities;
-  std::vector<double> filling_areas;
+  std::vector<double> expected_areas;
   std::vector<int> index;
   model.area = 0;
   for (int r = 0; r < n; ++r) {
     const ModelRegion& region = model.regions[r];
     if (!region.skinned) continue;
     qualities.push_back(region.quality);
-    filling_areas.push_back(region.filling_area);
+    expected_areas.push_back(region.expected_area);
     index.push_back(r);
     model.area += region.quality.area;
   }
@@ -725,7 +725,7 @@ void measure(SurfaceModel& model, const Progress& progress) {
   measure_joins(model, made);
   for (ModelShell& shell : model.shells) measure_shell(model, shell);
   progress.update("measuring", 0.5);
-  model.defects = find_defects(made, qualities, filling_areas);
+  model.defects = find_defects(made, qualities, expected_areas);
   for (SurfaceDefect& defect : model.defects)
     for (int& r : defect.regions) r = index[r];
   std::erase_if(model.defects, [&](const SurfaceDefect& defect) {

@@ -122,18 +122,18 @@ void look_at_jacobian(const Regions& regions, int r, const SkinQuality& quality,
 }
 
 void look_at_area(const Regions& regions, int r, const Shell& shell, double area,
-                  double filling_area, std::vector<SurfaceDefect>& defects) {
+                  double expected_area, std::vector<SurfaceDefect>& defects) {
   constexpr double most = 2;
-  if (!(filling_area > 0) || area <= most * filling_area) return;
+  if (!(expected_area > 0) || area <= most * expected_area) return;
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : shell.points) middle += p / static_cast<double>(shell.points.size());
   defects.push_back({SurfaceDefect::Kind::Area,
                      {r},
                      middle,
-                     area / filling_area,
+                     area / expected_area,
                      "face " + name_of(regions, r) + " bulges: it has " +
-                         format_number(area / filling_area) +
-                         " times the area of a triangulation of its boundary"});
+                         format_number(area / expected_area) +
+                         " times the area that its boundary suggests"});
 }
 
 // A pair of point indices, numbered over all regions.
@@ -575,10 +575,10 @@ void look_at_crossings(const Regions& regions, const std::vector<Shell>& shells,
 
 std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>& regions,
                                         const std::vector<SkinQuality>& qualities,
-                                        const std::vector<double>& filling_areas) {
-  if (qualities.size() != regions.size() || filling_areas.size() != regions.size())
+                                        const std::vector<double>& expected_areas) {
+  if (qualities.size() != regions.size() || expected_areas.size() != regions.size())
     throw InputError("found " + std::to_string(qualities.size()) + " qualities and " +
-                     std::to_string(filling_areas.size()) + " areas for " +
+                     std::to_string(expected_areas.size()) + " areas for " +
                      std::to_string(regions.size()) + " faces, expected one of each per face");
   std::vector<Shell> shells(regions.size());
   parallel_for(isize(regions), [&](int r) {
@@ -591,7 +591,7 @@ std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>&
     const int r = static_cast<int>(i);
     look_at_jacobian(regions, r, qualities[i], defects);
     look_at_inner_folds(regions, r, shells[i], defects);
-    look_at_area(regions, r, shells[i], qualities[i].area, filling_areas[i], defects);
+    look_at_area(regions, r, shells[i], qualities[i].area, expected_areas[i], defects);
   }
   const FacetSoup soup = soup_of(regions, qualities, shells);
   const Meetings meetings = meetings_of(shells, soup);

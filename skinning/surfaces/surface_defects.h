@@ -15,8 +15,8 @@ namespace batten {
 /// result is ordered by SurfaceDefect::Kind.
 ///
 /// Face indices in the result refer to `regions`, of which null entries are skipped. `qualities`:
-/// measure() of each face. `filling_areas`: for each face the area of its hole-filling
-/// triangulation, or 0 if that is unknown. The surfaces are checked on facets, four per element:
+/// measure() of each face. `expected_areas`: for each face
+/// LayoutCandidate::expected_area, or 0 if that is unknown. The surfaces are checked on facets, four per element:
 ///
 ///  Jacobian  SkinQuality::min_jacobian_ratio is not positive;
 ///  Fold      inside a face: normals of adjacent facets differ by more than 120°.
@@ -34,13 +34,13 @@ namespace batten {
 ///            intersections within a tenth of an edge length are ignored. Near edges with a wedge
 ///            below 30°, intersections no deeper than the distance of facets from surface are
 ///            ignored;
-///  Area      the area of the face is more than twice its entry in `filling_areas`.
+///  Area      the area of the face is more than twice its entry in `expected_areas`.
 ///
 /// At most one defect is reported per kind and face, or pair of faces. Cost: O(facets log facets).
 /// Throws InputError if the lengths of the arguments differ, and as facets() does.
 std::vector<SurfaceDefect> find_defects(const std::vector<const SkinnedRegion*>& regions,
                                         const std::vector<SkinQuality>& qualities,
-                                        const std::vector<double>& filling_areas);
+                                        const std::vector<double>& expected_areas);
 
 // Intersections of facets.
 

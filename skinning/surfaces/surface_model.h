@@ -123,6 +123,8 @@ struct ModelRegion {
   FittedPrimitive shape;  ///< plane, cylinder, … that fits the surface, if any
   /// Area of the hole-filling triangulation of the loops, model units²; 0: no triangulation.
   double filling_area = 0;
+  double expected_area =
+      0;  ///< LayoutCandidate::expected_area; more than twice as much is a defect
   std::vector<std::string> warnings;
 };
 

@@ -98,6 +98,55 @@ TEST_CASE("loads have the resultants that their definitions state", "[analysis][
   CHECK_THROWS_AS(surface_traction(arm.layout, arm.shape, downwards, {{2}}), InputError);
 }
 
+TEST_CASE("an edge force pulls away from the face, however the edge runs", "[analysis][shell]") {
+  const Arm arm;
+  const double W = Plates::W, L = Arm::L;
+  const auto force = [&](const std::string& line) {
+    return resultant(arm.layout, arm.shape, edge_force(arm.layout, arm.shape, line, 2)).force;
+  };
+  CHECK((force("tip") - Vec3(2 * W, 0, 0)).norm() < 1e-12);
+  CHECK((force("foot") - Vec3(0, 0, -2 * W)).norm() < 1e-12);
+  CHECK((force("kneetip 0") - Vec3(0, -2 * L, 0)).norm() < 1e-12);
+  CHECK((force("kneetip W") - Vec3(0, 2 * L, 0)).norm() < 1e-12);
+  CHECK_THROWS_WITH(edge_force(arm.layout, arm.shape, "knee", 1), Contains("exactly one face"));
+}
+
+TEST_CASE("a total force and moment are the resultant at the centroid of their part",
+          "[analysis][shell]") {
+  const Arm arm;
+  const Vec3 force(1, -2, 3);
+  const auto on_tip = [&](const LineTraction& f) {
+    return line_force(arm.layout, arm.shape, "tip", f);
+  };
+  const auto on_face = [&](const LineTraction& f) {
+    return surface_traction(arm.layout, arm.shape, [&](const Vec3& x, const Vec3&) { return f(x); },
+                            {{1}});
+  };
+  const auto check = [&](const auto& part, const Vec3& centroid, const Vec3& moment) {
+    const Points F = spread_load(arm.layout, arm.shape, part, force, moment);
+    const Resultant sum = resultant(arm.layout, arm.shape, F);
+    CHECK((sum.force - force).norm() < 1e-12);
+    CHECK((sum.moment - centroid.cross(force) - moment).norm() < 1e-12);
+  };
+  check(on_tip, {Arm::L, Plates::W / 2, Arm::H}, {0.3, 0, -0.2});
+  check(on_face, {Arm::L / 2, Plates::W / 2, Arm::H}, {0.3, 0.4, -0.2});
+  CHECK_THROWS_WITH(spread_load(arm.layout, arm.shape, on_tip, force, {0, 1, 0}),
+                    Contains("about the direction of a straight curve"));
+}
+
+TEST_CASE("the centrifugal load of two plates is that of their mass at its radius",
+          "[analysis][shell]") {
+  const Arm arm;
+  constexpr double rho = 3, t = Plates::t, omega = 5;
+  const ShellSection section{ShellMaterial::isotropic(Plates::E, 0, rho), t};
+  const Points F = body_load(arm.layout, arm.shape, {section}, [](const Vec3& x) -> Vec3 {
+    return omega * omega * Vec3(x.x(), x.y(), 0);
+  });
+  const double W = Plates::W, L = Arm::L, H = Arm::H;
+  const Vec3 expected = rho * t * omega * omega * Vec3(L * L * W / 2, (L + H) * W * W / 2, 0);
+  CHECK((resultant(arm.layout, arm.shape, F).force - expected).norm() < 1e-12 * expected.norm());
+}
+
 TEST_CASE("unsupported motions are named", "[analysis][shell]") {
   const Arm arm;
   using Support = LineSupport;

@@ -310,9 +310,17 @@ TEST_CASE("supports and loads of every kind are those of a scene", "[scenes][str
                                {.gravity = Vec3(0, 0, -9810)},
                                {.hydrostatic = 1e-4, .level = 5},
                                {.moment = 2, .curve = "back"},
+                               {.edge_force = 3, .curve = "back", .load_case = "edge"},
+                               {.total_force = Vec3(0, 0, 40),
+                                .total_moment = Vec3(100, 0, 0),
+                                .face = face,
+                                .load_case = "total"},
+                               {.angular_velocity = 10, .axis = Vec3(0, 0, 1)},
                                {.force = Vec3(0, 1, 0), .curve = "back", .load_case = "pull"}}});
-  CHECK(found.cases().size() == 2);
+  CHECK(found.cases().size() == 4);
   CHECK(found.load_case("loads").reactions.size() == 6);
+  CHECK((found.load_case("edge").force - Vec3(0, 300, 0)).norm() < 1e-9);
+  CHECK((found.load_case("total").force - Vec3(0, 0, 40)).norm() < 1e-9);
   CHECK(found.load_case("pull").force[1] == Approx(100));
   CHECK(stress(parse(found.scene())).report() == found.report());
 }

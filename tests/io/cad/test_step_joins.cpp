@@ -8,9 +8,11 @@
 #include "batten/fem/surface_projector.h"
 #include "batten/io/cad/continuity_report.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/step/face_boundary.h"
 #include "batten/io/step/face_measure.h"
 #include "batten/io/step/step.h"
 #include "batten/tests/io/cad/step_models.h"
+#include "batten/tests/support/aerofoil.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/test_data.h"
 
@@ -36,6 +38,25 @@ BuiltModel vault() {
   return build_model({arch("front left", 0, -8, 1), arch("front right", 0, 1, 8),
                       arch("back left", 12, -8, 1), arch("back right", 12, 1, 8), along("left", -8),
                       along("ridge", 1), along("right", 8)});
+}
+
+/// A swept wing with ribs of the given chords at the given y, a leading and a trailing edge.
+BuiltModel wing(const std::vector<std::pair<double, double>>& ribs) {
+  std::vector<CharacterLine> lines;
+  std::vector<Vec3> leading, trailing;
+  for (const auto& [chord, y] : ribs) {
+    constexpr int kCount = 40;
+    std::vector<Vec3> points = aerofoil(kCount, chord, y);
+    for (Vec3& p : points) p.x() += 0.3 * y;
+    trailing.push_back(points[0]);
+    leading.push_back(points[kCount]);
+    lines.push_back(closed_line("rib " + std::to_string(lines.size()), points));
+  }
+  lines.push_back({"leading", curve_through_points("leading", leading)});
+  lines.push_back({"trailing", curve_through_points("trailing", trailing)});
+  CurveNetwork network(lines);
+  SurfaceModel model = skin_network(network, find_regions(network, {}), {});
+  return {std::move(network), std::move(model)};
 }
 
 StepReport written(const fs::path& file, const BuiltModel& made, double tolerance,
@@ -88,6 +109,47 @@ TEST_CASE("a face corrects its own part of a join, and needs no poles for the ot
   near(mend({3, 0}, {0.01, 0}), 2.99, 0);               // only one deviates
   near(mend({3, 0.09}, {0.01, -0.08}), 2.99, 0.17);     // elsewhere the other deviates
   near(mend({2, 0}, {-1, 0}), 4, 2);                    // each by its own angle
+}
+
+TEST_CASE("the faces of a swept wing are tangent along ribs and nose", "[io][step]") {
+  // At the nose of a rib the normal turns by 90 degrees within one per cent of the rib.
+  const BuiltModel made = wing({{1, 0}, {0.8, 1.5}, {0.45, 3}});
+  REQUIRE(made.model.skinned().size() == 6);
+  const double tolerance = 1e-4 * made.network.size();
+  const fs::path file = scratch("wing") / "wing.step";
+  const StepReport report = written(file, made, tolerance);
+  CHECK(report.reached);
+  CHECK(report.joins.size() == 4);
+  CHECK(report.max_join_deg <= 0.1);
+  CHECK(*report.max_deviation <= tolerance);
+  CHECK(distance_from_file(made, file) <= tolerance);
+  const ContinuityReport found = measure_continuity(file, 1e-3, {});
+  CHECK(found.count(Kind::Crease) == 6);  // the tail, and the ribs at the ends
+  CHECK(found.max_smooth_deg() <= 0.1);
+}
+
+TEST_CASE("the sides of a quadrilateral domain are isoparametric curves of its face",
+          "[io][step]") {
+  int quadrilaterals = 0;
+  const BuiltModel made = wing({{1, 0}, {0.4, 3}});
+  for (const SkinnedRegion* region : made.model.skinned()) {
+    const FaceBoundary boundary(*region);
+    if (!boundary.to_domain) continue;
+    ++quadrilaterals;
+    REQUIRE(boundary.loops.size() == 1);
+    CHECK(boundary.contains(0.5 * boundary.to_domain->extent()));
+    size_t piece = 0;
+    for (const FaceBoundarySegment& segment : boundary.loops[0]) {
+      CHECK((segment.last() - segment.first()).cwiseAbs().minCoeff() < 1e-12);
+      const HermiteCurve own = boundary_pcurve(*region, region->boundary[0][piece++]);
+      for (const double f : {0.0, 0.3, 0.7}) {
+        const double t = own.start() + f * (own.end() - own.start());
+        CHECK((boundary.domain_point(segment.uv(t)) - drop_z(own.evaluate(t))).norm() < 1e-12);
+      }
+    }
+    CHECK(piece == region->boundary[0].size());
+  }
+  CHECK(quadrilaterals == 2);  // not the ribs
 }
 
 TEST_CASE("two faces keep tolerance and tangent plane across a smooth join, at four tolerances",

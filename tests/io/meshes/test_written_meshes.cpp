@@ -19,6 +19,7 @@
 
 #include "batten/core/errors.h"
 #include "batten/io/meshes/mesh_file.h"
+#include "batten/tests/io/meshes/mesh_file_properties.h"
 #include "batten/tests/support/catch.h"
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/test_data.h"
@@ -44,12 +45,6 @@ ShellMesh block() {
 /// Two sets, one of them without a colour; face 5 is in none.
 std::vector<MeshSet> sets() {
   return {{"sides", "", {}, {0, 1, 2, 3}, "#ff8000"}, {"the lid", "", {}, {4}, ""}};
-}
-
-std::string bytes_of(const fs::path& file) {
-  std::ostringstream out;
-  out << std::ifstream(file, std::ios::binary).rdbuf();
-  return out.str();
 }
 
 nlohmann::json json_of_glb(const fs::path& file) {
@@ -282,4 +277,45 @@ TEST_CASE("GLB and 3MF need a unit, and report a missing one", "[io][meshes]") {
   for (const char* name : {"a.glb", "a.3mf"})
     CHECK_THAT(error_message([&] { write_mesh(folder / name, far, {}, 1); }),
                Contains("node 3 is too large for single precision"));
+}
+
+TEST_CASE("new decks hold nodes, shells of four kinds, and sets", "[io][decks]") {
+  ShellMesh mesh;
+  mesh.points.resize(14, 3);
+  for (int i = 0; i < 14; ++i) mesh.points.row(i) << i / 3.0, std::cos(i), 1e-7 * i * i;
+  mesh.add_face(std::array{0, 1, 2});
+  mesh.add_face(std::array{2, 3, 4, 5});
+  mesh.add_face(std::array{0, 1, 2, 6, 7, 8}, true);
+  mesh.add_face(std::array{2, 3, 4, 5, 10, 11, 12, 13}, true);
+  mesh.add_face(std::array{0, 1, 2, 3, 4});  // three triangles
+  mesh.add_face(std::array{5, 6, 6, 7});     // a triangle
+  mesh.add_face(std::array{8, 9, 9});        // left out
+  CHECK(is_degenerate(mesh, 6));
+  CHECK_FALSE(is_degenerate(mesh, 5));
+  const std::vector<MeshSet> groups{{"top skin", "", {}, {0, 4}, ""},
+                                    {"top-skin", "", {}, {3}, ""},
+                                    {"TOP SKIN", "", {}, {1}, ""}};
+  for (const std::string name : {"new.inp", "new.bdf", "new.nas", "new.fem"}) {
+    CAPTURE(name);
+    const fs::path file = scratch("new_decks") / name;
+    CHECK(write_mesh(file, mesh, groups).empty());
+    const MeshFile read = MeshFile::read(file);
+    REQUIRE(read.shells().node_count() == 14);
+    // 20 or 16 characters a coordinate.
+    CHECK((read.shells().points - mesh.points).cwiseAbs().maxCoeff() < 1e-12);
+    std::map<size_t, int> counts;
+    for (int f = 0; f < read.shells().face_count(); ++f) ++counts[read.shells().face(f).size()];
+    CHECK(counts == std::map<size_t, int>{{3, 5}, {4, 1}, {6, 1}, {8, 1}});
+    std::map<std::string, size_t> sizes;
+    for (const MeshSet& set : name == "new.inp" ? read.sets() : read.properties())
+      sizes[set.name] = set.faces.size();
+    if (name == "new.inp")
+      CHECK(sizes ==
+            std::map<std::string, size_t>{{"TOP_SKIN", 4}, {"TOP-SKIN", 1}, {"TOP_SKIN_2", 1}});
+    else
+      CHECK(sizes == std::map<std::string, size_t>{{"1", 2}, {"2", 4}, {"3", 1}, {"4", 1}});
+    if (name == "new.bdf" && have_python_with("gmsh"))
+      for (const auto& [label, at] : positions_from(other_reader("gmsh", file)))
+        CHECK((mesh.points.row(label - 1).transpose() - at).cwiseAbs().maxCoeff() < 1e-12);
+  }
 }

@@ -41,6 +41,20 @@ TEST_CASE("the edges of a box give a network of six faces", "[skinning][surfaces
         Approx(1e-3 * std::sqrt(3.0)));
 }
 
+TEST_CASE("a small hole far from the middle of a plate leaves no sheared elements",
+          "[skinning][surfaces]") {
+  // An annulus between both circles would have elements that are nearly inverted.
+  CharacterLine hole = circle("hole", 0.08, 0);
+  hole.curve = ellipse_arc(curve_plane({0.85, 0, 0}, Vec3::UnitZ(), Vec3::UnitX()), 0.08, 0.08, 0,
+                           2 * std::numbers::pi);
+  const BuiltModel made = build_model({circle("rim", 1, 0), hole}, {});
+  REQUIRE(made.model.skinned().size() == 1);
+  CHECK(made.model.regions[0].warnings.empty());
+  CHECK(made.model.regions[0].plan.loops.size() == 2);
+  CHECK(made.model.regions[0].quality.min_jacobian_ratio > 0.5);
+  CHECK(made.model.area == Approx(std::numbers::pi * (1 - 0.0064)).epsilon(1e-4));
+}
+
 TEST_CASE("a single face gets the name of the model, and can be requested with its layout",
           "[skinning][surfaces]") {
   ModelBuildOptions options;

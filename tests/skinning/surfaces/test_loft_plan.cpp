@@ -9,43 +9,21 @@
 #include "batten/fairing/curves/curve_through_points.h"
 #include "batten/skinning/surfaces/build_model.h"
 #include "batten/skinning/surfaces/surface_model.h"
+#include "batten/tests/support/aerofoil.h"
 #include "batten/tests/support/catch.h"
 
 using namespace batten;
+using namespace batten_test;
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-// A closed curve through points, with another start point and direction.
-CharacterLine closed_line(const std::string& name, std::vector<Vec3> points, int seam = 0,
-                          bool against = false) {
-  std::rotate(points.begin(), points.begin() + seam, points.end());
-  if (against) std::reverse(points.begin(), points.end());
-  points.push_back(points.front());
-  CharacterLine line;
-  line.name = name;
-  line.curve = curve_through_points(name, points);
-  return line;
-}
 
 std::vector<Vec3> regular(int count, double radius, double z, double phase = 0) {
   std::vector<Vec3> points;
   for (int k = 0; k < count; ++k) {
     const double a = phase + 2 * kPi * k / count;
     points.emplace_back(radius * std::cos(a), radius * std::sin(a), z);
-  }
-  return points;
-}
-
-// A symmetric aerofoil with a sharp tail at (chord, y, 0), in the plane of constant y.
-std::vector<Vec3> aerofoil(int count, double chord, double y) {
-  std::vector<Vec3> points;
-  for (int k = 0; k < 2 * count; ++k) {
-    const double b = kPi * k / count, x = 0.5 * (1 + std::cos(b));
-    const double half = 0.6 * (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x +
-                               0.2843 * x * x * x - 0.1036 * x * x * x * x);
-    points.emplace_back(chord * x, y, chord * (k < count ? half : -half));
   }
   return points;
 }
@@ -180,6 +158,23 @@ TEST_CASE("a wing of root, tip and one edge equals the wing with both edges",
   CHECK(both == Approx(profile * (1 + 0.6 + 0.36)).epsilon(2e-3));
   CHECK(volume({leading}) == Approx(both).epsilon(1e-3));
   CHECK(volume({trailing}) == Approx(both).epsilon(1e-3));
+}
+
+TEST_CASE("the face between two guides of a wing runs around the nose", "[skinning][surfaces]") {
+  // Its area is three times that of the flat web between the guides.
+  constexpr int kCount = 30;
+  const std::vector<Vec3> root = aerofoil(kCount, 1, 0), tip = aerofoil(kCount, 0.6, 3);
+  const auto volume = [&](const std::vector<int>& guides) {
+    std::vector<CharacterLine> lines{closed_line("root", root), closed_line("tip", tip)};
+    for (const int k : guides)
+      lines.push_back(straight_line("guide " + std::to_string(k), root[k], tip[k]));
+    const BuiltModel made = build_model(lines, {});
+    CHECK(made.model.defects.empty());
+    REQUIRE(made.model.shells.size() == 1);
+    CHECK(made.model.shells[0].closed);
+    return made.model.shells[0].volume;
+  };
+  CHECK(volume({kCount / 2, 3 * kCount / 2}) == Approx(volume({0, kCount})).epsilon(1e-3));
 }
 
 TEST_CASE("the tail of a small profile is not joined by the gap tolerance of a long wing",
