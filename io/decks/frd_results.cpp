@@ -15,10 +15,11 @@
 namespace batten {
 namespace {
 
-// A data line consists of " -1", a number of ten columns, and values of twelve columns each.
-constexpr size_t kKeyWidth = 3, kNumberWidth = 10, kValueWidth = 12;
-// Column positions in a step header, "  100CL", and in an element header, " -1".
-constexpr size_t kStepValue = 12, kType = 13, kTypeWidth = 5;
+// A data line consists of " -1", a number of ten columns (of five in the short format), and values of
+// twelve columns each.
+constexpr size_t kKeyWidth = 3, kLongNumber = 10, kShortNumber = 5, kValueWidth = 12;
+// Column of the value in a step header, "  100CL"; width of the type in an element header.
+constexpr size_t kStepValue = 12, kTypeWidth = 5;
 
 // Parses a number, ignoring surrounding blanks, independent of the locale.
 template <class Value>
@@ -51,10 +52,10 @@ class FrdParser {
       } else if (key.starts_with(" -3")) {
         end_block();
       } else if (key == "    2C" || key == "    3C") {
-        require_text(line);
+        read_format(line);
         block_ = key == "    2C" ? Block::Nodes : Block::Elements;
       } else if (key == "  100C") {
-        require_text(line);
+        read_format(line);
         value_ = parsed<double>(part(line, kStepValue, kValueWidth), at());
       } else if (key.starts_with(" -4")) {
         const std::string name = line.substr(std::min<size_t>(line.size(), 5), 8);
@@ -90,11 +91,13 @@ class FrdParser {
     return std::string_view(line).substr(std::min(begin, line.size()), length);
   }
 
-  /// The last number of a block header is the format: 0 and 1 are text.
-  void require_text(const std::string& line) const {
+  /// The last number of a block header is the format: 0 is short text, 1 long text.
+  void read_format(const std::string& line) {
     const size_t last = line.find_last_not_of(" \r");
-    if (last != line.npos && last >= 72 && (line[last] == '2' || line[last] == '3'))
+    const char format = last != line.npos && last >= 72 ? line[last] : '1';
+    if (format == '2' || format == '3')
       throw InputError(at() + "found a binary block, expected text");
+    number_width_ = format == '0' ? kShortNumber : kLongNumber;
   }
 
   void data_line(const std::string& line) {
@@ -102,25 +105,25 @@ class FrdParser {
     if (block_ == Block::Elements) {
       const bool head = line[2] == '1';
       if (head) {
-        element(parsed<int>(part(line, kKeyWidth, kNumberWidth), at()),
-                parsed<int>(part(line, kType, kTypeWidth), at()));
+        element(parsed<int>(part(line, kKeyWidth, number_width_), at()),
+                parsed<int>(part(line, kKeyWidth + number_width_, kTypeWidth), at()));
         return;
       }
       const size_t end = line.find_last_not_of(" \r");
-      for (size_t from = kKeyWidth; from <= end && end != line.npos; from += kNumberWidth)
-        element_node(parsed<int>(part(line, from, kNumberWidth), at()));
+      for (size_t from = kKeyWidth; from <= end && end != line.npos; from += number_width_)
+        element_node(parsed<int>(part(line, from, number_width_), at()));
       return;
     }
     if (line[2] != '1') return;
     const size_t count = block_ == Block::Stress ? 6 : 3;
-    if (line.size() < kKeyWidth + kNumberWidth + count * kValueWidth)
+    if (line.size() < kKeyWidth + number_width_ + count * kValueWidth)
       throw InputError(at() + "found a short line, expected a node and " + std::to_string(count) +
                        " numbers");
-    const int label = parsed<int>(part(line, kKeyWidth, kNumberWidth), at());
+    const int label = parsed<int>(part(line, kKeyWidth, number_width_), at());
     double v[6] = {};
     for (size_t k = 0; k < count; ++k)
-      v[k] =
-          parsed<double>(part(line, kKeyWidth + kNumberWidth + k * kValueWidth, kValueWidth), at());
+      v[k] = parsed<double>(part(line, kKeyWidth + number_width_ + k * kValueWidth, kValueWidth),
+                            at());
     if (block_ == Block::Nodes) node(label, {v[0], v[1], v[2]});
     if (block_ == Block::Displacement) displacement(label, {v[0], v[1], v[2]});
     if (block_ == Block::Stress) stress(label, v);
@@ -136,6 +139,7 @@ class FrdParser {
   std::filesystem::path path_;
   Block block_ = Block::None;
   double value_ = 0;
+  size_t number_width_ = kLongNumber;
   int row_ = 0;
 };
 

@@ -15,6 +15,7 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/lines/drawing.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/scenes/lines/crossing_corners.h"
 #include "batten/scenes/lines/line_corners.h"
 #include "batten/skinning/lines/character_line.h"
@@ -37,12 +38,20 @@ struct SceneFile {
   std::string at(const SourceLocation& location) const { return format_location(file, location); }
 };
 
+/// What to do with a file that contains no curves.
+std::string advice_for(const std::filesystem::path& file) {
+  if (lower_extension(file) == ".toml") return "; `batten run` runs a scene";
+  if (MeshFile::can_read(file)) return "; `batten fit` fits surfaces to a mesh";
+  return "";
+}
+
 std::vector<SourceLine> read_file(const SceneFile& scene, const SceneLine& source) {
   const std::string at = scene.at(source.location);
   require_input_file(source.file, "a curve file (" + all_endings() + ")", at);
   if (line_file_kind(source.file) == LineFileKind::None)
     throw InputError(at + "found the extension '" + source.file.extension().string() + "' of '" +
-                     source.file.string() + "', expected one of: " + all_endings());
+                     source.file.string() + "', expected one of: " + all_endings() +
+                     advice_for(source.file));
   if (line_file_kind(source.file) == LineFileKind::Sketch && !source.unit.empty() &&
       source.unit != scene.unit)
     throw InputError(at + "found the unit '" + source.unit + "' for '" + source.file.string() +

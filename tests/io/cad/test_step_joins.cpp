@@ -67,14 +67,16 @@ StepReport written(const fs::path& file, const BuiltModel& made, double toleranc
   return write_step_faces(file, made.model.skinned(), 1e-3, options);
 }
 
-/// Largest distance of points of the surfaces from the closest face of the file.
+/// Largest distance of points of the surfaces without a trim from the closest face of the file.
 double distance_from_file(const BuiltModel& made, const fs::path& file) {
   const auto faces = read_cad_surfaces(file, 1e-3);
   double largest = 0;
   size_t first = 0;
-  for (const SkinnedRegion* region : made.model.skinned())
+  for (const SkinnedRegion* region : made.model.skinned()) {
+    if (region->surface.trim()) continue;
     for (const Location& where : tessellate(region->surface.mesh(), 3).points)
       largest = std::max(largest, distance(faces, region->surface.position(where), first));
+  }
   return largest;
 }
 

@@ -2,6 +2,7 @@
 // Results of CalculiX as sequences: boundary surfaces of all its elements.
 #include <Eigen/Geometry>
 #include <map>
+#include <sstream>
 
 #include "batten/io/decks/frd_results.h"
 #include "batten/tests/io/sequences/sequence_file_helpers.h"
@@ -41,6 +42,21 @@ std::string step(const std::string& value, const std::string& up) {
          up +
          "\n"
          " -3\n";
+}
+
+/// The same text in the short format: format 0, node and element numbers of five columns.
+std::string shortened(const std::string& text) {
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("    2C") || line.starts_with("    3C") || line.starts_with("  100C"))
+      line.back() = '0';
+    if (line.starts_with(" -1")) line.erase(3, 5);
+    if (line.starts_with(" -2"))
+      for (size_t at = 3; at < line.size(); at += 5) line.erase(at, 5);
+    result += line + '\n';
+  }
+  return result;
 }
 
 /// Enclosed volume of a surface of triangles and quads, ignoring mid-side nodes.
@@ -145,6 +161,12 @@ TEST_CASE("results are frames of their skin", "[io][sequences]") {
   second.first = 3;
   CHECK_THAT(reading(file, second),
              Contains("a.frd: found 2 frames, expected frames 3 to the end"));
+  put_bytes(file, shortened(kHead + step("5.00000E-01", "1.00000E+00") +
+                            step("1.00000E+00", "2.50000E+00")));
+  const MeshSequence in_short = read_frames(file);
+  CHECK(in_short.times == s.times);
+  CHECK(in_short.frames[1] == s.frames[1]);
+  CHECK(volume(in_short.shells, in_short.frames[1]) == Approx((3.5 + 1) / 6));
   // Modes with one frequency.
   put_bytes(file, kHead + step("3.00000E+00", "1.00000E+00") + step("3.00000E+00", "2.00000E+00"));
   CHECK(read_frames(file).times == std::vector<double>{1, 2});
