@@ -149,11 +149,11 @@ class MeshFile {
 /// CalculiX: S3, S4, S6, S8R; 20 characters a number), .bdf, .nas and .fem (Nastran: CTRIA3, CQUAD4,
 /// CTRIA6, CQUAD8; GRID* with 16 characters a number).
 ///
-/// Second-order faces become quadratic cells in VTU and second-order elements of decks, and polygons through all their nodes in OBJ,
-/// PLY, OFF and VTP. In STL, GLB and 3MF all faces are split into triangles. Each face may belong
-/// to at most one face set. Decks contain no material, section, support or load. Polygons with more
-/// than four corners are split into triangles there, and faces for which is_degenerate() is true are
-/// left out. The formats store face sets as follows:
+/// Second-order faces become quadratic cells in VTU, second-order elements in decks, and polygons
+/// through all their nodes in OBJ, PLY, OFF and VTP. In STL, GLB and 3MF all faces are split into
+/// triangles. Decks contain no material, section, support or load; polygons with more than four
+/// corners are split into triangles there, and faces for which is_degenerate() is true are left out.
+/// Each face may belong to at most one face set. The formats store face sets as follows:
 ///
 ///   .obj         groups (`g`); coloured sets also get materials (`usemtl`) in a .mtl file
 ///   .ply         face colours (red, green, blue), if any set has a colour

@@ -49,6 +49,10 @@ struct Join {
         i == kPieces
             ? curve.evaluate({curve.segment_count() - 1, 1.0}, 1)
             : curve.evaluate(curve.start() + (curve.end() - curve.start()) * i / kPieces, 1);
+    if (!(slope.norm() > 0)) {  // a curve may start or end with a slope of zero
+      const Vec3 chord = position(std::min(k + 1, kPieces)) - position(std::max(k - 1, 0));
+      return chord.norm() > 0 ? Vec3(chord.normalized()) : Vec3(Vec3::UnitX());
+    }
     return (segments[0]->reversed ? -1 : 1) * slope.normalized();
   }
   bool tangent(int k) const { return !of_surfaces[static_cast<size_t>(k)][0].isZero(); }
@@ -104,14 +108,14 @@ void smooth(Join& join) {
               frame.back()[0];
     first = (first - first.dot(t) * t).normalized();
     frame.push_back({first, t.cross(first)});
+    const double before = angle.empty() ? 0 : angle.back();
+    angle.push_back(before);
+    if (!join.tangent(k)) continue;
     const auto& [one, other] = join.of_surfaces[static_cast<size_t>(k)];
     const Vec3 mean = one + join.same * other;
-    angle.push_back(std::atan2(mean.dot(frame.back()[1]), mean.dot(first)));
-    if (k > 0) {  // continuous
-      constexpr double turn = 2 * std::numbers::pi;
-      double& here = angle.back();
-      here += turn * std::round((angle[static_cast<size_t>(k) - 1] - here) / turn);
-    }
+    constexpr double turn = 2 * std::numbers::pi;
+    const double here = std::atan2(mean.dot(frame.back()[1]), mean.dot(first));
+    angle.back() = here + turn * std::round((before - here) / turn);  // continuous
   }
   for (int k = 0; k <= kPieces; ++k) {
     if (!join.tangent(k)) continue;

@@ -45,7 +45,8 @@ std::vector<DeckShell> shells_of(const MeshOutput& output) {
     if (nodes.size() <= 4)
       add(nodes, f);
     else
-      for (const auto& triangle : triangles_of(mesh, f)) add({triangle.begin(), triangle.end()}, f);
+      for (const auto& [a, b, c] : triangles_of(mesh, f))
+        if (a != b && b != c && c != a) add({a, b, c}, f);
   }
   return shells;
 }
