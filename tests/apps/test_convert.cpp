@@ -237,7 +237,7 @@ TEST_CASE("conversions that are not supported are refused with the reason", "[ap
   refused({"t.obj", "old.step"}, "use `batten fit`");
   CHECK(contents(c / "old.step") == "old");
   refused({"t.obj", "t.obj"}, "found an input file of this command as output file");
-  refused({"t.obj", "t.inp"}, "expected one of: .3mf, .glb, .obj");
+  refused({"t.obj", "t.rad"}, "expected one of: .3mf, .bdf, .fem, .glb, .inp");
   refused({"t.obj", "t.glb"}, "expected --from-unit, the unit of the coordinates");
   refused({"t.obj", "t.3mf", "--from-unit", "in", "--unit", "in"}, ".3mf is in mm");
   refused({"t.obj", "t.stl", "--unit", "m"},
@@ -249,7 +249,7 @@ TEST_CASE("conversions that are not supported are refused with the reason", "[ap
   refused({(kSeeds / "cad/square.step").string(), "s.iges", "--from-unit", "m"},
           "CAD files state their unit");
   refused({"t.obj", "s.stl", "--schema", "ap203"}, "ap203");
-  CHECK_FALSE(fs::exists(c / "t.inp"));
+  CHECK_FALSE(fs::exists(c / "t.rad"));
 }
 
 TEST_CASE("real CAD files keep their contents in every format", "[apps][convert]") {
