@@ -28,15 +28,9 @@ void LineRotation::at_fraction(double f, double factor, CoupledEntries& row) con
   add(across, along, factor, row);
 }
 
-Vec3 LineRotation::evaluate(const ConstraintEntries& entries) const {
-  Vec3 sum = Vec3::Zero();
-  for (const auto& e : entries) sum += e.coefficient * shape_.row(e.dof).transpose();
-  return sum;
-}
-
 void LineRotation::add(const ConstraintEntries& across, const ConstraintEntries& along,
                        double factor, CoupledEntries& row) const {
-  const Vec3 y = evaluate(across), x_t = evaluate(along);
+  const Vec3 y = value_of(across, shape_), x_t = value_of(along, shape_);
   const double speed = x_t.norm();
   const Vec3 tau = x_t / speed, n = y.cross(x_t).normalized();
   const double a = y.dot(tau.cross(n)), b = y.dot(tau);

@@ -63,13 +63,18 @@ inline ConstraintEntries shape_functions_at(const ModelLayout& model, const Loca
   return entries;
 }
 
+// Value of a linear form of the dofs.
+inline Vec3 value_of(const ConstraintEntries& entries, const Points& dofs) {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& e : entries) sum += e.coefficient * dofs.row(e.dof).transpose();
+  return sum;
+}
+
 // Point of the surface at a fraction f in [0, 1] of a curve.
 inline Vec3 point_on_line(const JoinEdge& side, const Points& shape, double f) {
   ConstraintEntries entries;
   side.add_at(f, 0, 0, 1, entries);
-  Vec3 x = Vec3::Zero();
-  for (const auto& e : entries) x += e.coefficient * shape.row(e.dof).transpose();
-  return x;
+  return value_of(entries, shape);
 }
 
 // Calls visit(f, dl) at points along a whole curve: eight between neighbouring stations of either
@@ -129,7 +134,6 @@ class LineRotation {
   void at_fraction(double f, double factor, CoupledEntries& row) const;
 
  private:
-  Vec3 evaluate(const ConstraintEntries& entries) const;
   void add(const ConstraintEntries& across, const ConstraintEntries& along, double factor,
            CoupledEntries& row) const;
   const JoinEdge& side_;

@@ -86,9 +86,7 @@ void add_force(const JoinEdge& side, double f, const Vec3& force, Points& F) {
 Vec3 derivative(const JoinEdge& side, const Points& shape, double f, double across, double along) {
   ConstraintEntries entries;
   side.add_at(f, across, along, 0, entries);
-  Vec3 sum = Vec3::Zero();
-  for (const auto& e : entries) sum += e.coefficient * shape.row(e.dof).transpose();
-  return sum;
+  return value_of(entries, shape);
 }
 
 // Whether a face lies to the left of a curve, in the direction of JoinEdge; nullopt if the curve is
@@ -209,14 +207,11 @@ Points edge_force(const ModelLayout& model, const Points& shape, const std::stri
 Points spread_load(const ModelLayout& model, const Points& shape,
                    const std::function<Points(const LineTraction& f)>& load, const Vec3& force,
                    const Vec3& moment) {
-  const auto unit = [&](const Vec3& f) { return load([=](const Vec3&) { return f; }); };
-  const Points along[3] = {unit(Vec3::UnitX()), unit(Vec3::UnitY()), unit(Vec3::UnitZ())};
-  const Resultant x = resultant(model, shape, along[0]), y = resultant(model, shape, along[1]);
-  const double size = x.force.x();
-  // The moment of a force e per size is c × e, times the size.
-  const Vec3 c = Vec3(y.moment.z(), -x.moment.z(), x.moment.y()) / size;
-  Points F = Points::Zero(shape.rows(), 3);
-  for (int k = 0; k < 3; ++k) F += force[k] / size * along[k];
+  // The load vector of an even force f is w fᵀ, with the integrals w of the shape functions.
+  const VecX w = load([](const Vec3&) -> Vec3 { return Vec3::UnitX(); }).col(0);
+  const double size = w.dot(model.position_dofs());
+  const Vec3 c = shape.transpose() * w / size;
+  Points F = w * (force / size).transpose();
   if (moment.isZero(0)) return F;
   Points turning[3];
   Mat3 inertia;

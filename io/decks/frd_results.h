@@ -22,7 +22,8 @@ struct FrdResults {
 };
 
 /// Reads the displacements and stresses from a .frd file in text form (long or short), as ccx writes
-/// it for *NODE FILE, U and *EL FILE, S. Throws InputError if the file is missing, without results, or invalid.
+/// it for *NODE FILE, U and *EL FILE, S. Throws InputError if the file is missing, without results,
+/// or invalid.
 FrdResults read_frd(const std::filesystem::path& path);
 
 /// The nodes and elements of a .frd file.

@@ -228,9 +228,9 @@ StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& 
 /// on it within the tolerance: nothing but the faces of that file has been fitted or sculpted.
 bool reproduces_target(const Report& report, const Scene& scene, const BuiltModel& made,
                        const Regions& regions) {
-  if (!report.target || !report.target->analytic || !report.target->reached || scene.is_sculpted() ||
-      scene.step_form == Scene::StepForm::Exact || scene.step_lines || scene.targets.size() != 1 ||
-      scene.lines.size() != 1 || scene.network.symmetry)
+  if (!report.target || !report.target->analytic || !report.target->reached ||
+      scene.is_sculpted() || scene.step_form == Scene::StepForm::Exact || scene.step_lines ||
+      scene.targets.size() != 1 || scene.lines.size() != 1 || scene.network.symmetry)
     return false;
   const SceneLine& lines = scene.lines.front();
   return lines.creases && lines.file == scene.targets.front().file && lines.only.empty() &&
@@ -327,9 +327,9 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   std::optional<StepReport> of_target;
   if (reproduces_target(report, scene, made, regions))
     of_target = target_step(report, scene, made, file);
-  StepReport step = of_target ? *std::move(of_target)
-                              : (s.form == "face" ? face_step : exact_step)(report, scene, words,
-                                                                            regions, file);
+  StepReport step =
+      of_target ? *std::move(of_target)
+                : (s.form == "face" ? face_step : exact_step)(report, scene, words, regions, file);
   constexpr int few_triangles = 10'000;
   if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
@@ -425,8 +425,12 @@ void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
       throw InputError(scene.at({}) + "[stress]: found " + std::to_string(cases.size()) +
                        " load cases, which '" + scene.calculix +
                        "' cannot contain, expected one case; use `batten stress`");
-    const ShellDeck deck =
-        deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
+    ShellDeck deck;
+    try {
+      deck = deck_of(scene, *made.model.layout, cases.empty() ? "" : cases[0], scene.calculix);
+    } catch (const DeckLimitError& e) {
+      throw InputError(std::string(e.what()) + "; use `batten stress`");
+    }
     const Regions regions = shape.all();
     write_valid_regions(report, run.out, scene.calculix, regions, made.network.has_value(),
                         [&](const std::vector<int>& which, Report&) {

@@ -413,8 +413,8 @@ class DeckOfScene {
   };
 
   [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
-    throw InputError(scene_.at(location) + "found " + what + ", which '" + file_ +
-                     "' cannot contain; use `batten stress`");
+    throw DeckLimitError(scene_.at(location) + "found " + what + ", which '" + file_ +
+                         "' cannot contain");
   }
 
   void add(const Support& support) {

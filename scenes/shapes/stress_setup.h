@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_results.h"
+#include "batten/core/errors.h"
 #include "batten/io/decks/calculix_decks.h"
 #include "batten/io/scene/scene.h"
 
@@ -27,8 +28,13 @@ ShellProblem shell_problem(const Scene& scene);
 
 // [stress] as a CalculiX deck.
 
-/// The shell of a scene under one load case. Throws InputError, with the location in the scene, for
-/// features that the deck cannot represent; `file` names the deck in messages.
+/// Exception for a support, load or section that a CalculiX deck cannot represent.
+struct DeckLimitError : InputError {
+  using InputError::InputError;
+};
+
+/// The shell of a scene under one load case. Throws DeckLimitError, with the location in the scene,
+/// for features that the deck cannot represent; `file` names the deck in messages.
 ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
                   const std::string& file);
 

@@ -31,12 +31,7 @@ double reliable_rest_area(const RegionLayout& region, const Points& rest) {
   if (rest.rows() == 0 || is_annulus(region)) return 0;
   const auto sweep = BoundarySweep::of(region);
   if (!sweep || !(sweep->mismatch() < similar)) return 0;
-  const SkinnedRegion made = region.region(rest);
-  const ParametricMesh& mesh = made.surface.mesh();
-  double area = 0;
-  for (int t = 0; t < mesh.triangle_count(); ++t)
-    area += made.surface.area_vector({t, Vec3::Constant(1.0 / 3)}).norm() * mesh.shape(t).area;
-  return area;
+  return region.region(rest).surface.area();
 }
 
 bool has_many_sides(const RegionLayout& region) { return BoundarySweep::has_many_sides(region); }
