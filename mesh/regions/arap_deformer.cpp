@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "batten/core/errors.h"
 #include "batten/mesh/differential_operators.h"
@@ -49,6 +50,8 @@ ArapEnergy rows_of(const TriangleMesh& mesh, double smoothing) {
   add_gradients(mesh, rows);
   rows.mean.resize(mesh.vertex_count(), mesh.vertex_count());
   rows.mean.setIdentity();
+  rows.cell_vertices.resize(mesh.vertex_count());
+  std::iota(rows.cell_vertices.begin(), rows.cell_vertices.end(), 0);
   if (smoothing == 0) return rows;
   double area = 0;
   for (int t = 0; t < mesh.triangle_count(); ++t) area += mesh.area_vector(t).norm() / 2;

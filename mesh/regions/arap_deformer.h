@@ -18,7 +18,7 @@ struct ArapOptions {
   /// Penalty α ≥ 0 on differences between the rotations of neighbouring vertices. It acts like the
   /// bending stiffness of a shell of thickness √(α · area of the mesh). With α = 0, only the
   /// bending stiffness of the discrete ARAP energy remains.
-  double smoothing = 0.001;
+  double smoothing = 3e-4;
 };
 
 /// As-rigid-as-possible deformation (spokes and rims) with rotation smoothing. Each vertex i has a
@@ -42,7 +42,9 @@ struct ArapOptions {
 /// may exceed a full turn, so a bar rotated by 360° at one end is twisted. There is no volume
 /// constraint; closed surfaces keep their volume only approximately.
 ///
-/// Handles and fixed vertices are satisfied exactly. The scale of a handle affects only its own
+/// Handles and fixed vertices are satisfied exactly. The rotation R_i of such a vertex is that of its
+/// handle (fixed: the identity) unless it belongs to a triangle that is fixed or moved as a whole and
+/// thereby determines the rotation; a single row of vertices clamps the surface, too. The scale of a handle affects only its own
 /// vertices. Cost: one factorization with n unknowns at construction; one solve and O(triangles)
 /// per iteration, without allocation. References: [SorkineAlexa2007]; [Chao2010] (spokes and rims);
 /// [LeviGotsman2015] (smoothing).

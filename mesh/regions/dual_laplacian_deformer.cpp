@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
+#include "batten/core/containers.h"
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/mesh/regions/local_global_solver.h"
@@ -17,7 +19,7 @@ namespace batten {
 /// Counterparts of the fields of DualLaplacianOptions.
 struct DualLaplacianEnergyOptions {
   bool edge_midpoints, fits_scale;
-  double membrane, checkerboard_penalty;
+  double membrane, poisson_ratio;
 };
 
 /// The face across each edge of each face (edge k joins corners k and k+1), or -1. Throws
@@ -34,30 +36,39 @@ Vec3 area_vector(const std::vector<int>& face, const Points& points);
 /// Weights with Σ w = 1, nearest to 1/k, such that Σ w_j r_j is normal to the plane of the r_j.
 VecX tangent_free_weights(const Eigen::Matrix3Xd& r);
 
-/// The energy of DualLaplacianDeformer as rows, with one element and one cell per face.
+/// The energy of DualLaplacianDeformer as rows, with one element and one cell per face, and one
+/// element and cell per constrained vertex next to free ones. `constrained`: fixed vertices and
+/// those of handles.
 ArapEnergy dual_laplacian_energy(const TriangleMesh& mesh,
                                  const std::vector<std::vector<int>>& faces,
+                                 std::vector<int> constrained,
                                  const DualLaplacianEnergyOptions& options);
 
 namespace {
 
 const DualLaplacianOptions& checked(const DualLaplacianOptions& options) {
   if (options.max_iterations < 1 || !(options.tolerance >= 0) || !(options.membrane > 0) ||
-      !std::isfinite(options.membrane) || !(options.checkerboard_penalty >= 0) ||
-      !std::isfinite(options.checkerboard_penalty))
+      !std::isfinite(options.membrane) || !(options.poisson_ratio >= 0) ||
+      !(options.poisson_ratio <= 1))
     throw InputError("dual Laplacian deformer: found max_iterations = " +
                      std::to_string(options.max_iterations) +
                      ", tolerance = " + format_number(options.tolerance) +
                      ", membrane = " + format_number(options.membrane) +
-                     ", checkerboard_penalty = " + format_number(options.checkerboard_penalty) +
-                     ", expected 1 or more, 0 or more, above 0, 0 or more");
+                     ", poisson_ratio = " + format_number(options.poisson_ratio) +
+                     ", expected 1 or more, 0 or more, above 0, 0 to 1");
   return options;
 }
 
 DualLaplacianEnergyOptions row_options(const DualLaplacianOptions& options) {
   return {options.border == DualLaplacianOptions::Border::EdgeMidpoints,
           options.lengths == DualLaplacianOptions::Lengths::Fitted, options.membrane,
-          options.checkerboard_penalty};
+          options.poisson_ratio};
+}
+
+std::vector<int> constrained_vertices(std::vector<int> fixed, const std::vector<Handle>& handles) {
+  for (const Handle& handle : handles)
+    fixed.insert(fixed.end(), handle.vertices.begin(), handle.vertices.end());
+  return fixed;
 }
 
 }  // namespace
@@ -66,8 +77,9 @@ DualLaplacianDeformer::DualLaplacianDeformer(const TriangleMesh& mesh,
                                              std::vector<std::vector<int>> faces,
                                              std::vector<int> fixed, std::vector<Handle> handles,
                                              const DualLaplacianOptions& options)
-    : IterativeDeformer(mesh, std::move(fixed), std::move(handles),
+    : IterativeDeformer(mesh, fixed, handles,
                         dual_laplacian_energy(mesh, faces.empty() ? faces_of(mesh) : faces,
+                                              constrained_vertices(fixed, handles),
                                               row_options(checked(options))),
                         "dual Laplacian deformer", options.max_iterations, options.tolerance) {}
 
@@ -119,13 +131,21 @@ void append(ArapEnergy& rows, long r, Terms& terms, const Points& rest) {
 class DualLaplacianAssembler {
  public:
   DualLaplacianAssembler(const TriangleMesh& mesh, const Faces& faces,
+                         const std::vector<int>& constrained,
                          const DualLaplacianEnergyOptions& options)
       : faces_(faces), options_(options), size_(mesh.size()), n_(mesh.vertex_count()) {
     across_ = face_adjacency(faces, n_);
+    is_constrained_.assign(n_, 0);
+    for (const int v : constrained) is_constrained_[v] = 1;
+    may_rotate_ = is_constrained_;
+    for (const auto& face : faces)
+      if (std::all_of(face.begin(), face.end(), [&](int v) { return is_constrained_[v]; }))
+        for (const int v : face) may_rotate_[v] = 0;
     rest_ = mesh.points().rowwise() - mesh.points().colwise().mean();
     centres_.resize(static_cast<long>(faces.size()), 3);
     for (size_t f = 0; f < faces.size(); ++f)
       centres_.row(static_cast<long>(f)) = mean_of(faces[f]).transpose();
+    find_clamped_edges();
   }
 
   ArapEnergy rows() {
@@ -133,16 +153,21 @@ class DualLaplacianAssembler {
     long count = 0;
     for (size_t f = 0; f < faces_.size(); ++f)
       count += static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0) +
-               checkerboard_row_count(f);
-    rows.A.resize(count, n_);
-    rows.base.resize(count, 3);
-    rows.mean.resize(static_cast<long>(faces_.size()), n_);
+               primal_row_count(f);
+    std::vector<int> clamps;  // constrained vertices with clamped edges
+    for (const ClampedEdge& edge : clamped_edges_)
+      if (clamps.empty() || clamps.back() != edge.constrained) clamps.push_back(edge.constrained);
+    rows.A.resize(count + isize(clamped_edges_), n_);
+    rows.base.resize(count + isize(clamped_edges_), 3);
+    rows.mean.resize(isize(faces_) + isize(clamps), n_);
+    rows.cell_vertices.assign(faces_.size(), -1);
+    rows.cell_vertices.insert(rows.cell_vertices.end(), clamps.begin(), clamps.end());
     rows.fits_scale = options_.fits_scale;
     long r = 0;
     for (size_t f = 0; f < faces_.size(); ++f) {
       const long first = r;
       if (has_laplacian(f)) add_laplacian(rows, r, f);
-      if (options_.checkerboard_penalty > 0) add_checkerboard_rows(rows, r, f);
+      if (options_.poisson_ratio < 1) add_primal_rows(rows, r, f);
       face_bending_.push_back({r, area(f), rows.base.middleRows(first, r - first).norm()});
       add_edges(rows, r, f);
       rows.row_start.push_back(static_cast<int>(r));
@@ -153,6 +178,7 @@ class DualLaplacianAssembler {
       for (const int v : corners)
         rows.mean.insertBack(static_cast<long>(f), v) = 1.0 / static_cast<double>(corners.size());
     }
+    add_clamped_edges(rows, r);
     rows.A.finalize();
     rows.mean.finalize();
     scale_membrane_rows(rows);
@@ -187,7 +213,7 @@ class DualLaplacianAssembler {
     }
     const double c = to.colwise().squaredNorm().mean() / 4;
     const VecX w = tangent_free_weights(to);
-    const double scale = c > 0 ? std::sqrt(area(f)) / c : 0;
+    const double scale = c > 0 ? std::sqrt(options_.poisson_ratio * area(f)) / c : 0;
     terms_.clear();
     for (size_t j = 0; j < k; ++j) {
       const double weight = scale * w[static_cast<long>(j)];
@@ -212,6 +238,50 @@ class DualLaplacianAssembler {
     }
   }
 
+  void find_clamped_edges() {
+    for (size_t f = 0; f < faces_.size(); ++f)
+      for (size_t k = 0; k < faces_[f].size(); ++k) {
+        int from = faces_[f][k], to = faces_[f][(k + 1) % faces_[f].size()];
+        if (is_constrained_[from] == is_constrained_[to]) continue;
+        if (is_constrained_[to]) std::swap(from, to);
+        if (!may_rotate_[from]) continue;
+        clamped_edges_.push_back({from, to, area(f) / 4});
+      }
+    std::sort(clamped_edges_.begin(), clamped_edges_.end(), [](const auto& a, const auto& b) {
+      return std::tie(a.constrained, a.free) < std::tie(b.constrained, b.free);
+    });
+    // An edge between two faces was found twice.
+    size_t count = 0;
+    for (const ClampedEdge& edge : clamped_edges_)
+      if (count > 0 && clamped_edges_[count - 1].constrained == edge.constrained &&
+          clamped_edges_[count - 1].free == edge.free)
+        clamped_edges_[count - 1].area += edge.area;
+      else
+        clamped_edges_[count++] = edge;
+    clamped_edges_.resize(count);
+  }
+
+  /// The change of slope along an edge at a constrained vertex, whose surface has the rotation of
+  /// its handle, divided by half of the length of the edge: the curvature of the half edge.
+  void add_clamped_edges(ArapEnergy& rows, long& r) {
+    long cell = isize(faces_) - 1;
+    int last = -1;
+    for (const auto& [constrained, free, area] : clamped_edges_) {
+      if (constrained != last) {
+        rows.mean.startVec(++cell);
+        rows.mean.insertBack(cell, constrained) = 1;
+        rows.cells.push_back(static_cast<int>(cell));
+        rows.row_start.push_back(static_cast<int>(r));
+      }
+      last = constrained;
+      const double square = (rest_.row(free) - rest_.row(constrained)).squaredNorm();
+      const double scale = square > 0 ? std::sqrt(area) * 2 / square : 0;
+      terms_ = {{free, scale}, {constrained, -scale}};
+      append(rows, r++, terms_, rest_);
+      rows.row_start.back() = static_cast<int>(r);
+    }
+  }
+
   void scale_membrane_rows(ArapEnergy& rows) const {
     double area = 0, bent = 0;
     for (const FaceBending& b : face_bending_) {
@@ -223,7 +293,7 @@ class DualLaplacianAssembler {
       const double own = face_bending_[f].area > 0
                              ? face_bending_[f].curvature / std::sqrt(face_bending_[f].area)
                              : 0;
-      const double weight = std::sqrt(options_.membrane * (far * far + mean * mean + own * own));
+      const double weight = std::sqrt(options_.membrane * far * far + mean * mean + own * own);
       for (long r = face_bending_[f].edges; r < rows.row_start[f + 1]; ++r) {
         rows.base.row(r) *= weight;
         for (RowMatrix::InnerIterator a(rows.A, r); a; ++a) a.valueRef() *= weight;
@@ -233,8 +303,8 @@ class DualLaplacianAssembler {
 
   /// Number of primal rows: one per neighbour, and one per mode in which the k corners leave a
   /// plane.
-  long checkerboard_row_count(size_t f) const {
-    if (!(options_.checkerboard_penalty > 0)) return 0;
+  long primal_row_count(size_t f) const {
+    if (!(options_.poisson_ratio < 1)) return 0;
     return std::count_if(across_[f].begin(), across_[f].end(), [](int g) { return g >= 0; }) +
            static_cast<long>(faces_[f].size()) - 3;
   }
@@ -247,13 +317,13 @@ class DualLaplacianAssembler {
       const Vec3 u = (rest_.row(vertex) - centres_.row(static_cast<long>(f))).transpose();
       made += coefficient / 2 * u * u.transpose();
     }
-    const double weights = options_.checkerboard_penalty / static_cast<double>(faces_[f].size());
+    const double weights = 2 * (1 - options_.poisson_ratio) / static_cast<double>(faces_[f].size());
     const double scale = made.norm() > 0 ? std::sqrt(weights * area(f)) / made.norm() : 0;
     for (auto& [vertex, coefficient] : terms_) coefficient *= scale;
     append(rows, r++, terms_, rest_);
   }
 
-  void add_checkerboard_rows(ArapEnergy& rows, long& r, size_t f) {
+  void add_primal_rows(ArapEnergy& rows, long& r, size_t f) {
     const auto k = static_cast<long>(faces_[f].size());
     const Vec3 n = area_vector(faces_[f], rest_).normalized();
     const Vec3 own = centres_.row(static_cast<long>(f)).transpose();
@@ -299,6 +369,12 @@ class DualLaplacianAssembler {
     double area, curvature;
   };
 
+  /// An edge from a constrained vertex to a free one, and the area that belongs to its half.
+  struct ClampedEdge {
+    int constrained, free;
+    double area;
+  };
+
   const Faces& faces_;
   const DualLaplacianEnergyOptions& options_;
   double size_;
@@ -307,6 +383,9 @@ class DualLaplacianAssembler {
   Points rest_, centres_;
   Terms terms_;
   std::vector<FaceBending> face_bending_;
+  std::vector<char> is_constrained_;
+  std::vector<char> may_rotate_;  // constrained vertices without constrained faces
+  std::vector<ClampedEdge> clamped_edges_;
 };
 
 }  // namespace
@@ -392,8 +471,12 @@ void link_non_manifold_edges(const MeshTopology& topology, const Faces& faces, A
 }
 
 ArapEnergy dual_laplacian_energy(const TriangleMesh& mesh, const Faces& faces,
+                                 std::vector<int> constrained,
                                  const DualLaplacianEnergyOptions& options) {
-  ArapEnergy rows = DualLaplacianAssembler(mesh, faces, options).rows();
+  // The solver reports invalid vertices.
+  std::erase_if(constrained, [&](int v) { return v < 0 || v >= mesh.vertex_count(); });
+  constrained = mesh.topology().expand_to_nodes(std::move(constrained));
+  ArapEnergy rows = DualLaplacianAssembler(mesh, faces, constrained, options).rows();
   if (!rows.fits_scale) link_non_manifold_edges(mesh.topology(), faces, rows);
   return rows;
 }

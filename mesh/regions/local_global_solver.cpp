@@ -98,6 +98,7 @@ LocalGlobalSolver::LocalGlobalSolver(const TriangleMesh& mesh, DeformProblem pro
   gather_cells();
   colour_cells();
   compute_handle_weights();
+  find_prescribed_cells();
   find_coincident_vertices(mesh.topology());
   const long count = rows_.A.rows();
   resize(positions_.free_count(),
@@ -175,6 +176,25 @@ void LocalGlobalSolver::compute_handle_weights() {
   weights_ = rows_.mean * field;
 }
 
+void LocalGlobalSolver::find_prescribed_cells() {
+  prescribed_.assign(cell_count(), 0);
+  if (rows_.cell_vertices.empty()) return;
+  std::vector<char> constrained(points_.rows(), 0);
+  for (const int v : constrained_vertex_) constrained[v] = 1;
+  for (int c = 0; c < cell_count(); ++c)
+    prescribed_[c] = rows_.cell_vertices[c] >= 0 && constrained[rows_.cell_vertices[c]];
+  // An element whose unknowns are all constrained determines the rotations of its cells.
+  for (int e = 0; e < element_count(); ++e) {
+    bool determined = true;
+    for (int r = rows_.row_start[e]; r < rows_.row_start[e + 1] && determined; ++r)
+      for (RowMatrix::InnerIterator a(rows_.A, r); a; ++a)
+        determined = determined && constrained[a.col()];
+    const int m = rows_.cells_of_element;
+    if (determined)
+      for (int k = 0; k < m; ++k) prescribed_[rows_.cells[e * m + k]] = 0;
+  }
+}
+
 void LocalGlobalSolver::set_constraint_rhs() {
   for (size_t k = 0; k < constrained_vertex_.size(); ++k) {
     const Vec3 at = points_.row(constrained_vertex_[k]).transpose();
@@ -239,6 +259,7 @@ void LocalGlobalSolver::local_step_batch(int count, const CellOf& cell_of) {
   nearest_rotations(M, R);
   for (int l = 0; l < count; ++l) {
     const int c = cell_of(l);
+    if (prescribed_[c]) continue;
     G_[c] = R.get(l);
     if (!rows_.fits_scale) continue;
     double square = 0;
@@ -343,8 +364,9 @@ double LocalGlobalSolver::iterate(double energy_before) {
   for (int c = 0; c < cell_count(); ++c) rotations_.middleRows<3>(3L * c) = G_[c];
   store_rotations();
   if (accelerator_.accelerate(rotations_before_, rotations_, accelerated_))
-    parallel_for_each<kChunk>(
-        cell_count(), [&](int c) { G_[c] = nearest_rotation(accelerated_.middleRows<3>(3L * c)); });
+    parallel_for_each<kChunk>(cell_count(), [&](int c) {
+      if (!prescribed_[c]) G_[c] = nearest_rotation(accelerated_.middleRows<3>(3L * c));
+    });
   return now;
 }
 

@@ -30,6 +30,9 @@ struct ArapEnergy {
   std::vector<int> cells;            ///< cells of each element, cells_of_element each
   /// Cells × vertices: averages the initial rotations of the vertices for each cell.
   RowMatrix mean;
+  /// Vertex of each cell, or -1: if the vertex is fixed or belongs to a handle, the rotation of the
+  /// cell is not fitted, but that of the handle (fixed: none). Empty: -1 for all cells.
+  std::vector<int> cell_vertices;
   /// Penalty λ_ij on the difference of the rotations of two cells.
   struct Link {
     int a, b;
@@ -77,6 +80,7 @@ class LocalGlobalSolver final : private LocalGlobalIteration {
   void gather_cells();
   void colour_cells();
   void compute_handle_weights();
+  void find_prescribed_cells();
   void set_constraint_rhs();
   void start(const Points* guess);
   void global_step() override;
@@ -114,6 +118,7 @@ class LocalGlobalSolver final : private LocalGlobalIteration {
   std::vector<double> link_weight_;
   std::vector<int> colour_start_, coloured_;  // cells by colour; empty without links
   std::vector<double> base_square_;           // Σ |b|² per element
+  std::vector<char> prescribed_;              // per cell: the rotation is that of a handle
 
   MatX rhs_;                                      // of the constraints
   MatX rotations_before_, rotations_;             // with links: G_ before and after an iteration
