@@ -88,6 +88,22 @@ std::vector<int> rotation_groups(const DeformProblem& problem, int vertices) {
   return group;
 }
 
+/// True for an open chain of edges: no triangle has all corners in the feature, and a vertex has only
+/// one neighbour there. `own`: vertices of the feature, ascending.
+bool is_open_chain(const std::vector<int>& own, const MeshTopology& topology) {
+  const auto is_own = [&](int v) { return std::binary_search(own.begin(), own.end(), v); };
+  bool has_end = false;
+  for (const int v : own) {
+    for (const int t : topology.triangles_of(v)) {
+      const auto& corners = topology.triangles()[t];
+      if (std::all_of(corners.begin(), corners.end(), is_own)) return false;
+    }
+    const auto ring = topology.neighbours(v);
+    has_end = has_end || std::count_if(ring.begin(), ring.end(), is_own) == 1;
+  }
+  return has_end;
+}
+
 /// The same problem without features, except for connections between mesh components.
 DeformProblem without_features(const DeformProblem& problem, const TriangleMesh& mesh) {
   DeformProblem plain = problem;
@@ -185,6 +201,8 @@ class FeatureRotationEstimator::Rotations {
                     std::vector<int>& triangles) const {
     const MeshTopology& topology = mesh_.topology();
     const std::vector<int> own = topology.expand_to_nodes(feature.vertices);
+    // A line that bends the sheet beside it and rotates like that sheet would swing.
+    if (faces == Faces::Adjacent && is_open_chain(own, topology)) return;
     for (const int t : triangles_near(own, faces)) {
       const auto& corners = topology.triangles()[t];
       const auto all = [&](const auto& condition) {

@@ -6,8 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "batten/core/anderson_accelerator.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 namespace {
@@ -16,6 +18,8 @@ using Clock = std::chrono::steady_clock;
 /// Rotations have converged if they change by less, in degrees; features then move by less than a
 /// thousandth of their size.
 constexpr double kConvergedDegrees = 0.05;
+/// The iteration goes on to this change, so that the result is a smooth function of the edit.
+constexpr double kExactDegrees = 1e-8;
 
 double elapsed_seconds(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -185,21 +189,36 @@ const Points& MeshEditor::solve_to_equilibrium() {
   return shape_;
 }
 
-// Iterates, because features rotate like the adjacent sheet, which they bend themselves.
+// Iterates, because features rotate like the adjacent sheet, which they bend themselves. Anderson
+// acceleration, with the stacked rotation matrices as iterates.
 void MeshEditor::converge_rotations(const DeformEdit& edit,
                                     std::optional<ShapeEstimate>& estimate) {
   estimate ? deformer_->deform(edit, *estimate) : deformer_->deform(edit);
-  constexpr int max_iterations = 20;
-  if (estimate && options_.rotation_mode == RotationMode::Estimated) {
-    statistics_.converged = false;
+  if (estimate && options_.rotation_mode == RotationMode::Estimated && own_features_ > 0) {
+    constexpr int max_iterations = 100;
+    auto& rotations = estimate->feature_rotations;
+    const auto stack = [&](MatX& all) {
+      for (int f = 0; f < own_features_; ++f)
+        all.middleRows<3>(3L * f) = rotations[f] ? *rotations[f] : Mat3(Mat3::Identity());
+    };
+    MatX before(3L * own_features_, 3), after = before, next = before;
+    AndersonAccelerator accelerator(0.1);
+    accelerator.resize(before.rows());
+    double change = 2 * kConvergedDegrees;
     for (statistics_.iterations = 1;
-         statistics_.iterations < max_iterations && !statistics_.converged;
+         statistics_.iterations < max_iterations && change > kExactDegrees;
          ++statistics_.iterations) {
-      statistics_.converged = rotations_.update_from_adjacent_faces(
-                                  edit, prescribed_, own_features_, deformer_->positions(),
-                                  *estimate) < kConvergedDegrees;
+      stack(before);
+      change = rotations_.update_from_adjacent_faces(edit, prescribed_, own_features_,
+                                                     deformer_->positions(), *estimate);
+      stack(after);
+      if (change > kExactDegrees && accelerator.accelerate(before, after, next))
+        for (int f = 0; f < own_features_; ++f)
+          if (before.middleRows<3>(3L * f) != after.middleRows<3>(3L * f))
+            rotations[f] = nearest_rotation(next.middleRows<3>(3L * f));
       deformer_->deform(edit, *estimate);
     }
+    statistics_.converged = change < kConvergedDegrees;
   }
   deformer_->correct();
 }

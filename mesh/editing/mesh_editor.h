@@ -44,8 +44,9 @@ struct MeshEditStatistics {
 ///     solve_preview()          costs a pair of triangular solves and O(n) work. Features rotate
 ///                              like the adjacent faces in the previous solution. Repeated calls
 ///                              with the same edit converge; see is_at_rest()
-///     solve_to_equilibrium()   iterates until the rotations change by less than 0.05 degrees, at
-///                              most 20 times, and corrects rounding errors
+///     solve_to_equilibrium()   iterates, with Anderson acceleration, until the rotations change by
+///                              less than 1e-8 degrees, at most 100 times, and corrects rounding
+///                              errors. The shape is therefore a smooth function of the edit
 ///
 /// The result of solve_to_equilibrium() does not depend on previous solutions.
 ///

@@ -223,6 +223,11 @@ void LocalGlobalSolver::start(const Points* guess) {
   for (const HandleTransform& move : edit_.handles)
     rotation_vectors_.push_back(move.rotation_vector);
   interpolate_rotations(weights_, rotation_vectors_, G_);
+  if (rows_.fits_scale)
+    for (int c = 0; c < cell_count(); ++c)
+      if (prescribed_[c])
+        for (long h = 0; h < weights_.cols(); ++h)
+          if (weights_(c, h) == 1) G_[c] *= edit_.handles[h].scale;
   if (!guess) return;
   evaluate_rows();
   local_step();

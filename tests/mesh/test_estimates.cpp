@@ -109,7 +109,6 @@ TEST_CASE("fitted lengths follow a scale, original ones resist it", "[mesh][esti
     DualLaplacianOptions options;
     options.lengths = lengths;
     options.tolerance = 1e-12;
-    options.max_iterations = 2000;
     DualLaplacianDeformer deformer(c.mesh, {}, {}, {{"left", c.left}, {"right", c.right}}, options);
     const double off = relative(deformer.deform(std::vector{move, move}), moved);
     if (lengths == DualLaplacianOptions::Lengths::Fitted) {
