@@ -3,6 +3,7 @@
 #include "batten/mesh/editing/mesh_editor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "batten/core/geometry.h"
@@ -12,6 +13,7 @@
 #include "batten/tests/support/error_message.h"
 #include "batten/tests/support/mesh_models.h"
 #include "batten/tests/support/random_motion.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten;
 using namespace batten_test;
@@ -197,6 +199,52 @@ TEST_CASE("previews converge to the equilibrium, which does not depend on them",
   CHECK(at_rest);
   CHECK(distance(editor.shape(), alone) < 1e-2 * plate.prepared.mesh.size());
   CHECK(editor.solve_to_equilibrium() == alone);
+}
+
+TEST_CASE("the shape is a smooth function of the edit", "[mesh][deform]") {
+  // Fourth-order difference quotients of two step sizes agree only if rotations have converged.
+  const EditedPlate plate;
+  const auto derivative = [&](double h) {
+    const auto at = [&](double step) {
+      DeformEdit edit = lifted_and_rotated();
+      edit.handles[0].translation.z() += step;
+      return plate.solved(edit);
+    };
+    return Points((8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h));
+  };
+  CHECK((derivative(0.1) - derivative(0.2)).cwiseAbs().maxCoeff() < 1e-6);
+}
+
+TEST_CASE("a rigid line across a sheet does not swing its free end", "[mesh][deform]") {
+  // A strip that is fixed at its left border and lifted by a patch; a line crosses it behind the
+  // patch. The right border is free.
+  const TriangleMesh strip = sheet(40, 0, 0);  // [0, 4]²
+  const auto where = [&](const auto& inside) {
+    std::vector<int> found;
+    for (int v = 0; v < strip.vertex_count(); ++v)
+      if (inside(strip.point(v))) found.push_back(v);
+    return found;
+  };
+  DeformProblem problem;
+  problem.fixed = where([](const Vec3& p) { return p.x() < 0.15; });
+  problem.handles = {
+      {"patch", where([](const Vec3& p) { return (p - Vec3(2, 2, 0)).norm() < 0.25; })}};
+  ShellMesh shells;
+  shells.points = strip.points();
+  for (const auto& t : strip.triangles()) shells.add_face(t);
+  const PreparedMesh prepared = prepare(shells);
+  DeformEdit edit;
+  edit.handles.resize(1);
+  edit.handles[0].translation = {0, 0, 0.4};
+  const auto highest = [&](bool line) {
+    DeformProblem with = problem;
+    if (line)
+      with.features = {{"line", where([](const Vec3& p) { return std::abs(p.x() - 3) < 0.01; })}};
+    MeshEditor editor(prepared, prepared.mesh.points(), with);
+    editor.set(edit);
+    return editor.solve_to_equilibrium().col(2).maxCoeff();
+  };
+  CHECK(highest(true) < 1.5 * highest(false));
 }
 
 TEST_CASE("scaling a feature moves no centre, unless that is wanted", "[mesh][deform]") {
