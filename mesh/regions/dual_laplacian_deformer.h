@@ -99,7 +99,7 @@ class DualLaplacianDeformer final : public IterativeDeformer {
                         std::vector<int> fixed, std::vector<Handle> handles,
                         const DualLaplacianOptions& options = {});
   /// Rotation of every face after the last edit; with Lengths::Fitted, each rotation is multiplied
-  /// by the fitted scale of the face.
+  /// by the fitted scale of the face. The rotations of clamped vertices follow those of the faces.
   const std::vector<Mat3>& face_rotations() const { return rotations(); }
 };
 
