@@ -152,8 +152,8 @@ class DualLaplacianAssembler {
     ArapEnergy rows;
     long count = 0;
     for (size_t f = 0; f < faces_.size(); ++f)
-      count += static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0) +
-               primal_row_count(f);
+      count +=
+          static_cast<long>(faces_[f].size()) + (has_laplacian(f) ? 1 : 0) + primal_row_count(f);
     std::vector<int> clamps;  // constrained vertices with clamped edges
     for (const ClampedEdge& edge : clamped_edges_)
       if (clamps.empty() || clamps.back() != edge.constrained) clamps.push_back(edge.constrained);
