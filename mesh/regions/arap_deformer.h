@@ -42,12 +42,12 @@ struct ArapOptions {
 /// may exceed a full turn, so a bar rotated by 360° at one end is twisted. There is no volume
 /// constraint; closed surfaces keep their volume only approximately.
 ///
-/// Handles and fixed vertices are satisfied exactly. The rotation R_i of such a vertex is that of its
-/// handle (fixed: the identity) unless it belongs to a triangle that is fixed or moved as a whole and
-/// thereby determines the rotation; a single row of vertices clamps the surface, too. The scale of a handle affects only its own
-/// vertices. Cost: one factorization with n unknowns at construction; one solve and O(triangles)
-/// per iteration, without allocation. References: [SorkineAlexa2007]; [Chao2010] (spokes and rims);
-/// [LeviGotsman2015] (smoothing).
+/// Handles and fixed vertices are satisfied exactly. The rotation R_i of such a vertex is that of
+/// its handle (fixed: the identity) unless a triangle at the vertex is fixed or moved as a whole,
+/// which determines the rotation. A single row of vertices therefore clamps the surface, too. The
+/// scale of a handle affects only its own vertices. Cost: one factorization with n unknowns at
+/// construction; one solve and O(triangles) per iteration, without allocation. References:
+/// [SorkineAlexa2007]; [Chao2010] (spokes and rims); [LeviGotsman2015] (smoothing).
 class ArapDeformer final : public IterativeDeformer {
  public:
   /// Sets up and factors the linear system. `fixed`, `handles`: vertices as in DeformProblem.
