@@ -215,6 +215,15 @@ TEST_CASE("the shape is a smooth function of the edit", "[mesh][deform]") {
   CHECK((derivative(0.1) - derivative(0.2)).cwiseAbs().maxCoeff() < 1e-6);
 }
 
+TEST_CASE("the equilibrium is the limit of many previews", "[mesh][deform]") {
+  const EditedPlate plate;
+  MeshEditor editor(plate.prepared, plate.prepared.mesh.points(), plate.problem);
+  editor.set(lifted_and_rotated());
+  for (int i = 0; i < 200; ++i) editor.solve_preview();
+  const Points limit = editor.shape();
+  CHECK(distance(limit, editor.solve_to_equilibrium()) < 1e-6);
+}
+
 TEST_CASE("a rigid line across a sheet does not swing its free end", "[mesh][deform]") {
   // A strip that is fixed at its left border and lifted by a patch; a line crosses it behind the
   // patch. The right border is free.
