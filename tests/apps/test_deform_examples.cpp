@@ -131,7 +131,7 @@ TEST_CASE("a head's six organs keep their shape and lean with it", "[apps][defor
   CHECK(head.run("free")["features"].empty());
   const auto degrees = rotation_angles(head.run("kept"));
   REQUIRE(degrees.size() == 6);
-  // The top moves sideways, so the upper side rotates more than the lower one does.
+  // The side towards which the top moves rotates more than the other one does.
   double mean = 0;
   for (const double d : degrees) mean += d / 6;
   CHECK(mean == Approx(14.6).margin(0.5));
