@@ -8,6 +8,7 @@
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_parsing.h"
 #include "batten/scenes/commands.h"
+#include "batten/scenes/meshes/morph_solver.h"
 #include "batten/scenes/runs/run_support.h"
 
 namespace batten {
@@ -38,18 +39,14 @@ std::string unit_of_move(const std::string& parameter, const std::string& length
   return parameter.ends_with(".scale") ? "" : length;
 }
 
-bool acts(const EditSpec& edit) { return !edit.handles.empty() || !edit.fixed.empty(); }
-
-/// All values of an edit, to detect changes.
-std::vector<double> numbers_of(const EditSpec& edit) {
-  std::vector<double> numbers;
-  for (const auto& h : edit.handles) {
-    for (const Vec3& v : {h.translate, h.axis}) numbers.insert(numbers.end(), v.begin(), v.end());
-    numbers.push_back(h.degrees);
-    numbers.push_back(h.scale);
-  }
-  for (const auto& s : edit.scales) numbers.push_back(s.factor);
-  return numbers;
+/// The scene without edits that do not yet fix or move anything.
+DeformScene without_unfinished_edits(DeformScene scene) {
+  std::erase_if(scene.edits, [&](const EditSpec& edit) {
+    return edit.handles.empty() && edit.fixed.empty() && edit.scales.empty() &&
+           edit.rotated_features.empty() && edit.guides.empty() &&
+           scene.position_constraints.empty();
+  });
+  return scene;
 }
 
 using Part = MeshView::Part;
@@ -59,40 +56,18 @@ using Role = MeshView::Role;
 
 /// Everything derived from one scene. Members refer to preceding members.
 struct EditedMesh::State {
-  State(const DeformScene& s, std::shared_ptr<const MeshSource> mesh)
-      : scene(s),
-        source(std::move(mesh)),
-        select(scene, source->file, source->prepared.mesh),
-        attached(source->file.other_elements(), source->prepared.mesh, scene.following,
-                 source->file.ties(), source->prepared.face_of_triangle) {}
+  State(const DeformScene& scene, std::shared_ptr<const MeshSource> mesh)
+      : source(std::move(mesh)), solver(without_unfinished_edits(scene), *source) {}
 
-  const TriangleMesh& mesh() const { return source->prepared.mesh; }
-  const Points& shape() const { return edits.empty() ? mesh().points() : edits.back()->shape(); }
-  /// Creates and solves the edits that do not exist yet.
-  void edit(const DeformScene& now, const Progress& progress) {
-    size_t number = 0;
-    for (const EditSpec& rule : now.edits) {
-      if (!acts(rule)) continue;
-      if (number++ < edits.size()) continue;
-      progress.update(rule.name, 0);
-      auto session =
-          std::make_unique<EditSession>(scene, rule, shared, select, source->prepared, shape());
-      session->solve_to_equilibrium();
-      edits.push_back(std::move(session));
-    }
-  }
+  const TriangleMesh& mesh() const { return solver.mesh(); }
   void show();
   void show_parts(MeshView& seen);
   void show_roles(MeshView& seen) const;
   /// The display points of nodes.
   std::vector<int> points(const std::vector<int>& nodes) const;
 
-  DeformScene scene;
   std::shared_ptr<const MeshSource> source;
-  VertexSelector select;
-  AttachedNodes attached;
-  SharedConstraints shared;
-  std::vector<std::unique_ptr<EditSession>> edits;
+  MorphSolver solver;
   std::unique_ptr<const MeshDisplay> display;
   std::vector<std::string> line_names;
   std::vector<std::vector<int>> points_of;  // per node
@@ -107,7 +82,7 @@ void EditedMesh::rebuild(const SceneText& text, const std::filesystem::path& fil
   const DeformScene scene = parse_deform_scene(text.text(), named_file(file), false);
   const std::string topology_text = extract_topology_text(text.text());
   if (made_ && problem_.empty() && topology_text == topology_text_ && scene.mesh == scene_.mesh)
-    set_numbers(scene);
+    solve(scene);
   else
     make(scene, topology_text, !made_ || !problem_.empty(), progress);
 }
@@ -127,16 +102,13 @@ void EditedMesh::make(const DeformScene& scene, const std::string& topology_text
   std::string problem;
   try {
     progress.update("features", 0);
-    made->select.proposals();
-    made->shared =
-        gather_shared_constraints(made->scene, made->select, made->attached, made->mesh());
-    made->edit(made->scene, progress);
+    made->solver.select().proposals();
+    made->solver.solve(made->solver.scene(), progress);
   } catch (const CancelledError&) {
     throw;
   } catch (const Error& e) {
     if (!may_fail) throw;
     problem = e.what();
-    made->edits.clear();
   }
   made->show();
   made_ = std::move(made);
@@ -145,40 +117,14 @@ void EditedMesh::make(const DeformScene& scene, const std::string& topology_text
   problem_ = problem;
 }
 
-// Sessions before the first edit with changed values are kept. That edit's session is updated; all
-// later ones start from another shape.
-void EditedMesh::set_numbers(const DeformScene& scene) {
-  auto& edits = made_->edits;
-  std::vector<const EditSpec*> rules;
-  for (const EditSpec& rule : scene.edits)
-    if (acts(rule)) rules.push_back(&rule);
-  size_t first = 0;
-  while (first < edits.size() && numbers_of(*rules[first]) == numbers_of(edits[first]->rule()))
-    ++first;
-  if (first < edits.size()) {
-    const EditSpec before = edits[first]->rule();
-    std::vector<std::unique_ptr<EditSession>> behind;
-    std::move(edits.begin() + static_cast<long>(first) + 1, edits.end(),
-              std::back_inserter(behind));
-    edits.resize(first + 1);
-    try {
-      edits[first]->set(*rules[first]);
-      edits[first]->solve_to_equilibrium();
-      made_->edit(scene, {});
-    } catch (const Error&) {  // restores the previous state
-      edits.resize(first + 1);
-      edits[first]->set(before);
-      edits[first]->solve_to_equilibrium();
-      std::move(behind.begin(), behind.end(), std::back_inserter(edits));
-      throw;
-    }
-  }
+void EditedMesh::solve(const DeformScene& scene) {
+  made_->solver.solve(without_unfinished_edits(scene));
   scene_ = scene;
 }
 
 bool EditedMesh::moves(const std::string& parameter) const {
-  if (!made_ || made_->edits.empty()) return false;
-  const EditSpec& last = made_->edits.back()->rule();
+  if (!made_ || made_->solver.edits().empty()) return false;
+  const EditSpec& last = made_->solver.edits().back()->rule();
   return std::any_of(last.handles.begin(), last.handles.end(), [&](const auto& handle) {
     return parameter.starts_with(last.name + "." + handle.name + ".");
   });
@@ -219,8 +165,8 @@ void EditedMesh::solve_to_equilibrium() {
 // If there is no solution for the new values, the last ones with a solution are restored.
 template <class Function>
 void EditedMesh::apply_numbers(const Function& go) {
-  if (!made_ || made_->edits.empty()) return;
-  EditSession& last = *made_->edits.back();
+  if (!made_ || made_->solver.edits().empty()) return;
+  EditSession& last = *made_->solver.edits().back();
   const auto now = std::find_if(scene_.edits.begin(), scene_.edits.end(),
                                 [&](const auto& rule) { return rule.name == last.rule().name; });
   const EditSpec before = last.rule();
@@ -236,11 +182,11 @@ void EditedMesh::apply_numbers(const Function& go) {
 
 bool EditedMesh::draw(Frame& frame) {
   if (!made_) return false;
-  made_->display->draw(made_->shape(), frame);
+  made_->display->draw(made_->solver.shape(), frame);
   return true;
 }
 
-const Points& EditedMesh::shape() const { return made_->shape(); }
+const Points& EditedMesh::shape() const { return made_->solver.shape(); }
 const MeshSource& EditedMesh::source() const { return *made_->source; }
 
 std::string EditedMesh::rows() const {
@@ -249,7 +195,7 @@ std::string EditedMesh::rows() const {
   return summary_line(
       "mesh", format_count(shells.node_count(), "node") + ", " +
                   format_count(shells.face_count(), "face") + ", " +
-                  format_count(made_->shared.features.size(), "feature") +
+                  format_count(made_->solver.shared().features.size(), "feature") +
                   ", maximum displacement " +
                   format_number((shape() - made_->mesh().points()).rowwise().norm().maxCoeff()) +
                   " " + scene_.unit);
@@ -286,12 +232,12 @@ void EditedMesh::State::show() {
     lines.push_back(std::move(vertices));
     line_names.push_back(name);
   };
-  for (const DetectedFeature& p : select.proposals()) add_line(p.loop, true, p.name);
+  for (const DetectedFeature& p : solver.select().proposals()) add_line(p.loop, true, p.name);
   for (const auto& loop : mesh().topology().boundary_loops())
     if (std::none_of(lines.begin(), lines.end(),
                      [&](const auto& line) { return line.front() == loop.front(); }))
       add_line(loop, true, "");
-  for (const auto& line : shared.lines) add_line(line, false, "");
+  for (const auto& line : solver.shared().lines) add_line(line, false, "");
   display = std::make_unique<const MeshDisplay>(mesh(), lines);
 
   auto seen = std::make_shared<MeshView>();
@@ -319,12 +265,12 @@ std::vector<int> EditedMesh::State::points(const std::vector<int>& nodes) const 
 }
 
 void EditedMesh::State::show_parts(MeshView& seen) {
-  for (const DetectedFeature& p : select.proposals())
+  for (const DetectedFeature& p : solver.select().proposals())
     seen.parts.push_back(
         {Part::Kind::Proposal, p.name, "", 2 * p.measure.equivalent_radius, points(p.vertices)});
-  for (const SelectionSpec& rule : scene.selections) try {
-      seen.parts.push_back(
-          {Part::Kind::Selection, rule.name, "", 0, points(select.of({rule.name, rule.location}))});
+  for (const SelectionSpec& rule : solver.scene().selections) try {
+      seen.parts.push_back({Part::Kind::Selection, rule.name, "", 0,
+                            points(solver.select().of({rule.name, rule.location}))});
     } catch (const InputError&) {
       continue;  // reported as the problem
     }
@@ -345,10 +291,11 @@ void EditedMesh::State::show_roles(MeshView& seen) const {
   const auto mark = [&](const std::vector<int>& nodes, Role role) {
     for (const int p : points(nodes)) seen.roles[p] = role;
   };
-  for (const FormFeature& f : shared.features) mark(f.vertices, Role::Feature);
-  if (edits.empty()) return;
-  mark(edits.back()->task().problem.fixed, Role::Fixed);
-  for (const Handle& h : edits.back()->task().problem.handles) mark(h.vertices, Role::Handle);
+  for (const FormFeature& f : solver.shared().features) mark(f.vertices, Role::Feature);
+  if (solver.edits().empty()) return;
+  mark(solver.edits().back()->task().problem.fixed, Role::Fixed);
+  for (const Handle& h : solver.edits().back()->task().problem.handles)
+    mark(h.vertices, Role::Handle);
 }
 
 void EditedMesh::fill_view(DocumentView& view) const {
@@ -362,13 +309,13 @@ void EditedMesh::fill_view(DocumentView& view) const {
   view.regions = {scene_.mesh.filename().string()};
   view.shown_lines = made_->line_names;
   view.mesh = made_->view;
-  for (const auto& edit : made_->edits)
+  for (const auto& edit : made_->solver.edits())
     for (size_t h = 0; h < edit->rule().handles.size(); ++h) {
       const auto& rule = edit->rule().handles[h];
       const Vec3 about = edit->task().edit.handles[h].about;
       view.handles.push_back({edit->rule().name + "." + rule.name, about + rule.translate,
                               rule.translate, rule.degrees * rule.axis,
-                              edit == made_->edits.back()});
+                              edit == made_->solver.edits().back()});
     }
 }
 

@@ -47,7 +47,7 @@ class EditedMesh : public DocumentContent {
   struct State;
   void make(const DeformScene& scene, const std::string& topology_text, bool may_fail,
             const Progress& progress);
-  void set_numbers(const DeformScene& scene);
+  void solve(const DeformScene& scene);
   template <class Function>
   void apply_numbers(const Function& go);
 

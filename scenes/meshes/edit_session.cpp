@@ -368,6 +368,8 @@ EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
     : scene_(scene), rule_(rule), shared_(shared) {
   DeformTask task =
       make_deform_task(scene, rule, shared, select, prepared.mesh.with_points(before));
+  for (size_t r = shared.rows.size(); r < task.problem.rows.size(); ++r)
+    targets_.push_back(task.problem.rows[r].target);
   const MeshEditorOptions options{rule.rotation_mode, rule.keep_centres, shared.centres};
   with_edit_context([&] {
     editor_ = std::make_unique<MeshEditor>(prepared, before, std::move(task.problem), options,
@@ -377,8 +379,10 @@ EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
 }
 
 void EditSession::set(const EditSpec& rule) {
-  editor_->set(edit_of(scene_, rule, shared_, editor_->problem(), editor_->mesh()),
-               prescribed_rotations(rule, editor_->problem()));
+  DeformEdit edit = edit_of(scene_, rule, shared_, editor_->problem(), editor_->mesh());
+  for (const LinearConstraint& row : shared_.rows) edit.targets.push_back(row.target);
+  edit.targets.insert(edit.targets.end(), targets_.begin(), targets_.end());
+  editor_->set(std::move(edit), prescribed_rotations(rule, editor_->problem()));
   rule_ = rule;
 }
 

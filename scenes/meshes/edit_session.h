@@ -96,7 +96,7 @@ class EditSession {
               VertexSelector& select, const PreparedMesh& prepared, const Points& before);
 
   /// Changes the values of the edit: translations, rotations and scales of handles, scales of
-  /// features.
+  /// features, points of constraints. The values of the shared constraints are read again, too.
   void set(const EditSpec& rule);
   /// The edit with its current values.
   const EditSpec& rule() const { return rule_; }
@@ -126,6 +126,7 @@ class EditSession {
   const DeformScene& scene_;
   EditSpec rule_;
   const SharedConstraints& shared_;
+  std::vector<Vec3> targets_;  // of the constraints of attached nodes, which follow the shared ones
   std::unique_ptr<MeshEditor> editor_;
 };
 

@@ -20,7 +20,7 @@
 #include "batten/io/report/deform_report.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/mesh/rotation_fitting.h"
-#include "batten/scenes/meshes/edit_session.h"
+#include "batten/scenes/meshes/morph_solver.h"
 #include "batten/scenes/runs/run_support.h"
 
 namespace batten {
@@ -210,11 +210,7 @@ class DeformRun {
         watch_(report_.timings),
         source_(read_mesh()),
         file_(source_.file),
-        prepared_(source_.prepared),
-        select_(make_selector()),
-        attached_(file_.other_elements(), original(), scene.following, file_.ties(),
-                  prepared_.face_of_triangle),
-        shared_(gather_constraints()) {}
+        solver_(scene, source_) {}
 
   /// Checks the names of the output files, see OutputFolder::require_replaceable().
   void require_replaceable() const {
@@ -226,19 +222,18 @@ class DeformRun {
 
   /// Performs the edits in order.
   void edit() {
-    states_.push_back(original().points());
-    for (size_t k = 0; k < scene_.edits.size(); ++k) {
-      progress_.update(scene_.edits[k].name,
-                       static_cast<double>(k) / static_cast<double>(scene_.edits.size()));
-      edit_once(scene_.edits[k]);
-    }
+    solver_.solve(scene_, progress_);
+    const std::vector<std::string>& notes = shared().notes;
+    report_.warnings.insert(report_.warnings.end(), notes.begin(), notes.end());
+    states_ = solver_.states();
+    for (const auto& edit : solver_.edits()) add_to_report(*edit);
     watch_.lap("edits");
   }
 
   void measure() {
     progress_.update("measuring", 0);
-    measure_into(report_, file_, original(), states_.back(), shared_);
-    measure_attached_into(report_, file_, attached_, original().points(), states_.back());
+    measure_into(report_, file_, original(), states_.back(), shared());
+    measure_attached_into(report_, file_, solver_.attached(), original().points(), states_.back());
     note_left_behind(report_, file_, original(), scene_.following, original().points(),
                      states_.back());
     watch_.lap("measure");
@@ -249,16 +244,17 @@ class DeformRun {
     if (!scene_.mesh_out.empty()) write_mesh();
     if (!scene_.vtp.empty()) {
       write_result(out_.file(scene_.vtp), file_, node_positions(states_.front(), file_),
-                   node_positions(states_.back(), file_), shared_);
+                   node_positions(states_.back(), file_), shared());
       report_.files.push_back(scene_.vtp);
     }
     if (scene_.modes)
-      write_modes(report_, scene_, file_, select_, node_positions(states_.back(), file_), out_);
+      write_modes(report_, scene_, file_, solver_.select(), node_positions(states_.back(), file_),
+                  out_);
     watch_.lap("files");
   }
 
   void draw() {
-    draw_deformed(report_, scene_, file_, states_, tasks_, shared_, out_);
+    draw_deformed(report_, scene_, file_, states_, tasks_, shared(), out_);
     watch_.lap("pictures");
   }
 
@@ -271,7 +267,8 @@ class DeformRun {
   }
 
  private:
-  const TriangleMesh& original() const { return prepared_.mesh; }
+  const TriangleMesh& original() const { return solver_.mesh(); }
+  const SharedConstraints& shared() const { return solver_.shared(); }
 
   MeshSource read_mesh() {
     report_.name = scene_.name;
@@ -294,28 +291,15 @@ class DeformRun {
     return source;
   }
 
-  VertexSelector make_selector() {
-    progress_.update("features", 0);
-    return VertexSelector(scene_, file_, original());
-  }
-
-  SharedConstraints gather_constraints() {
-    SharedConstraints shared = gather_shared_constraints(scene_, select_, attached_, original());
-    report_.warnings.insert(report_.warnings.end(), shared.notes.begin(), shared.notes.end());
-    watch_.lap("features");
-    return shared;
-  }
-
-  void edit_once(const EditSpec& rule) {
-    EditSession session(scene_, rule, shared_, select_, prepared_, states_.back());
-    states_.push_back(session.solve_to_equilibrium());
-    tasks_.push_back(session.task());
-    const MeshEditStatistics& statistics = session.statistics();
-    report_.edits.push_back({rule.name, statistics});
+  void add_to_report(const EditSession& edit) {
+    tasks_.push_back(edit.task());
+    const std::string& name = edit.rule().name;
+    const MeshEditStatistics& statistics = edit.statistics();
+    report_.edits.push_back({name, statistics});
     if (!statistics.converged)
-      report_.warnings.push_back(rule.name + ": the estimated rotations did not converge in " +
+      report_.warnings.push_back(name + ": the estimated rotations did not converge in " +
                                  std::to_string(statistics.iterations) + " iterations");
-    for (const auto& note : session.notes()) report_.warnings.push_back(rule.name + ": " + note);
+    for (const auto& note : edit.notes()) report_.warnings.push_back(name + ": " + note);
   }
 
   /// Writes the mesh in the format of its file.
@@ -344,10 +328,7 @@ class DeformRun {
   Stopwatch watch_;
   const MeshSource source_;
   const MeshFile& file_;
-  const PreparedMesh& prepared_;
-  VertexSelector select_;
-  const AttachedNodes attached_;
-  const SharedConstraints shared_;
+  MorphSolver solver_;
   std::vector<Points> states_;     // before the first edit, and after each edit
   std::vector<DeformTask> tasks_;  // per edit
 };
