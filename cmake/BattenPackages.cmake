@@ -115,7 +115,7 @@ pkg-config.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libsuitesparse-dev, libopenblas-dev, libcgal-dev, libceres-dev, libspectra-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
-    "libocct-data-exchange-dev, libvtk9-dev, libtomlplusplus-dev, nlohmann-json3-dev, libgif-dev, libpng-dev, lib3mf-dev")
+    "libocct-data-exchange-dev, libvtk9-dev, libtomlplusplus-dev, nlohmann-json3-dev, libgif-dev, libpng-dev, lib3mf-dev, libzip-dev")
 
 if(BATTEN_HAS_STUDIO)
   batten_package(studio batten-studio "graphical application for smooth surfaces from curves"

@@ -149,11 +149,29 @@ std::string summary(const FairReport& report, const std::filesystem::path& folde
 
 // Meshes: `batten deform`.
 
-/// Performs the edits in order, measures the result and writes all files and report.json into the
-/// folder, all or none. A result that violates checks is written, too; report.failed_checks lists
-/// them. Throws InputError, ConflictError, NoSolutionError, CancelledError.
+/// Options of a run, beside its scene.
+struct MorphTask {
+  /// Files of the derivatives of all nodes with respect to the parameters (write_derivatives() in
+  /// scenes/meshes/derivative_files.h).
+  std::vector<std::filesystem::path> derivatives;
+  /// Design of experiments, "lhs:N[:SEED]", "grid" or a table (design_table() in
+  /// scenes/meshes/design_table.h); empty: none.
+  std::string doe;
+  /// Parameters that vary, "NAME=FROM:TO[:COUNT]"; the derivatives are those with respect to them, or
+  /// to all parameters if there are none.
+  std::vector<std::string> ranges;
+};
+
+/// Performs the edits in order, after the parameters have been changed so that the [[require]]
+/// conditions hold, measures the result and writes all files and report.json into the folder, all or
+/// none. A result that violates checks is written, too; report.failed_checks lists them.
+///
+/// A design of experiments also writes the mesh of each variant, variant-001/MESH and so on, and
+/// variants.csv: the parameters, dimensions, element quality and status of each variant. A variant
+/// without a solution is listed with the reason. Throws InputError, ConflictError, NoSolutionError,
+/// CancelledError.
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
-                        const Progress& progress = {});
+                        const MorphTask& task = {}, const Progress& progress = {});
 
 /// A summary of the most important results in about a dozen lines, followed by the files.
 std::string summary(const DeformReport& report, const std::filesystem::path& folder);
@@ -280,7 +298,7 @@ inline SequenceReport run_any_scene(const SequenceScene& scene, const std::files
 }
 inline DeformReport run_any_scene(const DeformScene& scene, const std::filesystem::path& out,
                                   const Progress& progress) {
-  return run_deform(scene, out, progress);
+  return run_deform(scene, out, {}, progress);
 }
 inline FairReport run_any_scene(const FairScene& scene, const std::filesystem::path& out,
                                 const Progress& progress) {

@@ -4,7 +4,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 build_packages=(git g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libopenblas-dev libboost-dev libcgal-dev
   libceres-dev catch2 libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libvtk9-dev libgl-dev libx11-dev libgif-dev
-  libpng-dev lib3mf-dev libspectra-dev
+  libpng-dev lib3mf-dev libzip-dev libspectra-dev
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-data-exchange-dev libocct-ocaf-dev qtbase5-dev libvtk9-qt-dev pybind11-dev python3-dev)
 run_packages=(xvfb xauth libgl1-mesa-dri)

@@ -300,6 +300,8 @@ struct EditArguments {
   std::string file, out;
   std::vector<std::string> settings;
   SequenceTask sequence;
+  MorphTask morph;
+  std::vector<std::string> derivatives;
 };
 
 }  // namespace
@@ -313,6 +315,25 @@ Command add_deform(CommandLine& program, CommonOptions& common) {
   add_out(subcommand, a.out);
   subcommand.group("Parameters");
   subcommand.option("--set NAME=VALUE", a.settings, kSetText).allow_repeated();
+  subcommand.group("Design studies");
+  subcommand
+      .option(
+          "--derivatives FILE", a.derivatives,
+          "write the derivatives of all nodes with respect to the parameters: .csv, .npz (NumPy), "
+          "or .bdf (DESVAR and DVGRID cards for a Nastran deck)")
+      .allow_repeated()
+      .default_text("none");
+  subcommand
+      .option("--doe lhs:N|grid|FILE", a.morph.doe,
+              "write a mesh for each variant of a design of experiments, and a table: a Latin "
+              "hypercube of N variants, all combinations, or the rows of a CSV file")
+      .default_text("none");
+  subcommand
+      .option("--range NAME=FROM:TO[:COUNT]", a.morph.ranges,
+              "range of a parameter for --doe, with COUNT values (default 3) for a grid; "
+              "--derivatives are then those of these parameters only")
+      .allow_repeated()
+      .default_text("none");
   add_common(subcommand, common);
   subcommand.example("batten deform examples/11-panel/edit.toml --out out/panel",
                      "a Nastran deck whose panel becomes longer; its holes keep their shape");
@@ -321,7 +342,10 @@ Command add_deform(CommandLine& program, CommonOptions& common) {
   return {subcommand, [arguments, &common] {
             DeformScene scene = read_deform_scene(arguments->file);
             apply_settings(scene, arguments->settings);
-            const auto report = run_deform(scene, arguments->out, terminal_progress(common.quiet));
+            MorphTask task = arguments->morph;
+            task.derivatives.assign(arguments->derivatives.begin(), arguments->derivatives.end());
+            const auto report =
+                run_deform(scene, arguments->out, task, terminal_progress(common.quiet));
             return print_result(report, summary(report, arguments->out), common);
           }};
 }

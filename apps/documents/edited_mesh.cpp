@@ -202,7 +202,7 @@ std::string EditedMesh::rows() const {
 }
 
 std::string EditedMesh::run(const std::filesystem::path& folder, const Progress& progress) {
-  return sentence_lines(run_deform(scene_, folder, progress).failed_checks);
+  return sentence_lines(run_deform(scene_, folder, {}, progress).failed_checks);
 }
 
 std::string EditedMesh::export_shape(const std::filesystem::path& file, const Progress&) {

@@ -90,6 +90,21 @@ Json contents(const DeformReport& r) {
                                 {"rotation_deg", f.rotation_deg},
                                 {"displacement", f.moved}});
   json["curves"] = curves_json(r.curves);
+  json["dimensions"] = Json::array();
+  for (const auto& d : r.dimensions)
+    json["dimensions"].push_back({{"name", d.name},
+                                  {"type", d.type},
+                                  {"before", d.before},
+                                  {"after", d.after},
+                                  {"unit", d.unit},
+                                  {"required", d.required}});
+  if (r.variants)
+    json["variants"] = {
+        {"count", r.variants->count}, {"failed", r.variants->failed}, {"table", r.variants->table}};
+  if (r.derivatives)
+    json["derivatives"] = {{"files", r.derivatives->files},
+                           {"parameters", r.derivatives->parameters},
+                           {"largest_error", r.derivatives->largest_error}};
   json["holes"] = Json::array();
   for (const auto& h : r.holes)
     json["holes"].push_back({{"loop", h.loop},

@@ -2,7 +2,9 @@
 // Contents of report.json for a deformed mesh, measured on the finished mesh.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batten/fairing/curves/curve_fit.h"
@@ -63,6 +65,29 @@ struct DeformReport : RunReport {
     HoleMeasure before, after;
   };
   std::vector<Hole> holes;
+
+  /// A [[dimension]] before and after the edits.
+  struct Dimension {
+    std::string name, type;
+    double before = 0, after = 0;
+    std::string unit;                   ///< such as "mm", "mm²", "degrees"; empty: a mass
+    std::vector<std::string> required;  ///< conditions of [[require]]: ">= 20"
+  };
+  std::vector<Dimension> dimensions;
+
+  /// Variants of a design of experiments.
+  struct Variants {
+    int count = 0, failed = 0;  ///< all; those without a solution, or that violate checks
+    std::string table;          ///< name of the table
+  };
+  std::optional<Variants> variants;
+
+  /// Derivatives that were written.
+  struct Derivatives {
+    std::vector<std::string> files, parameters;
+    double largest_error = 0;  ///< largest estimated relative error
+  };
+  std::optional<Derivatives> derivatives;
 
   /// Elements of a deck that are not shells, and how their nodes followed the shells.
   struct Attached {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/io/scene/deform_scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "batten/core/errors.h"
@@ -143,6 +144,54 @@ EditSpec read_edit(const TomlTable& t, size_t index) {
   return rule;
 }
 
+DimensionSpec read_dimension(const TomlTable& t) {
+  using Kind = DimensionSpec::Kind;
+  DimensionSpec rule;
+  rule.name = t.text("name");
+  rule.location = t.location();
+  rule.kind = t.choice<Kind>("type", {{"distance", Kind::Distance},
+                                      {"radius", Kind::Radius},
+                                      {"angle", Kind::Angle},
+                                      {"area", Kind::Area},
+                                      {"volume", Kind::Volume},
+                                      {"mass", Kind::Mass}});
+  rule.of = t.names("of");
+  const bool two = rule.kind == Kind::Distance || rule.kind == Kind::Angle,
+             whole = !two && rule.kind != Kind::Radius;
+  if (rule.of.size() != (two ? 2 : 1) && !(whole && rule.of.empty()))
+    t.fail("of", std::to_string(rule.of.size()) + " names",
+           std::string(two ? "two names" : "one name") + " of features, selections or proposals");
+  if (t.has("direction") && rule.kind != Kind::Distance)
+    t.fail("direction", "a direction", "one only with type = \"distance\"");
+  if (t.has("direction")) rule.direction = t.direction("direction");
+  for (const char* key : {"thickness", "density"})
+    if (t.has(key) && rule.kind != Kind::Mass)
+      t.fail(key, std::string("a ") + key, "one only with type = \"mass\"");
+  if (rule.kind == Kind::Mass) {
+    rule.thickness = t.positive("thickness");
+    rule.density = t.positive("density");
+  }
+  return rule;
+}
+
+RequirementSpec read_requirement(const TomlTable& t) {
+  using Relation = RequirementSpec::Relation;
+  RequirementSpec rule;
+  rule.location = t.location();
+  rule.dimension = read_string(t, "dimension");
+  if (t.has("equal") + t.has("at_most") + t.has("at_least") != 1)
+    t.fail("", "a requirement without one value", "one of equal, at_most, at_least");
+  for (const auto& [key, relation] : {std::pair{"equal", Relation::Equal},
+                                      {"at_most", Relation::AtMost},
+                                      {"at_least", Relation::AtLeast}})
+    if (t.has(key)) {
+      rule.relation = relation;
+      rule.value = t.number(key);
+    }
+  if (t.has("adjust")) rule.adjust = read_string(t, "adjust");
+  return rule;
+}
+
 ModesSpec read_modes(const TomlTable& t, UniqueNames& files) {
   ModesSpec rule;
   rule.thickness = t.positive("thickness");
@@ -239,6 +288,35 @@ void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
   if (scene.edits.empty() && required) root.fail("", "no edits", "at least one [[edit]]");
 }
 
+/// Reads dimensions, and the conditions on them.
+void read_dimensions(const TomlTable& root, DeformScene& scene) {
+  UniqueNames dimensions("dimension");
+  dimensions.read(root, "dimension", {"name", "type", "of", "direction", "thickness", "density"},
+                  scene.dimensions, read_dimension);
+  std::vector<std::string> names, parameters, adjusted;
+  for (const DimensionSpec& dimension : scene.dimensions) names.push_back(dimension.name);
+  for (const Parameter& p : scene.parameters()) parameters.push_back(p.name);
+  const auto known = [](const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  for (const TomlTable& t :
+       root.tables("require", {"dimension", "equal", "at_most", "at_least", "adjust"})) {
+    RequirementSpec rule = read_requirement(t);
+    if (!known(names, rule.dimension.text))
+      t.fail("dimension", "'" + rule.dimension.text + "'",
+             names.empty() ? "a [[dimension]] of this name"
+                           : expected_one_of(rule.dimension.text, names));
+    if (const std::string& adjust = rule.adjust.text; !adjust.empty()) {
+      if (!known(parameters, adjust))
+        t.fail("adjust", "'" + adjust + "'", expected_one_of(adjust, parameters));
+      if (known(adjusted, adjust))
+        t.fail("adjust", "'" + adjust + "' again", "a parameter of its own for each requirement");
+      adjusted.push_back(adjust);
+    }
+    scene.requirements.push_back(std::move(rule));
+  }
+}
+
 /// Reads the output files: meshes, decks for natural frequencies, pictures.
 void read_outputs(const TomlTable& root, DeformScene& scene) {
   UniqueNames files("file name");
@@ -263,9 +341,11 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
                          bool edits_required) {
   refuse_renamed_keys(root_table, SceneKind::Deform, file.string());
   const TomlTable root(file.string(), root_table, "the scene",
-                       {"name", "unit", "mesh", "weighting", "proposals", "attached", "select",
-                        "cut", "feature", "features", "constraint", "relation", "chain", "curve",
-                        "position_constraint", "edit", "output", "modes", "picture"});
+                       {"name",       "unit",      "mesh",    "weighting", "proposals",
+                        "attached",   "select",    "cut",     "feature",   "features",
+                        "constraint", "relation",  "chain",   "curve",     "position_constraint",
+                        "edit",       "dimension", "require", "output",    "modes",
+                        "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;
@@ -282,6 +362,7 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   scene.features = read_features(root, taken);
   read_guides_and_lines(root, taken, scene);
   read_edits(root, edits_required, scene);
+  read_dimensions(root, scene);
   read_outputs(root, scene);
   return scene;
 }

@@ -124,6 +124,39 @@ struct EditSpec {
   std::vector<MovedGuide> guides;
 };
 
+/// [[dimension]]: a quantity of the mesh, measured before and after the edits.
+struct DimensionSpec {
+  enum class Kind {
+    Distance,  ///< between the centres of two parts
+    Radius,    ///< of the circle that is fitted to a hole or to vertices
+    Angle,     ///< between the axes or normals of two parts, degrees, 0 to 180
+    Area,      ///< of the faces of a part
+    Volume,    ///< enclosed by the faces of a part
+    Mass       ///< area times `thickness` times `density`
+  };
+  std::string name;
+  SourceLocation location;
+  Kind kind = Kind::Distance;
+  /// Features, selections or proposals: two for a distance and an angle, otherwise one. Empty: all
+  /// faces of the mesh, for an area, a volume and a mass.
+  std::vector<LocatedString> of;
+  /// Unit vector; the distance is the component along it, from the first part to the second. Empty:
+  /// the Euclidean distance.
+  std::optional<Vec3> direction;
+  double thickness = 0, density = 0;
+};
+
+/// [[require]]: a condition on a dimension of the edited mesh.
+struct RequirementSpec {
+  enum class Relation { Equal, AtMost, AtLeast };
+  SourceLocation location;
+  LocatedString dimension;
+  Relation relation = Relation::Equal;
+  double value = 0;
+  /// The parameter that is changed until the condition holds; empty: the condition is only checked.
+  LocatedString adjust;
+};
+
 /// [modes]: shell properties for two CalculiX decks that compute natural frequencies, one of the
 /// mesh before the edits and one of the edited mesh.
 struct ModesSpec {
@@ -156,13 +189,15 @@ struct DeformScene : SceneSelections {
   std::vector<CurveSpec> curves;
   std::vector<PositionConstraintSpec> position_constraints;
   std::vector<EditSpec> edits;
+  std::vector<DimensionSpec> dimensions;
+  std::vector<RequirementSpec> requirements;
   std::string mesh_out, vtp;       ///< names of output files; empty: not written
   bool large_field_nodes = false;  ///< true: write Nastran GRID cards in large-field format
   std::optional<ModesSpec> modes;
   std::vector<MeshPictureSpec> pictures;
 
-  /// All parameters of the scene, with the names EDIT.HANDLE.x, .y, .z, .degrees and .scale,
-  /// EDIT.FEATURE.scale, and CURVE.LOAD.
+  /// All parameters of the scene, with the names EDIT.HANDLE.x, .y, .z, .angle and .scale,
+  /// EDIT.FEATURE.scale, EDIT.CONSTRAINT.x, .y, .z, CONSTRAINT.x, .y, .z and CURVE.LOAD.
   std::vector<Parameter> parameters() const;
   /// Sets a parameter of the scene, or one component EDIT.HANDLE.rotation.x, .y, .z of the rotation
   /// vector of a handle (direction of the axis; length: angle in degrees). Throws InputError for an

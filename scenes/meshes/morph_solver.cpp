@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-void append(std::vector<double>& values, const Vec3& v) {
+void append_vector(std::vector<double>& values, const Vec3& v) {
   values.insert(values.end(), v.begin(), v.end());
 }
 
@@ -18,13 +18,13 @@ void append(std::vector<double>& values, const Vec3& v) {
 std::vector<double> edit_values(const EditSpec& edit) {
   std::vector<double> values;
   for (const auto& h : edit.handles) {
-    append(values, h.translate);
-    append(values, h.axis);
+    append_vector(values, h.translate);
+    append_vector(values, h.axis);
     values.push_back(h.degrees);
     values.push_back(h.scale);
   }
   for (const auto& s : edit.scales) values.push_back(s.factor);
-  for (const auto& g : edit.guides) append(values, g.through);
+  for (const auto& g : edit.guides) append_vector(values, g.through);
   return values;
 }
 
@@ -32,9 +32,9 @@ std::vector<double> edit_values(const EditSpec& edit) {
 std::vector<double> shared_values(const DeformScene& scene) {
   std::vector<double> values;
   for (const GuideSpec& guide : scene.guides)
-    if (guide.through) append(values, *guide.through);
+    if (guide.through) append_vector(values, *guide.through);
   for (const PositionConstraintSpec& constraint : scene.position_constraints)
-    append(values, constraint.to);
+    append_vector(values, constraint.to);
   for (const CurveSpec& curve : scene.curves)
     for (const CurveLoad& load : curve.loads) values.push_back(load.value);
   return values;

@@ -19,8 +19,12 @@
 #include "batten/io/pictures/mesh_pictures.h"
 #include "batten/io/report/deform_report.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/mesh/rotation_fitting.h"
+#include "batten/scenes/meshes/derivative_files.h"
+#include "batten/scenes/meshes/design_table.h"
+#include "batten/scenes/meshes/dimension_requirements.h"
+#include "batten/scenes/meshes/morph_measures.h"
 #include "batten/scenes/meshes/morph_solver.h"
+#include "batten/scenes/meshes/morph_variants.h"
 #include "batten/scenes/runs/run_support.h"
 
 namespace batten {
@@ -34,136 +38,6 @@ void draw_deformed(DeformReport& report, const DeformScene& scene, const MeshFil
                    const SharedConstraints& shared, const OutputFolder& out);
 
 namespace {
-
-double largest_move(const Points& before, const Points& after, int* where = nullptr) {
-  long row = 0;
-  const double largest = before.rows() > 0 ? (after - before).rowwise().norm().maxCoeff(&row) : 0;
-  if (where) *where = static_cast<int>(row);
-  return largest;
-}
-
-void measure_into(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
-                  const Points& all_after, const SharedConstraints& shared) {
-  const Points before = node_positions(original.points(), file),
-               after = node_positions(all_after, file);
-  const MeshTopology& topology = original.topology();
-  for (const FormFeature& f : shared.features) {
-    const Similarity fit = fit_similarity(before, after, f.vertices);
-    const double angle = Eigen::AngleAxisd(fit.R).angle() * 180 / std::numbers::pi;
-    const auto centre = VertexCombination::mean_of(f.vertices);
-    Box3 box;
-    for (const int v : f.vertices) box.extend(before.row(v).transpose());
-    report.features.push_back({f.name, isize(f.vertices), box.diagonal().norm(), fit.max_error,
-                               fit.scale, angle, (centre.at(after) - centre.at(before)).norm()});
-  }
-  for (const MeshCurve& c : shared.curves)
-    report.curves.push_back({c.name, isize(c.vertices), c.shape.curve.segment_count(),
-                             c.shape.fairing, c.shape.wavelength, c.shape.largest_shift,
-                             distance_from(c, after) / original.size(), c.shape.before,
-                             c.shape.after});
-  std::vector<int> feature_of(before.rows(), -1);
-  for (size_t f = 0; f < shared.features.size(); ++f)
-    for (const int v : shared.features[f].vertices) feature_of[v] = static_cast<int>(f);
-  auto loops = topology.boundary_loops();
-  for (auto& loop : loops)
-    for (int& v : loop) v = topology.node_of(v);
-  for (size_t l = 0; l < loops.size(); ++l) {
-    DeformReport::Hole hole;
-    hole.loop = static_cast<int>(l) + 1;
-    hole.vertices = isize(loops[l]);
-    const int owner = feature_of[loops[l][0]];
-    if (owner >= 0 && std::all_of(loops[l].begin(), loops[l].end(),
-                                  [&](int v) { return feature_of[v] == owner; }))
-      hole.feature = shared.features[owner].name;
-    hole.before = measure_hole(before, loops[l]);
-    hole.after = measure_hole(after, loops[l]);
-    report.holes.push_back(hole);
-  }
-  report.before = summarize(file.shells(), before);
-  report.after = summarize(file.shells(), after);
-  for (auto* q : {&report.before, &report.after})
-    for (auto* m : {&q->aspect, &q->warpage_degrees, &q->jacobian, &q->smallest_angle_degrees,
-                    &q->largest_angle_degrees})
-      if (m->worst_face >= 0) m->worst_face = static_cast<int>(file.face_label(m->worst_face));
-  for (const int f : inverted_faces(file.shells(), before, after))
-    report.inverted.push_back(file.face_label(f));
-  report.size = original.size();
-  report.largest_coordinate = std::max(before.cwiseAbs().maxCoeff(), after.cwiseAbs().maxCoeff());
-  int where = 0;
-  report.largest_displacement = largest_move(before, after, &where);
-  report.largest_displacement_node = file.node_label(where);
-}
-
-/// Reports how the attached elements moved.
-void measure_attached_into(DeformReport& report, const MeshFile& file,
-                           const AttachedNodes& attached, const Points& before,
-                           const Points& after) {
-  const auto& elements = file.other_elements();
-  std::map<std::string, int> count;
-  for (const NonShellElement& e : elements) ++count[e.name];
-  const AttachedMotion motion = attached.motion(before, after);
-  report.attached.elements.assign(count.begin(), count.end());
-  report.attached.connections = motion.connections;
-  report.attached.max_rigid_error = motion.max_rigid_error;
-  report.attached.worst_connection = motion.worst_connection;
-  report.attached.moved_with_shells = motion.moved_nodes;
-  for (const int e : motion.inverted_solids)
-    report.attached.inverted_solids.push_back(elements[e].label);
-  if (motion.max_gap_change > 1e-6 * report.size)
-    report.warnings.push_back(motion.worst_tie +
-                              ": tied nodes leave their surface, the gap changes by up to " +
-                              format_number(motion.max_gap_change) + " " + report.unit +
-                              ", because handles, fixed nodes or features prescribe their motion");
-}
-
-/// Names nodes that belong to no shell and do not move, while the mesh next to them does.
-void note_left_behind(DeformReport& report, const MeshFile& file, const TriangleMesh& original,
-                      const AttachmentOptions& options, const Points& before, const Points& after) {
-  const ShellMesh& shells = file.shells();
-  std::vector<char> known(static_cast<size_t>(shells.node_count()), 0);
-  for (int f = 0; f < shells.face_count(); ++f)
-    for (const int v : shells.face(f)) known[v] = 1;
-  std::map<std::string, std::vector<int>> left;  // by the type of an element
-  const auto stays = [&](int v) { return !known[v] && before.row(v) == after.row(v); };
-  for (const NonShellElement& e : file.other_elements())
-    for (const int v : e.nodes)
-      if (stays(v)) {
-        if (options.of(e.kind) != AttachmentRule::Stay) left["of " + e.name].push_back(v);
-        known[v] = 1;
-      }
-  for (int v = 0; v < shells.node_count(); ++v)
-    if (stays(v)) left["of no element"].push_back(v);
-  if (left.empty()) return;
-  const TriangleTree tree(original);
-  for (auto& [kind, nodes] : left) {
-    double farthest = 0;
-    std::string labels;
-    int count = 0;
-    for (const int v : nodes) {
-      const auto closest = tree.nearest(before.row(v).transpose());
-      double moved = 0;
-      for (int k = 0; closest && k < 3; ++k) {
-        const int corner = original.topology().node_of(
-            original.triangles()[closest->triangle][static_cast<size_t>(k)]);
-        moved = std::max(moved, (after.row(corner) - before.row(corner)).norm());
-      }
-      if (!(moved > 1e-9 * report.size)) continue;
-      farthest = std::max(farthest, moved);
-      constexpr int kMostNamed = 5;
-      if (count < kMostNamed)
-        labels += (count ? ", " : "") + std::to_string(file.node_label(v));
-      else if (count == kMostNamed)
-        labels += ", …";
-      ++count;
-    }
-    if (count > 0)
-      report.warnings.push_back(format_count(count, "node") + " " + kind + " (" + labels +
-                                ") stay in place: no connection leads to a shell, and the shells "
-                                "next to them move by up to " +
-                                format_number(farthest) + " " + report.unit +
-                                "; select them in a handle if they belong to the moved part");
-  }
-}
 
 void write_modes(DeformReport& report, const DeformScene& scene, const MeshFile& file,
                  VertexSelector& select, const Points& after, const OutputFolder& out) {
@@ -203,9 +77,13 @@ void write_result(const std::filesystem::path& path, const MeshFile& file, const
 /// One run of `batten deform`: the constructor reads the input; the other steps follow in order.
 class DeformRun {
  public:
-  DeformRun(const DeformScene& scene, const std::filesystem::path& folder, const Progress& progress)
+  DeformRun(const DeformScene& scene, const std::filesystem::path& folder, const MorphTask& task,
+            const Progress& progress)
       : scene_(scene),
+        task_(task),
         progress_(progress),
+        ranges_(parse_ranges()),
+        design_(parse_design()),
         out_(folder),
         watch_(report_.timings),
         source_(read_mesh()),
@@ -220,22 +98,23 @@ class DeformRun {
     out_.require_replaceable(names);
   }
 
-  /// Performs the edits in order.
+  /// Performs the edits in order, and changes parameters until the requirements hold.
   void edit() {
     solver_.solve(scene_, progress_);
     const std::vector<std::string>& notes = shared().notes;
     report_.warnings.insert(report_.warnings.end(), notes.begin(), notes.end());
+    dimensions_ = mesh_dimensions(scene_, shared().features, solver_.select(), solver_.mesh());
+    meet_requirements(solver_, scene_, dimensions_, progress_);
     states_ = solver_.states();
-    for (const auto& edit : solver_.edits()) add_to_report(*edit);
+    for (const auto& edit : solver_.edits()) add_warnings(*edit);
     watch_.lap("edits");
   }
 
   void measure() {
     progress_.update("measuring", 0);
-    measure_into(report_, file_, original(), states_.back(), shared());
-    measure_attached_into(report_, file_, solver_.attached(), original().points(), states_.back());
-    note_left_behind(report_, file_, original(), scene_.following, original().points(),
-                     states_.back());
+    measure_morph(report_, file_, solver_, dimensions_);
+    failed_ = failed_checks(report_, solver_, dimensions_);
+    warn_left_behind(report_, file_, solver_);
     watch_.lap("measure");
   }
 
@@ -258,10 +137,18 @@ class DeformRun {
     watch_.lap("pictures");
   }
 
+  /// Computes and writes the derivatives, and the variants of the design of experiments.
+  void study() {
+    if (!task_.derivatives.empty()) derive();
+    if (!design_) return;
+    write_variants(report_, solver_, scene_, file_, dimensions_, *design_, out_, progress_);
+    watch_.lap("variants");
+  }
+
   /// Writes report.json and commits all files.
   DeformReport finish() {
     watch_.total();
-    write_report(report_, failed_checks(report_), out_, progress_);
+    write_report(report_, failed_, out_, progress_);
     out_.commit();
     return std::move(report_);
   }
@@ -273,7 +160,6 @@ class DeformRun {
   MeshSource read_mesh() {
     report_.name = scene_.name;
     report_.unit = scene_.unit;
-    report_.parameters = scene_.parameters();
     progress_.update("mesh", 0);
     MeshSource source = read_source(scene_.mesh);
     report_.warnings = source.file.warnings();
@@ -291,15 +177,81 @@ class DeformRun {
     return source;
   }
 
-  void add_to_report(const EditSession& edit) {
+  std::vector<ParameterRange> parse_ranges() const {
+    std::vector<ParameterRange> ranges;
+    constexpr int default_count = 3;
+    for (const std::string& text : task_.ranges) {
+      ranges.push_back(parse_range("--range", text, default_count));
+      const ParameterRange& range = ranges.back();
+      for (const double end : {range.from, range.to})
+        DeformScene(scene_).set(range.parameter, end, range.where);
+      if (std::any_of(ranges.begin(), ranges.end() - 1,
+                      [&](const auto& other) { return other.parameter == range.parameter; }))
+        throw InputError(range.where + "found a second range, expected one for each parameter");
+      for (const RequirementSpec& rule : scene_.requirements)
+        if (rule.adjust.text == range.parameter)
+          throw InputError(range.where + "found a parameter that [[require]] in line " +
+                           std::to_string(rule.location.line) +
+                           " adjusts, expected another parameter");
+    }
+    if (!ranges.empty() && task_.doe.empty() && task_.derivatives.empty())
+      throw InputError(ranges.front().where +
+                       "found no use for it, expected --doe or --derivatives");
+    return ranges;
+  }
+
+  std::optional<DesignTable> parse_design() const {
+    if (task_.doe.empty()) return std::nullopt;
+    return design_table(task_.doe, ranges_);
+  }
+
+  void add_warnings(const EditSession& edit) {
     tasks_.push_back(edit.task());
     const std::string& name = edit.rule().name;
     const MeshEditStatistics& statistics = edit.statistics();
-    report_.edits.push_back({name, statistics});
     if (!statistics.converged)
       report_.warnings.push_back(name + ": the estimated rotations did not converge in " +
                                  std::to_string(statistics.iterations) + " iterations");
     for (const auto& note : edit.notes()) report_.warnings.push_back(name + ": " + note);
+  }
+
+  /// The parameters of --range; all parameters, if there are none.
+  std::vector<Parameter> derivative_parameters() const {
+    std::vector<Parameter> parameters = scene_.parameters();
+    if (!ranges_.empty())
+      std::erase_if(parameters, [&](const Parameter& p) {
+        return std::none_of(ranges_.begin(), ranges_.end(),
+                            [&](const ParameterRange& range) { return range.parameter == p.name; });
+      });
+    return parameters;
+  }
+
+  void derive() {
+    for (const auto& path : task_.derivatives) require_derivative_format(path, file_);
+    std::vector<MorphDerivative> derivatives =
+        morph_derivatives(solver_, scene_, derivative_parameters(), dimensions_, progress_);
+    for (const MorphDerivative& d : derivatives)
+      if (!d.missing.empty())
+        report_.warnings.push_back("no derivative with respect to '" + d.parameter.name +
+                                   "': " + d.missing);
+    std::erase_if(derivatives, [](const MorphDerivative& d) { return !d.missing.empty(); });
+    report_.derivatives.emplace();
+    for (const MorphDerivative& d : derivatives) {
+      report_.derivatives->parameters.push_back(d.parameter.name);
+      report_.derivatives->largest_error = std::max(report_.derivatives->largest_error, d.error);
+    }
+    constexpr double tolerance = 1e-7;
+    if (report_.derivatives->largest_error > tolerance)
+      failed_.push_back(
+          {"derivatives.largest_error", "is " + format_number(report_.derivatives->largest_error) +
+                                            ", expected at most " + format_number(tolerance)});
+    const DerivativeTable table{&scene_,      &file_,       &states_.back(),
+                                &dimensions_, &derivatives, ranges_};
+    for (const auto& path : task_.derivatives) {
+      write_derivatives(path, table);
+      report_.derivatives->files.push_back(path.string());
+    }
+    watch_.lap("derivatives");
   }
 
   /// Writes the mesh in the format of its file.
@@ -321,31 +273,37 @@ class DeformRun {
   }
 
   // In the order of construction.
-  const DeformScene& scene_;
+  DeformScene scene_;  // with the parameters that meet its requirements
+  const MorphTask& task_;
   const Progress& progress_;
+  std::vector<ParameterRange> ranges_;
+  std::optional<DesignTable> design_;
   OutputFolder out_;
   DeformReport report_;
   Stopwatch watch_;
   const MeshSource source_;
   const MeshFile& file_;
   MorphSolver solver_;
+  std::vector<MeshDimension> dimensions_;
   std::vector<Points> states_;     // before the first edit, and after each edit
   std::vector<DeformTask> tasks_;  // per edit
+  std::vector<FailedCheck> failed_;
 };
 
 }  // namespace
 
 DeformReport run_deform(const DeformScene& scene, const std::filesystem::path& folder,
-                        const Progress& progress) {
+                        const MorphTask& task, const Progress& progress) {
   const ProgressScope scope(progress);
   const CommandFiles files;
   record_input(scene.file);
-  DeformRun run(scene, folder, progress);
+  DeformRun run(scene, folder, task, progress);
   run.require_replaceable();
   run.edit();
   run.measure();
   run.write();
   run.draw();
+  run.study();
   return run.finish();
 }
 
@@ -448,6 +406,13 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
                                       " -> " + std::to_string(c.after.extrema) + ", displacement " +
                                       format_number(c.largest_shift) + unit + ", residual " +
                                       format_number(c.max_residual));
+  for (const auto& d : report.dimensions) {
+    std::string condition;
+    for (const std::string& required : d.required) condition += ", required " + required;
+    text += summary_line("dimension", d.name + ": " + format_number(d.before) + " -> " +
+                                          format_number(d.after) +
+                                          (d.unit.empty() ? "" : " " + d.unit) + condition);
+  }
   if (!report.holes.empty()) {
     int kept = 0, round = 0;
     double radius = 0;
@@ -473,6 +438,16 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
                                       format_number(report.before.jacobian.worst) + " -> " +
                                       format_number(report.after.jacobian.worst) + ", inverted " +
                                       std::to_string(report.inverted.size()));
+  if (report.derivatives)
+    text += summary_line("derivatives",
+                         format_count(report.derivatives->parameters.size(), "parameter") +
+                             ", estimated relative error " +
+                             format_number(report.derivatives->largest_error) + ": " +
+                             comma_separated(report.derivatives->files));
+  if (report.variants)
+    text += summary_line("variants", std::to_string(report.variants->count) + ", " +
+                                         std::to_string(report.variants->failed) +
+                                         " failed: " + report.variants->table);
   return text + summary_footer(report, folder);
 }
 

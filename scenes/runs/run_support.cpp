@@ -139,6 +139,40 @@ std::vector<Setting> parse_settings(const std::vector<std::string>& settings) {
   return parsed;
 }
 
+ParameterRange parse_range(const std::string& option, const std::string& text, int default_count) {
+  ParameterRange range;
+  range.where = option + " " + text + ": ";
+  const auto fail = [&](const std::string& found) {
+    throw InputError(range.where + "found " + found + ", expected NAME=FROM:TO" +
+                     (default_count > 0 ? " or NAME=FROM:TO:COUNT" : ":COUNT"));
+  };
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) fail("no name");
+  range.parameter = text.substr(0, equals);
+  std::vector<double> numbers;
+  for (size_t at = equals + 1; at <= text.size();) {
+    const size_t colon = std::min(text.find(':', at), text.size());
+    const std::string word = text.substr(at, colon - at);
+    const std::optional<double> value = parse_number(word);
+    if (!value) fail("'" + word + "' for a number");
+    numbers.push_back(*value);
+    at = colon + 1;
+  }
+  if (numbers.size() == 2 && default_count > 0) numbers.push_back(default_count);
+  if (numbers.size() != 3) fail(std::to_string(numbers.size()) + " numbers");
+  constexpr double most = 1000;
+  if (numbers[2] != std::floor(numbers[2]) || numbers[2] < 2 || numbers[2] > most)
+    throw InputError(range.where + "found " + format_number(numbers[2]) +
+                     " values, expected a whole number from 2 to 1000");
+  if (numbers[0] == numbers[1])
+    throw InputError(range.where + "found an empty range, " + format_number(numbers[0]) +
+                     " at both ends, expected two different values");
+  range.from = numbers[0];
+  range.to = numbers[1];
+  range.count = static_cast<int>(numbers[2]);
+  return range;
+}
+
 bool matches_wildcard(const std::string& pattern, const std::string& text) {
   size_t p = 0, t = 0, star = std::string::npos, resume = 0;
   while (t < text.size()) {

@@ -2,6 +2,7 @@
 // Functions shared by all commands: output folder, timing, settings, reports.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <list>
@@ -80,6 +81,20 @@ struct Setting {
   std::string name, where;
   double value;
 };
+/// Values of one parameter, "NAME=FROM:TO:COUNT" on the command line. Messages about it begin with
+/// `where`.
+struct ParameterRange {
+  std::string parameter, where;
+  double from = 0, to = 0;
+  int count = 0;
+  /// The i-th of `count` values, equally spaced from end to end.
+  double at(int i) const { return from + (to - from) * i / std::max(1, count - 1); }
+};
+/// Parses "NAME=FROM:TO:COUNT"; `option`: its name in messages. `default_count`: count of
+/// "NAME=FROM:TO"; 0: COUNT is required. Throws InputError for invalid text, a count that is not a
+/// whole number from 2 to 1000, and an empty range.
+ParameterRange parse_range(const std::string& option, const std::string& text,
+                           int default_count = 0);
 /// Parses a text as one finite number, independently of the locale ("0.5"); empty if it is none.
 std::optional<double> parse_number(std::string_view text);
 /// Parses arguments "name=value". Throws InputError for a missing '=', a missing name, or a value

@@ -57,46 +57,6 @@ class ShapeSeries {
 
 namespace {
 
-struct SweepTask {
-  std::string parameter, where;
-  double from = 0, to = 0;
-  int count = 0;
-  double at(int i) const { return from + (to - from) * i / std::max(1, count - 1); }
-};
-
-/// Parses "NAME=FROM:TO:COUNT".
-SweepTask parse_sweep(const std::string& text) {
-  SweepTask sweep;
-  sweep.where = "--sweep " + text + ": ";
-  const auto fail = [&](const std::string& found) {
-    throw InputError(sweep.where + "found " + found + ", expected NAME=FROM:TO:COUNT");
-  };
-  const size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) fail("no name");
-  sweep.parameter = text.substr(0, equals);
-  std::vector<double> numbers;
-  for (size_t at = equals + 1; at <= text.size();) {
-    const size_t colon = std::min(text.find(':', at), text.size());
-    const std::string word = text.substr(at, colon - at);
-    const std::optional<double> value = parse_number(word);
-    if (!value) fail("'" + word + "' for a number");
-    numbers.push_back(*value);
-    at = colon + 1;
-  }
-  if (numbers.size() != 3) fail(std::to_string(numbers.size()) + " numbers");
-  constexpr double most = 1000;
-  if (numbers[2] != std::floor(numbers[2]) || numbers[2] < 2 || numbers[2] > most)
-    throw InputError(sweep.where + "found " + format_number(numbers[2]) +
-                     " values, expected a whole number from 2 to 1000");
-  if (numbers[0] == numbers[1])
-    throw InputError(sweep.where + "found an empty range, " + format_number(numbers[0]) +
-                     " at both ends, expected two different values");
-  sweep.from = numbers[0];
-  sweep.to = numbers[1];
-  sweep.count = static_cast<int>(numbers[2]);
-  return sweep;
-}
-
 /// Parses "jumps:ITERATIONS".
 int parse_rounds(const std::string& text) {
   if (text.empty()) return 0;
@@ -156,7 +116,7 @@ class SculptRun {
     if (task_.stress && !scene_.stress)
       throw InputError(scene_.at({}) +
                        "found no [stress], expected one with thickness, material and supports");
-    for (const std::string& text : task_.sweeps) sweeps_.push_back(parse_sweep(text));
+    for (const std::string& text : task_.sweeps) sweeps_.push_back(parse_range("--sweep", text));
     const int rounds = parse_rounds(task_.refinement), steps = parse_steps(task_);
     if (!task_.record.empty()) record_.emplace(task_.record);
     Stopwatch& watch = run_.watch;
@@ -185,7 +145,7 @@ class SculptRun {
     if (task_.replay.empty() || !settings.empty()) solve_to_equilibrium("solve");
     for (int round = 0; round < rounds; ++round) refine();
     watch.lap("sculpt");
-    for (const SweepTask& sweep : sweeps_) {
+    for (const ParameterRange& sweep : sweeps_) {
       do_sweep(sweep);
       watch.lap("sweep of " + sweep.parameter);
     }
@@ -214,7 +174,7 @@ class SculptRun {
 
   /// Checks all values of all sweeps before the computation.
   void check_sweeps() const {
-    for (const SweepTask& sweep : sweeps_)
+    for (const ParameterRange& sweep : sweeps_)
       for (const double value : {sweep.from, sweep.to}) {
         if (!is_session_parameter(scene_, sweep.parameter))
           throw InputError(sweep.where + "found '" + sweep.parameter +
@@ -256,7 +216,7 @@ class SculptRun {
                                               r.energy_at_equilibrium});
   }
 
-  void do_sweep(const SweepTask& sweep) {
+  void do_sweep(const ParameterRange& sweep) {
     const double before = session_->parameters().value(sweep.parameter);
     Report::Sculpting::Sweep table{sweep.parameter, {}, ""};
     ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, run_.out, sweep.count);
@@ -358,7 +318,7 @@ class SculptRun {
   RunContext run_;
   Report& report_ = run_.report;
   SculptModel model_;
-  std::vector<SweepTask> sweeps_;
+  std::vector<ParameterRange> sweeps_;
   std::optional<AtomicFile> record_;
   std::optional<SculptingSession> session_;
   ShellEvaluator stress_{shell_problem(scene_)};
