@@ -117,19 +117,6 @@ std::vector<Vec3> origins_of(const DeformerSettings& settings, const TriangleMes
   return origins;
 }
 
-/// Index of the object with a name. Throws InputError, with the nearest name.
-template <class Named>
-size_t index_of_name(const std::string& name, const std::vector<Named>& all,
-                     const std::string& what, const std::string& kind) {
-  std::vector<std::string> names;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i].name == name) return i;
-    names.push_back(all[i].name);
-  }
-  throw InputError(what + ": found '" + name + "', expected a " + kind + "'s name" +
-                   did_you_mean(name, names));
-}
-
 std::vector<double> scales_of(const std::map<std::string, double>& given,
                               const std::vector<FormFeature>& features) {
   if (given.empty()) return {};
@@ -185,6 +172,8 @@ DeformerState::DeformerState(const Mesh& of, const DeformerSettings& given)
         std::make_unique<MeshEditor>(of.data().source.prepared, shape, std::move(problem), options);
   }
   origins = origins_of(given, triangles);
+  last.handles.resize(this->problem().handles.size());
+  last.constraint_origins = origins;
 }
 
 void DeformerState::deform(const DeformEdit& edit, bool correct) {
@@ -406,6 +395,8 @@ Points Deformer::deform(const std::map<std::string, Move>& moves,
   edit.targets = detail::targets_of(targets, problem.rows);
   return state_->serialize([&] {
     state_->deform(edit, correct);
+    state_->last = edit;
+    state_->last_correct = correct;
     return node_positions(state_->positions(), mesh().data().source.file);
   });
 }

@@ -58,8 +58,24 @@ struct DeformerState {
   double residual = 0;                          ///< of `shape`
   std::vector<Vec3> origins;                    ///< one of each point constraint
   DeformerReport report;
-  CallSerializer serialize;  ///< of the calls of `deform`
+  DeformEdit last;            ///< of the last deform()
+  bool last_correct = false;  ///< its argument
+  CallSerializer serialize;   ///< of the calls of `deform`
 };
+
+/// The index of an object with a name. Throws InputError for a name that none has, with the nearest
+/// one. `what`, `kind`: argument and kind of the object, for messages.
+template <class Named>
+size_t index_of_name(const std::string& name, const std::vector<Named>& all,
+                     const std::string& what, const std::string& kind) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == name) return i;
+    names.push_back(all[i].name);
+  }
+  throw InputError(what + ": found '" + name + "', expected a " + kind + "'s name" +
+                   did_you_mean(name, names));
+}
 
 /// A move as the transformation of a handle, about the origin unless Move::about is given. Throws
 /// InputError if the axis has length 0.
