@@ -42,9 +42,27 @@ py::object run_scene_file(const py::object& path, const py::object& out, const p
 }
 
 py::object run_mesh(const py::object& path, const py::object& out, const py::object& values,
+                    const py::object& derivatives, const py::object& doe, const py::dict& ranges,
                     const py::object& progress) {
   DeformScene scene = read_deform_scene(path_from(path));
-  return report_of(scene, out, values, progress);
+  set_values(scene, values);
+  MorphTask task;
+  if (py::isinstance<py::list>(derivatives) || py::isinstance<py::tuple>(derivatives))
+    for (const auto& file : derivatives)
+      task.derivatives.emplace_back(path_from(py::reinterpret_borrow<py::object>(file)));
+  else if (!derivatives.is_none())
+    task.derivatives.emplace_back(path_from(derivatives));
+  if (!doe.is_none()) task.doe = path_from(doe);
+  for (const auto& [name, range] : ranges) {
+    std::string text = std::string(py::str(name)) + "=";
+    const std::vector<double> numbers = numbers_from(range, "ranges");
+    for (size_t i = 0; i < numbers.size(); ++i)
+      text += (i > 0 ? ":" : "") + std::string(py::repr(py::float_(numbers[i])));
+    task.ranges.push_back(text);
+  }
+  const std::string folder = path_from(out);
+  return json_object(KernelCall(progress)(
+      [&](const Progress& hook) { return to_json(run_deform(scene, folder, task, hook)); }));
 }
 
 py::object run_frames(const py::object& path, const py::object& out, const py::object& progress) {
@@ -92,11 +110,13 @@ void bind_runs(py::module_& m) {
     True)");
   m.def(
       "deform", &run_mesh, "path"_a, "out"_a, py::kw_only(), "values"_a = py::none(),
+      "derivatives"_a = py::none(), "doe"_a = py::none(), "ranges"_a = py::dict(),
       "progress"_a = py::none(),
       R"(Same as `batten deform`: applies the edits of a deform scene and writes its outputs into a folder.
 
-`values`: parameters {name: value}. Returns the report, a dict. Raises InputError, ConflictError,
-NoSolutionError, FileError.
+`values`: parameters {name: value}. `derivatives`: a file or files (.csv, .npz, .bdf). `doe`: "lhs:N",
+"grid" or a CSV file; `ranges`: {name: (from, to) or (from, to, count)}. Returns the report, a dict.
+Raises InputError, ConflictError, NoSolutionError, FileError.
 
     >>> report = batten.deform("examples/11-panel/edit.toml", "out/panel")
     >>> "panel-longer.bdf" in report["files"]

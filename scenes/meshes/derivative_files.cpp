@@ -110,7 +110,7 @@ void write_nastran(std::ostream& out, const DerivativeTable& table) {
   for (const MorphDerivative& d : *table.derivatives) {
     out << "$ DV" << ++id << ": " << printable(d.parameter.name) << "\n";
     std::string lower = d.parameter.min == 0 ? large_field(1e-6) : blank, upper = blank;
-    for (const ParameterRange& range : table.ranges)
+    for (const ParameterSweep& range : table.ranges)
       if (range.parameter == d.parameter.name) {
         lower = large_field(std::min(range.from, range.to));
         upper = large_field(std::max(range.from, range.to));

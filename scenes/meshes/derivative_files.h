@@ -18,7 +18,7 @@ struct DerivativeTable {
   const Points* points;  ///< edited positions of all vertices, n×3
   const std::vector<MeshDimension>* dimensions;
   const std::vector<MorphDerivative>* derivatives;  ///< without missing ones
-  std::vector<ParameterRange> ranges;               ///< bounds of DESVAR cards
+  std::vector<ParameterSweep> ranges;               ///< bounds of DESVAR cards
 };
 
 /// Checks the extension: .csv, .npz; .bdf .nas .dat .fem for a Nastran deck only. Throws InputError.

@@ -22,7 +22,7 @@ double random_number(std::mt19937_64& generator) {
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
 
-std::vector<std::vector<double>> latin_hypercube(const std::vector<ParameterRange>& ranges,
+std::vector<std::vector<double>> latin_hypercube(const std::vector<ParameterSweep>& ranges,
                                                  size_t count, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
   std::vector<std::vector<double>> rows(count, std::vector<double>(ranges.size()));
@@ -40,15 +40,15 @@ std::vector<std::vector<double>> latin_hypercube(const std::vector<ParameterRang
   return rows;
 }
 
-std::vector<std::vector<double>> full_grid(const std::vector<ParameterRange>& ranges,
+std::vector<std::vector<double>> full_grid(const std::vector<ParameterSweep>& ranges,
                                            const std::string& where) {
   double count = 1;
-  for (const ParameterRange& range : ranges) count *= range.count;
+  for (const ParameterSweep& range : ranges) count *= range.count;
   if (count > kMostVariants)
     throw InputError(where + "found " + format_number(count) + " variants, expected at most " +
                      format_number(kMostVariants));
   std::vector<std::vector<double>> rows{{}};
-  for (const ParameterRange& range : ranges) {
+  for (const ParameterSweep& range : ranges) {
     std::vector<std::vector<double>> longer;
     for (const auto& row : rows)
       for (int i = 0; i < range.count; ++i) {
@@ -129,7 +129,7 @@ std::pair<size_t, std::uint64_t> parse_latin_hypercube(const std::string& text,
 
 }  // namespace
 
-DesignTable design_table(const std::string& text, const std::vector<ParameterRange>& ranges) {
+DesignTable design_table(const std::string& text, const std::vector<ParameterSweep>& ranges) {
   const std::string where = "--doe " + text + ": ";
   const bool hypercube = text.starts_with("lhs:");
   if (!hypercube && text != "grid") {
@@ -141,7 +141,7 @@ DesignTable design_table(const std::string& text, const std::vector<ParameterRan
   if (ranges.empty())
     throw InputError(where + "found no ranges of parameters, expected --range NAME=FROM:TO");
   DesignTable table;
-  for (const ParameterRange& range : ranges) table.parameters.push_back(range.parameter);
+  for (const ParameterSweep& range : ranges) table.parameters.push_back(range.parameter);
   if (hypercube) {
     const auto [count, seed] = parse_latin_hypercube(text, where);
     table.rows = latin_hypercube(ranges, count, seed);

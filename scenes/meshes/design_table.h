@@ -20,7 +20,7 @@ struct DesignTable {
 ///     lhs:N[:SEED]   Latin hypercube of N variants [McKay1979]: every parameter has one value in
 ///                    each of N equal parts of its range, at random places in random order. Equal
 ///                    seeds (default 1) give equal values on all machines
-///     grid           all combinations of ParameterRange::count values, equally spaced from end to
+///     grid           all combinations of ParameterSweep::count values, equally spaced from end to
 ///                    end; the last parameter varies fastest
 ///     FILE           CSV: parameter names in the first row, one variant in each other row. Commas,
 ///                    semicolons or tabs separate the columns; empty rows and rows that begin with
@@ -28,6 +28,6 @@ struct DesignTable {
 ///
 /// Throws InputError for invalid text, for ranges that are missing, or not needed, and for more than
 /// 100,000 variants.
-DesignTable design_table(const std::string& text, const std::vector<ParameterRange>& ranges);
+DesignTable design_table(const std::string& text, const std::vector<ParameterSweep>& ranges);
 
 }  // namespace batten

@@ -177,12 +177,12 @@ class DeformRun {
     return source;
   }
 
-  std::vector<ParameterRange> parse_ranges() const {
-    std::vector<ParameterRange> ranges;
+  std::vector<ParameterSweep> parse_ranges() const {
+    std::vector<ParameterSweep> ranges;
     constexpr int default_count = 3;
     for (const std::string& text : task_.ranges) {
       ranges.push_back(parse_range("--range", text, default_count));
-      const ParameterRange& range = ranges.back();
+      const ParameterSweep& range = ranges.back();
       for (const double end : {range.from, range.to})
         DeformScene(scene_).set(range.parameter, end, range.where);
       if (std::any_of(ranges.begin(), ranges.end() - 1,
@@ -221,7 +221,7 @@ class DeformRun {
     if (!ranges_.empty())
       std::erase_if(parameters, [&](const Parameter& p) {
         return std::none_of(ranges_.begin(), ranges_.end(),
-                            [&](const ParameterRange& range) { return range.parameter == p.name; });
+                            [&](const ParameterSweep& range) { return range.parameter == p.name; });
       });
     return parameters;
   }
@@ -276,7 +276,7 @@ class DeformRun {
   DeformScene scene_;  // with the parameters that meet its requirements
   const MorphTask& task_;
   const Progress& progress_;
-  std::vector<ParameterRange> ranges_;
+  std::vector<ParameterSweep> ranges_;
   std::optional<DesignTable> design_;
   OutputFolder out_;
   DeformReport report_;

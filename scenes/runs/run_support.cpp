@@ -139,8 +139,8 @@ std::vector<Setting> parse_settings(const std::vector<std::string>& settings) {
   return parsed;
 }
 
-ParameterRange parse_range(const std::string& option, const std::string& text, int default_count) {
-  ParameterRange range;
+ParameterSweep parse_range(const std::string& option, const std::string& text, int default_count) {
+  ParameterSweep range;
   range.where = option + " " + text + ": ";
   const auto fail = [&](const std::string& found) {
     throw InputError(range.where + "found " + found + ", expected NAME=FROM:TO" +

@@ -83,7 +83,7 @@ struct Setting {
 };
 /// Values of one parameter, "NAME=FROM:TO:COUNT" on the command line. Messages about it begin with
 /// `where`.
-struct ParameterRange {
+struct ParameterSweep {
   std::string parameter, where;
   double from = 0, to = 0;
   int count = 0;
@@ -93,7 +93,7 @@ struct ParameterRange {
 /// Parses "NAME=FROM:TO:COUNT"; `option`: its name in messages. `default_count`: count of
 /// "NAME=FROM:TO"; 0: COUNT is required. Throws InputError for invalid text, a count that is not a
 /// whole number from 2 to 1000, and an empty range.
-ParameterRange parse_range(const std::string& option, const std::string& text,
+ParameterSweep parse_range(const std::string& option, const std::string& text,
                            int default_count = 0);
 /// Parses a text as one finite number, independently of the locale ("0.5"); empty if it is none.
 std::optional<double> parse_number(std::string_view text);

@@ -145,7 +145,7 @@ class SculptRun {
     if (task_.replay.empty() || !settings.empty()) solve_to_equilibrium("solve");
     for (int round = 0; round < rounds; ++round) refine();
     watch.lap("sculpt");
-    for (const ParameterRange& sweep : sweeps_) {
+    for (const ParameterSweep& sweep : sweeps_) {
       do_sweep(sweep);
       watch.lap("sweep of " + sweep.parameter);
     }
@@ -174,7 +174,7 @@ class SculptRun {
 
   /// Checks all values of all sweeps before the computation.
   void check_sweeps() const {
-    for (const ParameterRange& sweep : sweeps_)
+    for (const ParameterSweep& sweep : sweeps_)
       for (const double value : {sweep.from, sweep.to}) {
         if (!is_session_parameter(scene_, sweep.parameter))
           throw InputError(sweep.where + "found '" + sweep.parameter +
@@ -216,7 +216,7 @@ class SculptRun {
                                               r.energy_at_equilibrium});
   }
 
-  void do_sweep(const ParameterRange& sweep) {
+  void do_sweep(const ParameterSweep& sweep) {
     const double before = session_->parameters().value(sweep.parameter);
     Report::Sculpting::Sweep table{sweep.parameter, {}, ""};
     ShapeSeries series(scene_, stem(sweep.parameter), sweep.parameter, run_.out, sweep.count);
@@ -318,7 +318,7 @@ class SculptRun {
   RunContext run_;
   Report& report_ = run_.report;
   SculptModel model_;
-  std::vector<ParameterRange> sweeps_;
+  std::vector<ParameterSweep> sweeps_;
   std::optional<AtomicFile> record_;
   std::optional<SculptingSession> session_;
   ShellEvaluator stress_{shell_problem(scene_)};

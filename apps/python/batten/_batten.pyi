@@ -2,7 +2,7 @@
 """Types of the compiled module. Its docstrings give array shapes, units and exceptions."""
 
 import os
-from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Union, overload
+from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence, Union, overload
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -63,6 +63,11 @@ class Deformer:
         self, moves: dict[str, Move], *, scales: dict[str, float] = ..., correct: bool = ...,
         origins: Mapping[str, ArrayLike] = ..., targets: Mapping[str, ArrayLike] = ...,
     ) -> Array: ...
+    def jvp(
+        self, moves: dict[str, dict[str, Any]] = ..., *, scales: dict[str, float] = ...,
+        origins: dict[str, Any] = ..., targets: dict[str, Any] = ...,
+    ) -> Array: ...
+    def vjp(self, weights: ArrayLike) -> dict[str, Any]: ...
     @property
     def positions(self) -> Array: ...
     @property
@@ -633,7 +638,8 @@ def convert(
     progress: Progress | None = ...,
 ) -> list[str]: ...
 def deform(
-    path: Path, out: Path, *, values: Values | None = ..., progress: Progress | None = ...,
+    path: Path, out: Path, *, values: Values | None = ..., derivatives: Path | Sequence[Path] | None = ...,
+    doe: Path | None = ..., ranges: dict[str, Sequence[float]] = ..., progress: Progress | None = ...,
 ) -> dict[str, Any]: ...
 def fair(
     points: ArrayLike, *, noise: float | None = ..., deviation: float | None = ..., wavelength: float | None = ...,
