@@ -23,6 +23,13 @@ std::string shortest_text(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
+/// Sets the parameters of one variant.
+void set_variant(DeformScene& scene, const DesignTable& design, size_t row) {
+  const std::string where = "variant " + std::to_string(row + 1) + ": ";
+  for (size_t p = 0; p < design.parameters.size(); ++p)
+    scene.set(design.parameters[p], design.rows[row][p], where);
+}
+
 /// Writes the variants one by one.
 class VariantWriter {
  public:
@@ -41,19 +48,21 @@ class VariantWriter {
       if (!rule.adjust.text.empty() &&
           std::find(columns_.begin(), columns_.end(), rule.adjust.text) == columns_.end())
         columns_.push_back(rule.adjust.text);
-    for (size_t i = 0; i < design.rows.size(); ++i) scenes_.push_back(scene_of(i));
   }
 
   DeformReport::Variants write(DeformReport& report) {
     std::string table = header();
-    DeformReport::Variants variants{isize(scenes_), 0, kTable};
+    DeformReport::Variants variants{isize(design_.rows), 0, kTable};
     std::string first_failure;
-    const size_t digits = std::max<size_t>(3, std::to_string(scenes_.size()).size());
-    for (size_t i = 0; i < scenes_.size(); ++i) {
-      progress_.update("variants", static_cast<double>(i) / static_cast<double>(scenes_.size()));
+    const size_t digits = std::max<size_t>(3, std::to_string(design_.rows.size()).size());
+    for (size_t i = 0; i < design_.rows.size(); ++i) {
+      progress_.update("variants",
+                       static_cast<double>(i) / static_cast<double>(design_.rows.size()));
       std::string number = std::to_string(i + 1);
       number.insert(0, digits - number.size(), '0');
-      const std::string status = add_variant("variant-" + number, scenes_[i], report, table);
+      DeformScene variant = scene_;
+      set_variant(variant, design_, i);
+      const std::string status = add_variant("variant-" + number, variant, report, table);
       if (status == "ok") continue;
       if (variants.failed++ == 0) first_failure = "variant " + number + ": " + status;
     }
@@ -61,20 +70,12 @@ class VariantWriter {
     report.files.push_back(kTable);
     if (variants.failed > 0)
       report.failed_checks.push_back({"variants", std::to_string(variants.failed) + " of " +
-                                                      format_count(scenes_.size(), "variant") +
+                                                      format_count(design_.rows.size(), "variant") +
                                                       " failed, the first is " + first_failure});
     return variants;
   }
 
  private:
-  DeformScene scene_of(size_t i) const {
-    DeformScene variant = scene_;
-    const std::string where = "variant " + std::to_string(i + 1) + ": ";
-    for (size_t p = 0; p < design_.parameters.size(); ++p)
-      variant.set(design_.parameters[p], design_.rows[i][p], where);
-    return variant;
-  }
-
   std::string header() const {
     std::string text = "variant";
     for (const std::string& name : columns_) text += "," + csv_cell(name);
@@ -156,10 +157,14 @@ class VariantWriter {
   const OutputFolder& out_;
   const Progress& progress_;
   std::vector<std::string> columns_;  // parameters in the table
-  std::vector<DeformScene> scenes_;   // one per variant
 };
 
 }  // namespace
+
+void check_design(const DeformScene& scene, const DesignTable& design) {
+  DeformScene variant = scene;
+  for (size_t row = 0; row < design.rows.size(); ++row) set_variant(variant, design, row);
+}
 
 void write_variants(DeformReport& report, MorphSolver& solver, const DeformScene& scene,
                     const MeshFile& file, const std::vector<MeshDimension>& dimensions,

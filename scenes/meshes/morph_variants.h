@@ -14,14 +14,16 @@
 
 namespace batten {
 
+/// Throws InputError for a parameter that the scene does not have, or a value that is not permitted.
+void check_design(const DeformScene& scene, const DesignTable& design);
+
 /// Solves a scene for each row of a design, meets its requirements, and writes each mesh
 /// (variant-001/MESH) and variants.csv into the output folder: the values of all parameters of the
 /// design and of [[require]], dimensions, largest displacement, element quality, status ("ok", or
 /// why the variant failed), and the mesh file.
 ///
 /// Adds the result to `report`, and a failed check if a variant failed. Variants without a solution
-/// have no mesh. Throws InputError for an unknown parameter or a value that is not permitted, before
-/// the first solution.
+/// have no mesh. Throws the exceptions of check_design().
 void write_variants(DeformReport& report, MorphSolver& solver, const DeformScene& scene,
                     const MeshFile& file, const std::vector<MeshDimension>& dimensions,
                     const DesignTable& design, const OutputFolder& out, const Progress& progress);

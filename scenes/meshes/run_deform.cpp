@@ -202,7 +202,9 @@ class DeformRun {
 
   std::optional<DesignTable> parse_design() const {
     if (task_.doe.empty()) return std::nullopt;
-    return design_table(task_.doe, ranges_);
+    DesignTable design = design_table(task_.doe, ranges_);
+    check_design(scene_, design);
+    return design;
   }
 
   void add_warnings(const EditSession& edit) {
