@@ -122,9 +122,18 @@ DeformProblem without_features(const DeformProblem& problem, const TriangleMesh&
 std::unique_ptr<IterativeDeformer> deformer_of(RotationMode mode, const PreparedMesh& prepared,
                                                const TriangleMesh& mesh,
                                                const std::vector<int>& fixed,
-                                               const std::vector<Handle>& handles) {
-  if (mode == RotationMode::Nonlinear) return std::make_unique<ArapDeformer>(mesh, fixed, handles);
-  return std::make_unique<DualLaplacianDeformer>(mesh, polygons_of(prepared), fixed, handles);
+                                               const std::vector<Handle>& handles,
+                                               double tolerance) {
+  constexpr int more = 5;  // iterations for a smaller tolerance than the default
+  const auto adapted = [&](auto options) {
+    if (tolerance < options.tolerance) options.max_iterations *= more;
+    options.tolerance = tolerance;
+    return options;
+  };
+  if (mode == RotationMode::Nonlinear)
+    return std::make_unique<ArapDeformer>(mesh, fixed, handles, adapted(ArapOptions()));
+  return std::make_unique<DualLaplacianDeformer>(mesh, polygons_of(prepared), fixed, handles,
+                                                 adapted(DualLaplacianOptions()));
 }
 
 void check(std::span<const PrescribedRotation> prescribed, size_t features) {
@@ -246,8 +255,9 @@ class FeatureRotationEstimator::Rotations {
 
 FeatureRotationEstimator::FeatureRotationEstimator(const PreparedMesh& prepared,
                                                    const TriangleMesh& mesh,
-                                                   const DeformProblem& problem, RotationMode mode)
-    : prepared_(prepared), mesh_(mesh), problem_(problem), mode_(mode) {}
+                                                   const DeformProblem& problem, RotationMode mode,
+                                                   double tolerance)
+    : prepared_(prepared), mesh_(mesh), problem_(problem), mode_(mode), tolerance_(tolerance) {}
 FeatureRotationEstimator::~FeatureRotationEstimator() = default;
 
 ShapeEstimate FeatureRotationEstimator::featureless(const DeformEdit& edit) {
@@ -278,11 +288,13 @@ std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(
   } else if (finds) {
     const std::vector<int> fixed = fixed_vertices(problem_, mesh_);
     estimate.use = ShapeEstimate::Use::Shape;
-    if (!iterative_) iterative_ = deformer_of(mode_, prepared_, mesh_, fixed, problem_.handles);
+    if (!iterative_)
+      iterative_ = deformer_of(mode_, prepared_, mesh_, fixed, problem_.handles, tolerance_);
     estimate.positions = iterative_->deform(edit.handles);
     estimate.known = known_vertices(fixed, problem_.handles, {}, {}, mesh_);
     iterations_ = iterative_->report().iterations;
-    converged_ = iterative_->report().converged;
+    constexpr double invisible = 1e-6;  // also for a smaller tolerance
+    converged_ = iterative_->report().last_change < invisible;
   }
   if (!own_ || own_estimated_ != finds)  // the two estimates determine different vertices
     own_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known, Rotations::Faces::Own);

@@ -45,9 +45,11 @@ class FeatureRotationEstimator {
   /// Creates an estimator for the edits of one problem. Keeps references to `prepared`, `mesh` and
   /// `problem`. `prepared`: provides the polygons of the mesh for RotationMode::Dual. `mesh`: the
   /// mesh before the edit. `problem` must be valid, see check() in deform_problem.h. The linear
-  /// constraints of the problem are ignored, so they may change later.
+  /// constraints of the problem are ignored, so they may change later. `tolerance`: that of
+  /// DualLaplacianOptions and ArapOptions.
   FeatureRotationEstimator(const PreparedMesh& prepared, const TriangleMesh& mesh,
-                           const DeformProblem& problem, RotationMode mode);
+                           const DeformProblem& problem, RotationMode mode,
+                           double tolerance = 1e-6);
   ~FeatureRotationEstimator();
   FeatureRotationEstimator(const FeatureRotationEstimator&) = delete;
   FeatureRotationEstimator& operator=(const FeatureRotationEstimator&) = delete;
@@ -82,6 +84,7 @@ class FeatureRotationEstimator {
   const TriangleMesh& mesh_;
   const DeformProblem& problem_;
   RotationMode mode_;
+  double tolerance_;
   std::unique_ptr<FormFeatureDeformer> featureless_;  // the edit without features
   std::unique_ptr<IterativeDeformer> iterative_;
   std::vector<char> known_;  // vertices that featureless_ determines

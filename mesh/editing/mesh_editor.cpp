@@ -73,7 +73,7 @@ MeshEditor::MeshEditor(const PreparedMesh& prepared, const Points& before, Defor
       problem_(std::move(problem)),
       own_features_(isize(problem_.features) - (attached ? isize(attached->connections()) : 0)),
       own_rows_(problem_.rows.size()),
-      rotations_(prepared, mesh_, problem_, options_.rotation_mode),
+      rotations_(prepared, mesh_, problem_, options_.rotation_mode, options_.tolerance),
       shape_(before) {
   if (options_.centres.empty())
     for (int f = 0; f < own_features_; ++f)

@@ -157,11 +157,12 @@ class RequirementSolver {
     for (long k = 0; k < count(); ++k) {
       const Requirement& r = active_[k];
       if (r.holds(solver_.shape())) continue;
-      throw NoSolutionError(scene_.at(r.rule->location) + "found no value of '" +
-                            parameters_[k].name + "' for which '" + r.rule->dimension.text + "' " +
-                            condition_text(*r.rule) + "; the nearest is " +
-                            format_number(r.dimension->value(solver_.shape())) + " for " +
-                            format_number(parameters_[k].value));
+      throw NoSolutionError(
+          scene_.at(r.rule->location) + "found no value of '" + parameters_[k].name +
+          "' for which '" + r.rule->dimension.text + "' " + condition_text(*r.rule) +
+          "; the nearest is " + format_number(r.dimension->value(solver_.shape())) + " (off by " +
+          format_number(std::abs(r.dimension->value(solver_.shape()) - r.rule->value)) + ") for " +
+          format_number(parameters_[k].value));
     }
     throw NoSolutionError("found no values that meet all requirements");
   }

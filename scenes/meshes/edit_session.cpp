@@ -364,13 +364,13 @@ void EditSession::with_edit_context(const Function& f) const {
 
 EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
                          const SharedConstraints& shared, VertexSelector& select,
-                         const PreparedMesh& prepared, const Points& before)
+                         const PreparedMesh& prepared, const Points& before, double tolerance)
     : scene_(scene), rule_(rule), shared_(shared) {
   DeformTask task =
       make_deform_task(scene, rule, shared, select, prepared.mesh.with_points(before));
   for (size_t r = shared.rows.size(); r < task.problem.rows.size(); ++r)
     targets_.push_back(task.problem.rows[r].target);
-  const MeshEditorOptions options{rule.rotation_mode, rule.keep_centres, shared.centres};
+  const MeshEditorOptions options{rule.rotation_mode, rule.keep_centres, shared.centres, tolerance};
   with_edit_context([&] {
     editor_ = std::make_unique<MeshEditor>(prepared, before, std::move(task.problem), options,
                                            shared.attached);

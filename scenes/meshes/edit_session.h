@@ -91,9 +91,10 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
 class EditSession {
  public:
   /// Keeps references to the scene, `shared` and the mesh. Throws InputError for unknown names or
-  /// an unsolvable problem, and NoSolutionError.
+  /// an unsolvable problem, and NoSolutionError. `tolerance`: MeshEditorOptions::tolerance.
   EditSession(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
-              VertexSelector& select, const PreparedMesh& prepared, const Points& before);
+              VertexSelector& select, const PreparedMesh& prepared, const Points& before,
+              double tolerance = MeshEditorOptions().tolerance);
 
   /// Changes the values of the edit: translations, rotations and scales of handles, scales of
   /// features, points of constraints. The values of the shared constraints are read again, too.

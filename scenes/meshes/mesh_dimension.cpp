@@ -65,7 +65,7 @@ MeshDimension::Part MeshDimension::part_of(const DeformScene& scene, const Locat
   const bool needs_faces = rule_.kind != Kind::Distance && rule_.kind != Kind::Radius;
   const DetectedFeature* proposal = select.proposal(name.text);
   if (proposal && !proposal->loop.empty() && rule_.kind <= Kind::Angle) {
-    part.vertices = mesh.topology().nodes_of(proposal->loop);
+    for (const int v : proposal->loop) part.vertices.push_back(mesh.topology().node_of(v));
     part.hole = true;
     part.circular = measure_hole(mesh.points(), part.vertices).circular;
     return part;
@@ -90,10 +90,14 @@ void MeshDimension::check(const DeformScene& scene, const TriangleMesh& mesh) co
   if (rule_.kind == Kind::Radius) {
     constexpr double tolerance = 0.02;
     const HoleMeasure measure = measure_hole(mesh.points(), part.vertices);
-    if (!(part.hole ? part.circular : measure.roundness <= tolerance * measure.radius))
+    Box3 box;  // an arc of 60 degrees is as long as the radius
+    for (const int v : part.vertices) box.extend(mesh.point(v));
+    const bool arc =
+        measure.roundness <= tolerance * measure.radius && box.diagonal().norm() >= measure.radius;
+    if (!(part.hole ? part.circular : arc))
       throw InputError(where + "found vertices that deviate by " +
                        format_number(measure.roundness) +
-                       " from a circle, expected a circular hole or an arc");
+                       " from a circle, expected a circular hole, or an arc of 60 degrees or more");
   }
   if (rule_.kind == Kind::Volume && !encloses_volume(part.triangles, mesh))
     throw InputError(where +

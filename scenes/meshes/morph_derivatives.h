@@ -31,8 +31,8 @@ double parameter_step(const Parameter& parameter, double size);
 /// Derivatives of the edited mesh with respect to `parameters` at the values of `scene`.
 ///
 /// Central differences of order four, f' ≈ (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12h, with a step
-/// h that displaces a vertex by about 0.2 % of the size of the mesh. The edits are solved to
-/// convergence (1e-8 degrees), so that the differences are exact to about 1e-9 of their largest
+/// h that displaces a vertex by about 0.2 % of the size of the mesh. The edits must be solved to
+/// convergence (tolerance() 1e-12), so that the differences are exact to about 1e-9 of their largest
 /// entry; for translations, where the solution is linear unless rotations are estimated, to rounding.
 /// The step is reduced while the difference to the formula of order two tells that the error is
 /// larger. Cost: five to thirteen solutions a parameter, without factorizations for the values of

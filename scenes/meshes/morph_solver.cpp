@@ -53,9 +53,10 @@ struct MorphSolver::Backup {
   std::vector<std::unique_ptr<EditSession>> behind;
 };
 
-MorphSolver::MorphSolver(DeformScene scene, const MeshSource& source)
+MorphSolver::MorphSolver(DeformScene scene, const MeshSource& source, double tolerance)
     : scene_(std::move(scene)),
       source_(source),
+      tolerance_(tolerance),
       select_(scene_, source.file, source.prepared.mesh),
       attached_(source.file.other_elements(), source.prepared.mesh, scene_.following,
                 source.file.ties(), source.prepared.face_of_triangle) {}
@@ -112,8 +113,8 @@ void MorphSolver::solve_from(size_t first, const DeformScene& values, const Prog
       edits_[k]->solve_to_equilibrium();
       continue;
     }
-    auto edit =
-        std::make_unique<EditSession>(scene_, rule, shared_, select_, source_.prepared, shape());
+    auto edit = std::make_unique<EditSession>(scene_, rule, shared_, select_, source_.prepared,
+                                              shape(), tolerance_);
     edit->solve_to_equilibrium();
     edits_.push_back(std::move(edit));
   }

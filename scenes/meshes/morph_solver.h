@@ -28,8 +28,10 @@ namespace batten {
 /// [[position_constraint]] or [[curve]], which all edits share, concerns all edits.
 class MorphSolver {
  public:
-  /// Keeps a reference to `source`. Selections are evaluated when they are needed.
-  MorphSolver(DeformScene scene, const MeshSource& source);
+  /// Keeps a reference to `source`. Selections are evaluated when they are needed. `tolerance`:
+  /// MeshEditorOptions::tolerance; 1e-12 for derivatives.
+  MorphSolver(DeformScene scene, const MeshSource& source,
+              double tolerance = MeshEditorOptions().tolerance);
   MorphSolver(const MorphSolver&) = delete;
   MorphSolver& operator=(const MorphSolver&) = delete;
 
@@ -41,6 +43,8 @@ class MorphSolver {
 
   /// The scene, with the values of the last solve().
   const DeformScene& scene() const { return scene_; }
+  const MeshSource& source() const { return source_; }
+  double tolerance() const { return tolerance_; }
   /// The mesh before the edits.
   const TriangleMesh& mesh() const { return source_.prepared.mesh; }
   /// Positions of all vertices after the last edit (n×3).
@@ -64,6 +68,7 @@ class MorphSolver {
 
   DeformScene scene_;
   const MeshSource& source_;
+  double tolerance_;
   VertexSelector select_;
   AttachedNodes attached_;
   SharedConstraints shared_;

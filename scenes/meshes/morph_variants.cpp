@@ -2,12 +2,15 @@
 #include "batten/scenes/meshes/morph_variants.h"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 #include "batten/io/files/text.h"
 #include "batten/scenes/meshes/derivative_files.h"
 #include "batten/scenes/meshes/dimension_requirements.h"
@@ -30,19 +33,25 @@ void set_variant(DeformScene& scene, const DesignTable& design, size_t row) {
     scene.set(design.parameters[p], design.rows[row][p], where);
 }
 
-/// Writes the variants one by one.
+/// What one variant adds to the results.
+struct Variant {
+  std::string number, status = "ok", row;
+  std::vector<std::string> files;
+  double rounding = 0;
+};
+
+/// The variants of one run.
 class VariantWriter {
  public:
-  VariantWriter(MorphSolver& solver, const DeformScene& scene, const MeshFile& file,
+  VariantWriter(const DeformScene& scene, const MeshFile& file,
                 const std::vector<MeshDimension>& dimensions, const DesignTable& design,
-                const OutputFolder& out, const Progress& progress)
-      : solver_(solver),
-        scene_(scene),
+                const OutputFolder& out)
+      : scene_(scene),
         file_(file),
         dimensions_(dimensions),
         design_(design),
         out_(out),
-        progress_(progress),
+        digits_(std::max<size_t>(3, std::to_string(design.rows.size()).size())),
         columns_(design.parameters) {
     for (const RequirementSpec& rule : scene.requirements)
       if (!rule.adjust.text.empty() &&
@@ -50,32 +59,6 @@ class VariantWriter {
         columns_.push_back(rule.adjust.text);
   }
 
-  DeformReport::Variants write(DeformReport& report) {
-    std::string table = header();
-    DeformReport::Variants variants{isize(design_.rows), 0, kTable};
-    std::string first_failure;
-    const size_t digits = std::max<size_t>(3, std::to_string(design_.rows.size()).size());
-    for (size_t i = 0; i < design_.rows.size(); ++i) {
-      progress_.update("variants",
-                       static_cast<double>(i) / static_cast<double>(design_.rows.size()));
-      std::string number = std::to_string(i + 1);
-      number.insert(0, digits - number.size(), '0');
-      DeformScene variant = scene_;
-      set_variant(variant, design_, i);
-      const std::string status = add_variant("variant-" + number, variant, report, table);
-      if (status == "ok") continue;
-      if (variants.failed++ == 0) first_failure = "variant " + number + ": " + status;
-    }
-    write_file_atomically(out_.file(kTable), [&](std::ostream& text) { text << table; });
-    report.files.push_back(kTable);
-    if (variants.failed > 0)
-      report.failed_checks.push_back({"variants", std::to_string(variants.failed) + " of " +
-                                                      format_count(design_.rows.size(), "variant") +
-                                                      " failed, the first is " + first_failure});
-    return variants;
-  }
-
- private:
   std::string header() const {
     std::string text = "variant";
     for (const std::string& name : columns_) text += "," + csv_cell(name);
@@ -85,59 +68,64 @@ class VariantWriter {
            "status,file\n";
   }
 
-  /// Adds a row, and writes the mesh of a variant; returns the status.
-  std::string add_variant(const std::string& name, DeformScene& variant, DeformReport& report,
-                          std::string& table) {
-    std::string status = "ok", written;
+  /// Solves, measures and writes one variant.
+  Variant write(size_t row, MorphSolver& solver) const {
+    Variant variant;
+    variant.number = std::to_string(row + 1);
+    variant.number.insert(0, digits_ - variant.number.size(), '0');
+    DeformScene scene = scene_;
+    set_variant(scene, design_, row);
     std::optional<DeformReport> measured;
     try {
-      meet_requirements(solver_, variant, dimensions_, cancellable());
+      meet_requirements(solver, scene, dimensions_);
       measured.emplace();
-      measured->unit = scene_.unit;
-      measure_morph(*measured, file_, solver_, dimensions_);
-      const std::vector<FailedCheck> failed = failed_checks(*measured, solver_, dimensions_);
-      if (!failed.empty()) status = failed.front().what + " " + failed.front().detail;
-      if (!scene_.mesh_out.empty()) written = write_mesh(name, report);
+      measured->unit = scene.unit;
+      measure_morph(*measured, file_, solver, dimensions_);
+      const std::vector<FailedCheck> failed = failed_checks(*measured, solver, dimensions_);
+      if (!failed.empty()) variant.status = failed.front().what + " " + failed.front().detail;
+      if (!scene.mesh_out.empty()) write_mesh(variant, solver);
     } catch (const CancelledError&) {
       throw;
     } catch (const FileError&) {
       throw;
     } catch (const Error& e) {
-      status = e.what();
+      variant.status = e.what();
       measured.reset();
     }
-    table += name.substr(name.find('-') + 1);
+    variant.row = variant.number;
     for (const std::string& column : columns_)
-      table += "," + shortest_text(value_of(variant, column));
-    append_measures(measured, table);
-    table += "," + csv_cell(status) + "," + csv_cell(written) + "\n";
-    return status;
+      variant.row += "," + shortest_text(value_of(scene, column));
+    append_measures(measured, variant.row);
+    variant.row += "," + csv_cell(variant.status) + "," +
+                   (variant.files.empty() ? "" : csv_cell(variant.files.front())) + "\n";
+    return variant;
   }
 
-  void append_measures(const std::optional<DeformReport>& measured, std::string& table) const {
+ private:
+  void append_measures(const std::optional<DeformReport>& measured, std::string& row) const {
     if (!measured) {
-      table += std::string(dimensions_.size() + 5, ',');
+      row += std::string(dimensions_.size() + 5, ',');
       return;
     }
-    for (const auto& d : measured->dimensions) table += "," + shortest_text(d.after);
+    for (const auto& d : measured->dimensions) row += "," + shortest_text(d.after);
     for (const double value :
          {measured->largest_displacement, measured->after.aspect.worst,
           measured->after.warpage_degrees.worst, measured->after.jacobian.worst,
           static_cast<double>(measured->inverted.size())})
-      table += "," + shortest_text(value);
+      row += "," + shortest_text(value);
   }
 
-  std::string write_mesh(const std::string& name, DeformReport& report) const {
-    const std::string file = name + "/" + scene_.mesh_out;
-    std::filesystem::create_directories(out_.file(name));
-    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder() / name};
-    const MeshFile::Rounding rounding =
-        file_.write(out_.file(file), node_positions(solver_.shape(), file_), options);
-    report.rounding = std::max(report.rounding, rounding.largest);
-    report.files.push_back(file);
+  void write_mesh(Variant& variant, const MorphSolver& solver) const {
+    const std::string folder = "variant-" + variant.number;
+    const std::string file = folder + "/" + scene_.mesh_out;
+    std::filesystem::create_directories(out_.file(folder));
+    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder() / folder};
+    const DeferredFlush deferred;  // OutputFolder::commit() flushes all files
+    variant.rounding =
+        file_.write(out_.file(file), node_positions(solver.shape(), file_), options).largest;
+    variant.files.push_back(file);
     for (const auto& beside : file_.included_files())
-      report.files.push_back(name + "/" + beside.string());
-    return file;
+      variant.files.push_back(folder + "/" + beside.string());
   }
 
   static double value_of(const DeformScene& scene, const std::string& name) {
@@ -146,18 +134,39 @@ class VariantWriter {
     return 0;
   }
 
-  /// Progress without reports, which would replace those of the variants.
-  Progress cancellable() const { return {{}, progress_.cancelled}; }
-
-  MorphSolver& solver_;
   const DeformScene& scene_;
   const MeshFile& file_;
   const std::vector<MeshDimension>& dimensions_;
   const DesignTable& design_;
   const OutputFolder& out_;
-  const Progress& progress_;
+  size_t digits_;                     // of the number of a variant
   std::vector<std::string> columns_;  // parameters in the table
 };
+
+/// Number of solvers that work at the same time: each has its own factorization.
+int worker_count(int rows, int nodes) {
+  constexpr int most_nodes = 400000;  // of all workers, because of their memory
+  return std::clamp(most_nodes / std::max(nodes, 1), 1, std::min(thread_count(), rows));
+}
+
+/// All variants; each worker takes the next one.
+std::vector<Variant> all_variants(const VariantWriter& writer, MorphSolver& solver,
+                                  const DeformScene& scene, int rows, const Progress& progress) {
+  std::vector<Variant> variants(static_cast<size_t>(rows));
+  std::atomic<int> next = 0;
+  std::mutex reporting;
+  parallel_for(worker_count(rows, solver.mesh().vertex_count()), [&](int worker) {
+    std::optional<MorphSolver> own;
+    if (worker > 0) own.emplace(scene, solver.source(), solver.tolerance());
+    for (int row = next++; row < rows; row = next++) {
+      variants[static_cast<size_t>(row)] =
+          writer.write(static_cast<size_t>(row), own ? *own : solver);
+      const std::lock_guard lock(reporting);
+      progress.update("variants", static_cast<double>(row + 1) / rows);
+    }
+  });
+  return variants;
+}
 
 }  // namespace
 
@@ -169,8 +178,25 @@ void check_design(const DeformScene& scene, const DesignTable& design) {
 void write_variants(DeformReport& report, MorphSolver& solver, const DeformScene& scene,
                     const MeshFile& file, const std::vector<MeshDimension>& dimensions,
                     const DesignTable& design, const OutputFolder& out, const Progress& progress) {
-  report.variants =
-      VariantWriter(solver, scene, file, dimensions, design, out, progress).write(report);
+  check_design(scene, design);
+  const VariantWriter writer(scene, file, dimensions, design, out);
+  const auto variants = all_variants(writer, solver, scene, isize(design.rows), progress);
+  std::string table = writer.header(), first_failure;
+  DeformReport::Variants summary{isize(variants), 0, kTable};
+  for (const Variant& variant : variants) {
+    table += variant.row;
+    report.rounding = std::max(report.rounding, variant.rounding);
+    report.files.insert(report.files.end(), variant.files.begin(), variant.files.end());
+    if (variant.status != "ok" && summary.failed++ == 0)
+      first_failure = "variant " + variant.number + ": " + variant.status;
+  }
+  write_file_atomically(out.file(kTable), [&](std::ostream& text) { text << table; });
+  report.files.push_back(kTable);
+  if (summary.failed > 0)
+    report.failed_checks.push_back({"variants", std::to_string(summary.failed) + " of " +
+                                                    format_count(variants.size(), "variant") +
+                                                    " failed, the first is " + first_failure});
+  report.variants = summary;
 }
 
 }  // namespace batten

@@ -22,7 +22,8 @@ void check_design(const DeformScene& scene, const DesignTable& design);
 /// design and of [[require]], dimensions, largest displacement, element quality, status ("ok", or
 /// why the variant failed), and the mesh file.
 ///
-/// Adds the result to `report`, and a failed check if a variant failed. Variants without a solution
+/// Up to thread_count() variants are solved at the same time, each by its own solver; the results do
+/// not depend on their number. Adds the result to `report`, and a failed check if a variant failed. Variants without a solution
 /// have no mesh. Throws the exceptions of check_design().
 void write_variants(DeformReport& report, MorphSolver& solver, const DeformScene& scene,
                     const MeshFile& file, const std::vector<MeshDimension>& dimensions,

@@ -88,7 +88,7 @@ class DeformRun {
         watch_(report_.timings),
         source_(read_mesh()),
         file_(source_.file),
-        solver_(scene, source_) {}
+        solver_(scene, source_, tolerance()) {}
 
   /// Checks the names of the output files, see OutputFolder::require_replaceable().
   void require_replaceable() const {
@@ -175,6 +175,14 @@ class DeformRun {
     report_.faces = source.file.shells().face_count();
     watch_.lap("mesh");
     return source;
+  }
+
+  /// Derivatives need a smooth function of the parameters, as Newton's method does for requirements.
+  double tolerance() const {
+    constexpr double smooth = 1e-12;
+    const bool adjusts = std::any_of(scene_.requirements.begin(), scene_.requirements.end(),
+                                     [](const auto& rule) { return !rule.adjust.text.empty(); });
+    return adjusts || !task_.derivatives.empty() ? smooth : MeshEditorOptions().tolerance;
   }
 
   std::vector<ParameterSweep> parse_ranges() const {

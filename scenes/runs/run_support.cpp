@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -214,12 +215,54 @@ std::string summary_line(const std::string& label, const std::string& text) {
   return "  " + label + std::string(12 - label.size(), ' ') + printable(text) + "\n";
 }
 
+namespace {
+
+/// The name of a numbered file without its number, "sweep_#.vtp", "variant-#/mesh.bdf"; empty: the
+/// file has no number of three or more digits.
+std::string series_of(const std::string& file) {
+  for (size_t at = file.find_first_of("_-"); at != std::string::npos;
+       at = file.find_first_of("_-", at + 1)) {
+    const size_t end = file.find_first_not_of("0123456789", at + 1);
+    if (end == std::string::npos || end < at + 4 || (file[end] != '.' && file[end] != '/'))
+      continue;
+    return file.substr(0, at + 1) + "#" + file.substr(end);
+  }
+  return "";
+}
+
+/// Files, with one entry for each series of numbered files.
+std::vector<std::string> abbreviated(const std::vector<std::string>& files) {
+  struct Series {
+    size_t entry;
+    int count;
+  };
+  std::map<std::string, Series> known;
+  std::vector<std::string> list, last;
+  for (const std::string& file : files) {
+    const std::string name = series_of(file);
+    const auto [series, added] = known.try_emplace(name, Series{list.size(), 0});
+    ++series->second.count;
+    if (name.empty() || added) {
+      list.push_back(file);
+      last.push_back(file);
+    } else {
+      last[series->second.entry] = file;
+    }
+  }
+  for (const auto& [name, series] : known)
+    if (!name.empty() && series.count > 1)
+      list[series.entry] += " … " + last[series.entry] + " (" + std::to_string(series.count) + ")";
+  return list;
+}
+
+}  // namespace
+
 std::string summary_footer(const RunReport& report, const std::filesystem::path& folder) {
   std::string text;
   for (const auto& [stage, seconds] : report.timings)
     if (stage == "total") text += summary_line("time", format_number(seconds) + " s");
   text += "files in " + printable(folder.string()) + ":\n";
-  for (const auto& file : report.files) text += "  " + printable(file) + "\n";
+  for (const auto& file : abbreviated(report.files)) text += "  " + printable(file) + "\n";
   return text;
 }
 

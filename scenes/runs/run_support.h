@@ -130,7 +130,8 @@ std::string safe_file_name(const std::string& text);
 /// A line of a summary: the label padded to 12 columns, and the text.
 std::string summary_line(const std::string& label, const std::string& text);
 
-/// The end of a summary of any kind of report: run time and files.
+/// The end of a summary of any kind of report: run time and files. Series of numbered files, such as
+/// frames, take one line each.
 std::string summary_footer(const RunReport& report, const std::filesystem::path& folder);
 
 }  // namespace batten

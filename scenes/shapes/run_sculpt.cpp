@@ -333,36 +333,6 @@ std::string row_text(const std::vector<std::string>& cells) {
   return text + "\n";
 }
 
-/// Abbreviates the frames of a series.
-std::vector<std::string> few(const std::vector<std::string>& files) {
-  const auto series = [](const std::string& file) -> std::string {
-    const size_t dot = file.rfind('.'), line = file.rfind('_');
-    if (dot == std::string::npos || line == std::string::npos || line + 4 > dot) return "";
-    if (file.find_first_not_of("0123456789", line + 1) != dot) return "";
-    return file.substr(0, line) + file.substr(dot);
-  };
-  std::vector<std::string> list;
-  std::vector<std::string> seen;
-  for (const std::string& file : files) {
-    const std::string one = series(file);
-    if (one.empty()) {
-      list.push_back(file);
-      continue;
-    }
-    if (std::find(seen.begin(), seen.end(), one) != seen.end()) continue;
-    seen.push_back(one);
-    int count = 0;
-    std::string last;
-    for (const std::string& other : files)
-      if (series(other) == one) {
-        ++count;
-        last = other;
-      }
-    list.push_back(file + (count > 1 ? " … " + last + " (" + std::to_string(count) + ")" : ""));
-  }
-  return list;
-}
-
 }  // namespace
 
 Report run_sculpt(const Scene& scene, const SculptTask& task, const std::filesystem::path& folder,
@@ -425,9 +395,7 @@ std::string sculpt_summary(const Report& report, const std::filesystem::path& fo
                       format_number(m.rows[i].shape.area), format_number(m.rows[i].shape.volume),
                       format_number(m.rows[i].shape.residual)});
   }
-  RunReport ending = report;
-  ending.files = few(report.files);
-  return text + summary_footer(ending, folder);
+  return text + summary_footer(report, folder);
 }
 
 namespace {

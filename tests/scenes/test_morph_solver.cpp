@@ -18,21 +18,21 @@ using namespace batten_test;
 
 namespace {
 
-const std::filesystem::path folder = BATTEN_SOURCE_DIR "/examples/10-plate-with-holes";
+const std::filesystem::path plate_folder = BATTEN_SOURCE_DIR "/examples/10-plate-with-holes";
 
 /// A plate of 300 × 300 with five holes, its left and right sides, and the rules that follow.
-DeformScene plate(const std::string& rules) {
+DeformScene plate_scene(const std::string& rules) {
   return parse_deform_scene(
       "unit = \"mm\"\nmesh = \"plate.obj\"\n"
       "[[features]]\nof = \"hole-*\"\n"
       "[[select]]\nname = \"left\"\nbox = [[0, 0, -1], [0, 300, 1]]\ngrow = 1\n"
       "[[select]]\nname = \"right\"\nbox = [[300, 0, -1], [300, 300, 1]]\ngrow = 1\n" +
           rules,
-      folder / "scene.toml");
+      plate_folder / "scene.toml");
 }
 
 /// An edit that bends the plate, with features, a plane and a position constraint.
-std::string bent(const std::string& rotation_mode) {
+std::string bent_edit(const std::string& rotation_mode) {
   return "[[position_constraint]]\nname = \"corner\"\nat = [150, 300, 0]\nto = [145, 300, 45]\n"
          "weight = 1000\n"
          "[[constraint]]\nname = \"level\"\nof = \"hole-3\"\n"
@@ -43,7 +43,7 @@ std::string bent(const std::string& rotation_mode) {
          "rotate = { axis = [0, -1, 0], angle = 75 }\n"
          "[[edit.scale]]\nfeature = \"hole-1\"\nfactor = 1.1\n";
 }
-const std::string moved =
+const std::string kMoved =
     "[[edit]]\nname = \"move\"\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
     "translate = [20, 0, 0]\n";
 
@@ -75,9 +75,9 @@ Points ridders(const std::function<Points(double)>& f, double h) {
 }  // namespace
 
 TEST_CASE("values can change in any order", "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
+  const MeshSource source = read_source(plate_folder / "plate.obj");
   // Two edits, a scaled feature, a plane, and a position constraint that both edits share.
-  const DeformScene scene = plate(
+  const DeformScene scene = plate_scene(
       "[[position_constraint]]\nname = \"corner\"\nat = [300, 300, 0]\nto = [310, 300, 20]\n"
       "weight = 1000\n"
       "[[constraint]]\nname = \"level\"\nof = \"hole-3\"\n"
@@ -105,8 +105,8 @@ TEST_CASE("values can change in any order", "[scenes][deform]") {
 }
 
 TEST_CASE("a failed solution leaves the last one", "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
-  const DeformScene scene = plate(
+  const MeshSource source = read_source(plate_folder / "plate.obj");
+  const DeformScene scene = plate_scene(
       "[[constraint]]\nname = \"level\"\nof = \"right\"\n"
       "plane = { normal = [1, 0, 0], origin = [300, 0, 0] }\n"
       "[[edit]]\nname = \"up\"\nfixed = \"left\"\n[[edit.handle]]\nname = \"right\"\n"
@@ -136,15 +136,15 @@ TEST_CASE("a failed solution leaves the last one", "[scenes][deform]") {
 
 TEST_CASE("derivatives agree with other differences for every kind of parameter",
           "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
+  const MeshSource source = read_source(plate_folder / "plate.obj");
   const std::string mode = GENERATE("estimated", "harmonic", "dual", "nonlinear");
   INFO(mode);
   const DeformScene scene =
-      plate(bent(mode) +
-            "[[dimension]]\nname = \"gap\"\ntype = \"distance\"\n"
-            "of = [\"hole-1\", \"hole-4\"]\n"
-            "[[dimension]]\nname = \"bore\"\ntype = \"radius\"\nof = \"hole-1\"\n");
-  MorphSolver solver(scene, source);
+      plate_scene(bent_edit(mode) +
+                  "[[dimension]]\nname = \"gap\"\ntype = \"distance\"\n"
+                  "of = [\"hole-1\", \"hole-4\"]\n"
+                  "[[dimension]]\nname = \"bore\"\ntype = \"radius\"\nof = \"hole-1\"\n");
+  MorphSolver solver(scene, source, 1e-12);
   solver.solve(scene);
   const std::vector<MeshDimension> dimensions =
       mesh_dimensions(scene, solver.shared().features, solver.select(), solver.mesh());
@@ -165,18 +165,18 @@ TEST_CASE("derivatives agree with other differences for every kind of parameter"
           return solver.solve(other);
         },
         h);
-    CHECK(largest(d.rate - expected) < 1e-7 * std::max(largest(expected), 1e-3));
+    CHECK(largest(d.rate - expected) < 1e-7 * std::max(largest(expected), 1e-2));
+    if (d.parameter.name == "corner.z") CHECK(largest(d.rate) > 0.1);
     // The radius of a rigid hole changes with its own scale only.
     const bool own = d.parameter.name == "bend.hole-1.scale";
     CHECK(std::abs(d.dimensions[1] - (own ? bore : 0)) < 1e-7 * bore);
   }
-  CHECK(largest(derivatives[0].rate) > 0.1);  // the pull on the corner does something
 }
 
 TEST_CASE("the solution is affine in translations, and so are its derivatives",
           "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
-  DeformScene scene = plate(moved);
+  const MeshSource source = read_source(plate_folder / "plate.obj");
+  DeformScene scene = plate_scene(kMoved);
   scene.edits[0].rotation_mode = RotationMode::Harmonic;
   MorphSolver solver(scene, source);
   const Points here = solver.solve(scene);
@@ -189,17 +189,17 @@ TEST_CASE("the solution is affine in translations, and so are its derivatives",
 }
 
 TEST_CASE("dimensions have the values of geometry", "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
-  const DeformScene scene =
-      plate(moved +
-            "[[dimension]]\nname = \"length\"\ntype = \"distance\"\nof = [\"left\", \"right\"]\n"
-            "direction = [2, 0, 0]\n"
-            "[[dimension]]\nname = \"back\"\ntype = \"distance\"\nof = [\"right\", \"left\"]\n"
-            "direction = [1, 0, 0]\n"
-            "[[dimension]]\nname = \"bore\"\ntype = \"radius\"\nof = \"hole-3\"\n"
-            "[[dimension]]\nname = \"tilt\"\ntype = \"angle\"\nof = [\"hole-1\", \"right\"]\n"
-            "[[dimension]]\nname = \"area\"\ntype = \"area\"\n"
-            "[[dimension]]\nname = \"mass\"\ntype = \"mass\"\nthickness = 2\ndensity = 3\n");
+  const MeshSource source = read_source(plate_folder / "plate.obj");
+  const DeformScene scene = plate_scene(
+      kMoved +
+      "[[dimension]]\nname = \"length\"\ntype = \"distance\"\nof = [\"left\", \"right\"]\n"
+      "direction = [2, 0, 0]\n"
+      "[[dimension]]\nname = \"back\"\ntype = \"distance\"\nof = [\"right\", \"left\"]\n"
+      "direction = [1, 0, 0]\n"
+      "[[dimension]]\nname = \"bore\"\ntype = \"radius\"\nof = \"hole-3\"\n"
+      "[[dimension]]\nname = \"tilt\"\ntype = \"angle\"\nof = [\"hole-1\", \"right\"]\n"
+      "[[dimension]]\nname = \"area\"\ntype = \"area\"\n"
+      "[[dimension]]\nname = \"mass\"\ntype = \"mass\"\nthickness = 2\ndensity = 3\n");
   MorphSolver solver(scene, source);
   solver.solve(scene);
   const auto d = mesh_dimensions(scene, solver.shared().features, solver.select(), solver.mesh());
@@ -217,7 +217,7 @@ TEST_CASE("dimensions have the values of geometry", "[scenes][deform]") {
           Approx(std::pow(1.5, power) * d[k].value(before)).epsilon(1e-9).margin(1e-5));
   const auto refused = [&](const std::string& rules) {
     return error_message([&] {
-      const DeformScene bad = plate(moved + rules);
+      const DeformScene bad = plate_scene(kMoved + rules);
       mesh_dimensions(bad, solver.shared().features, solver.select(), solver.mesh());
     });
   };
@@ -265,13 +265,13 @@ TEST_CASE("a cube has its volume, and the angles of its faces", "[scenes][deform
 }
 
 TEST_CASE("requirements are met by their parameters", "[scenes][deform]") {
-  const MeshSource source = read_source(folder / "plate.obj");
+  const MeshSource source = read_source(plate_folder / "plate.obj");
   const std::string dimensions =
       "[[dimension]]\nname = \"gap\"\ntype = \"distance\"\nof = [\"hole-1\", \"hole-4\"]\n"
       "[[dimension]]\nname = \"rise\"\ntype = \"distance\"\nof = [\"left\", \"hole-3\"]\n"
       "direction = [0, 0, 1]\n";
   const auto met = [&](const std::string& rules) {
-    DeformScene scene = plate(moved + dimensions + rules);
+    DeformScene scene = plate_scene(kMoved + dimensions + rules);
     MorphSolver solver(scene, source);
     solver.solve(scene);
     const auto d = mesh_dimensions(scene, solver.shared().features, solver.select(), solver.mesh());
