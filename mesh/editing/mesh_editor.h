@@ -23,7 +23,7 @@ struct MeshEditorOptions {
   /// attached nodes. Empty: each centre is the mean of the vertices of the feature.
   std::vector<VertexCombination> centres;
   /// Largest displacement in the last iteration of the rotation modes Dual and Nonlinear, relative
-  /// to the size of the mesh. With 1e-12, at two to three times the cost, the shape is a smooth
+  /// to the size of the mesh. With 1e-13, at two to three times the cost, the shape is a smooth
   /// function of the edit, as derivatives need it; the other modes always converge so far.
   double tolerance = 1e-6;
 };

@@ -36,7 +36,7 @@ double LocalGlobalIteration::iterate(double energy_before) {
   store_rotations();
   y_.swap(accelerated ? accelerated_ : next_);
   double now = update_rotations();
-  if (accelerated && !(now <= energy_before)) {
+  if (accelerated && is_increased(now, energy_before)) {
     restore_rotations();
     y_.swap(next_);
     accelerator_.reset();

@@ -51,8 +51,14 @@ class LocalGlobalIteration {
   virtual void store_rotations() = 0;
   virtual void restore_rotations() = 0;
   /// Performs one iteration, which updates the unknowns y_ and the rotations. Returns the energy
-  /// after the iteration, which is at most `energy_before`.
+  /// after the iteration, which is at most `energy_before`, up to rounding errors.
   virtual double iterate(double energy_before);
+  /// True if an energy increased by more than rounding errors: close to the minimum, where the energy
+  /// is stationary, they would reject every accelerated iterate.
+  static bool is_increased(double energy, double before) {
+    constexpr double rounding = 1e-12;
+    return !(energy <= (1 + rounding) * before);
+  }
 
   /// Allocates the unknowns y_ and next_ (`unknowns` × 3), and the Anderson accelerator for
   /// iterates with `accelerated_rows` rows.

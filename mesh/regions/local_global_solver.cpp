@@ -361,7 +361,7 @@ double LocalGlobalSolver::iterate(double energy_before) {
     return update_rotations();
   };
   double now = iteration();
-  if (!(now <= energy_before)) {  // the accelerated rotations increased the energy
+  if (is_increased(now, energy_before)) {  // the accelerated rotations increased the energy
     restore_rotations();
     accelerator_.reset();
     now = iteration();

@@ -24,6 +24,10 @@ struct MorphDerivative {
   std::string missing;
 };
 
+/// Tolerance of a MorphSolver for derivatives: the errors of its solutions are larger by a factor of up
+/// to 70 (slowest modes of the iteration), and differences multiply them by 500.
+inline constexpr double kDerivativeTolerance = 1e-13;
+
 /// A small change of a parameter, to begin with: 0.1 degrees, 0.1 % of a scale or a load, or 0.1 %
 /// of the size of the mesh.
 double parameter_step(const Parameter& parameter, double size);
@@ -32,7 +36,7 @@ double parameter_step(const Parameter& parameter, double size);
 ///
 /// Central differences of order four, f' ≈ (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12h, with a step
 /// h that displaces a vertex by about 0.2 % of the size of the mesh. The edits must be solved to
-/// convergence (tolerance() 1e-12), so that the differences are exact to about 1e-9 of their largest
+/// convergence (kDerivativeTolerance), so that the differences are exact to about 1e-9 of their largest
 /// entry; for translations, where the solution is linear unless rotations are estimated, to rounding.
 /// The step is reduced while the difference to the formula of order two tells that the error is
 /// larger. Cost: five to thirteen solutions a parameter, without factorizations for the values of

@@ -29,7 +29,7 @@ namespace batten {
 class MorphSolver {
  public:
   /// Keeps a reference to `source`. Selections are evaluated when they are needed. `tolerance`:
-  /// MeshEditorOptions::tolerance; 1e-12 for derivatives.
+  /// MeshEditorOptions::tolerance; kDerivativeTolerance for derivatives.
   MorphSolver(DeformScene scene, const MeshSource& source,
               double tolerance = MeshEditorOptions().tolerance);
   MorphSolver(const MorphSolver&) = delete;

@@ -179,10 +179,10 @@ class DeformRun {
 
   /// Derivatives need a smooth function of the parameters, as Newton's method does for requirements.
   double tolerance() const {
-    constexpr double smooth = 1e-12;
     const bool adjusts = std::any_of(scene_.requirements.begin(), scene_.requirements.end(),
                                      [](const auto& rule) { return !rule.adjust.text.empty(); });
-    return adjusts || !task_.derivatives.empty() ? smooth : MeshEditorOptions().tolerance;
+    return adjusts || !task_.derivatives.empty() ? kDerivativeTolerance
+                                                 : MeshEditorOptions().tolerance;
   }
 
   std::vector<ParameterSweep> parse_ranges() const {

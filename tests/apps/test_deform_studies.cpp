@@ -202,14 +202,15 @@ TEST_CASE("a required dimension sets its parameter", "[apps][deform]") {
   CHECK(r.out.find("-> 620 mm, required = 620") != std::string::npos);
   const auto j = report(c, "out");
   CHECK(j["dimensions"][0]["after"].get<double>() == Approx(620).epsilon(1e-9));
+  const CliCase none("deform_required_not");
   for (const auto& p : j["parameters"])
     if (p["name"] == "longer.right.x") CHECK(p["value"].get<double>() > 12);
-  c.fails(panel_scene(dimension + "equal = 620\nadjust = \"longer.rihgt.x\"\n"), 1,
-          {"did you mean 'longer.right.x'"}, {}, "deform");
-  c.fails(panel_scene(dimension + "equal = 620\nat_most = 3\n"), 1,
-          {"one of equal, at_most, at_least"}, {}, "deform");
-  c.fails(panel_scene("[[require]]\ndimension = \"length\"\nequal = 3\n"), 1,
-          {"found 'length', expected a [[dimension]] of this name"}, {}, "deform");
-  c.fails(panel_scene(dimension + "equal = 0.001\nadjust = \"fuller.crown.z\"\n"), 3,
-          {"found no value of 'fuller.crown.z'", "the nearest is"}, {}, "deform");
+  none.fails(panel_scene(dimension + "equal = 620\nadjust = \"longer.rihgt.x\"\n"), 1,
+             {"did you mean 'longer.right.x'"}, {}, "deform");
+  none.fails(panel_scene(dimension + "equal = 620\nat_most = 3\n"), 1,
+             {"one of equal, at_most, at_least"}, {}, "deform");
+  none.fails(panel_scene("[[require]]\ndimension = \"length\"\nequal = 3\n"), 1,
+             {"found 'length', expected a [[dimension]] of this name"}, {}, "deform");
+  none.fails(panel_scene(dimension + "equal = 0.001\nadjust = \"fuller.crown.z\"\n"), 3,
+             {"found no value of 'fuller.crown.z'", "the nearest is"}, {}, "deform");
 }

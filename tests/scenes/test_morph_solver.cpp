@@ -144,7 +144,7 @@ TEST_CASE("derivatives agree with other differences for every kind of parameter"
                   "[[dimension]]\nname = \"gap\"\ntype = \"distance\"\n"
                   "of = [\"hole-1\", \"hole-4\"]\n"
                   "[[dimension]]\nname = \"bore\"\ntype = \"radius\"\nof = \"hole-1\"\n");
-  MorphSolver solver(scene, source, 1e-12);
+  MorphSolver solver(scene, source, kDerivativeTolerance);
   solver.solve(scene);
   const std::vector<MeshDimension> dimensions =
       mesh_dimensions(scene, solver.shared().features, solver.select(), solver.mesh());
