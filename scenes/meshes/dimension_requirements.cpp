@@ -152,19 +152,19 @@ class RequirementSolver {
     return 1e3 * parameter_step(p, solver_.mesh().size());
   }
 
+  /// Names the requirement that is farthest from being met.
   [[noreturn]] void fail() {
-    residual_at(VecX::Zero(count()));
-    for (long k = 0; k < count(); ++k) {
-      const Requirement& r = active_[k];
-      if (r.holds(solver_.shape())) continue;
-      throw NoSolutionError(
-          scene_.at(r.rule->location) + "found no value of '" + parameters_[k].name +
-          "' for which '" + r.rule->dimension.text + "' " + condition_text(*r.rule) +
-          "; the nearest is " + format_number(r.dimension->value(solver_.shape())) + " (off by " +
-          format_number(std::abs(r.dimension->value(solver_.shape()) - r.rule->value)) + ") for " +
-          format_number(parameters_[k].value));
-    }
-    throw NoSolutionError("found no values that meet all requirements");
+    VecX residual = residual_at(VecX::Zero(count())).cwiseAbs();
+    long worst = 0;
+    residual.maxCoeff(&worst);
+    const Requirement& r = active_[worst];
+    const double value = r.dimension->value(solver_.shape());
+    throw NoSolutionError(scene_.at(r.rule->location) + "found no value of '" +
+                          parameters_[worst].name + "' for which '" + r.rule->dimension.text +
+                          "' " + condition_text(*r.rule) + "; the nearest is " +
+                          format_number(value) + " (off by " +
+                          format_number(std::abs(value - r.rule->value)) + ") for " +
+                          format_number(parameters_[worst].value));
   }
 
   MorphSolver& solver_;
