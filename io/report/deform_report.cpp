@@ -98,6 +98,16 @@ Json contents(const DeformReport& r) {
                                   {"after", d.after},
                                   {"unit", d.unit},
                                   {"required", d.required}});
+  if (!r.targets.empty()) json["targets"] = Json::array();
+  for (const auto& t : r.targets)
+    json["targets"].push_back({{"file", t.file},
+                               {"nodes", t.followers},
+                               {"ignored", t.ignored},
+                               {"rms", t.rms},
+                               {"largest", t.largest},
+                               {"back_rms", t.back_rms},
+                               {"back_largest", t.back_largest},
+                               {"smoothing", t.smoothing}});
   if (r.variants)
     json["variants"] = {
         {"count", r.variants->count}, {"failed", r.variants->failed}, {"table", r.variants->table}};

@@ -75,6 +75,16 @@ struct DeformReport : RunReport {
   };
   std::vector<Dimension> dimensions;
 
+  /// Distances from a [[target]] after the edits, model units.
+  struct Target {
+    std::string file;
+    int followers = 0, ignored = 0;  ///< vertices that follow it; those without a point of it
+    double rms = 0, largest = 0;     ///< from the vertices to the target, minus the offset
+    double back_rms = 0, back_largest = 0;  ///< from the target to the mesh, minus the offset
+    double smoothing = 0;                   ///< smoothing length that was used
+  };
+  std::vector<Target> targets;
+
   /// Variants of a design of experiments.
   struct Variants {
     int count = 0, failed = 0;  ///< all; those without a solution, or that violate checks

@@ -104,6 +104,18 @@ PositionConstraintSpec read_position_constraint(const TomlTable& t) {
   return rule;
 }
 
+MorphTargetSpec read_morph_target(const TomlTable& t, const std::filesystem::path& folder) {
+  MorphTargetSpec rule;
+  rule.location = t.location("file");
+  rule.file = folder / t.text("file");
+  if (t.has("unit")) rule.unit = read_unit(t, "unit");
+  rule.of = t.names("of");
+  rule.smoothing = t.positive("smoothing", 0);
+  rule.reach = t.positive("reach", 0);
+  rule.offset = t.number("offset", 0);
+  return rule;
+}
+
 EditSpec read_edit(const TomlTable& t, size_t index) {
   EditSpec rule;
   rule.name = t.text("name", "edit-" + std::to_string(index + 1));
@@ -285,7 +297,11 @@ void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
              {"name", "fixed", "region_of_interest", "handle", "scale", "constraint", "centres",
               "rotation_mode", "rotate_feature"},
              scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
-  if (scene.edits.empty() && required) root.fail("", "no edits", "at least one [[edit]]");
+  if (!scene.edits.empty() || !required) return;
+  if (scene.targets.empty() && scene.position_constraints.empty())
+    root.fail("", "no edits", "at least one [[edit]], [[target]] or [[position_constraint]]");
+  scene.edits.emplace_back();  // the constraints alone
+  scene.edits.back().name = "edit-1";
 }
 
 /// Reads dimensions, and the conditions on them.
@@ -341,11 +357,11 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
                          bool edits_required) {
   refuse_renamed_keys(root_table, SceneKind::Deform, file.string());
   const TomlTable root(file.string(), root_table, "the scene",
-                       {"name",       "unit",      "mesh",    "weighting", "proposals",
-                        "attached",   "select",    "cut",     "feature",   "features",
-                        "constraint", "relation",  "chain",   "curve",     "position_constraint",
-                        "edit",       "dimension", "require", "output",    "modes",
-                        "picture"});
+                       {"name",       "unit",     "mesh",      "weighting", "proposals",
+                        "attached",   "select",   "cut",       "feature",   "features",
+                        "constraint", "relation", "chain",     "curve",     "position_constraint",
+                        "target",     "edit",     "dimension", "require",   "output",
+                        "modes",      "picture"});
   const std::filesystem::path folder = file.parent_path();
   DeformScene scene;
   scene.file = file;
@@ -361,6 +377,9 @@ DeformScene deform_scene(const toml::table& root_table, const std::filesystem::p
   UniqueNames taken("name");
   scene.features = read_features(root, taken);
   read_guides_and_lines(root, taken, scene);
+  for (const TomlTable& t :
+       root.tables("target", {"file", "unit", "of", "smoothing", "reach", "offset"}))
+    scene.targets.push_back(read_morph_target(t, folder));
   read_edits(root, edits_required, scene);
   read_dimensions(root, scene);
   read_outputs(root, scene);

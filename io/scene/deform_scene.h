@@ -83,6 +83,15 @@ struct PositionConstraintSpec {
   std::optional<double> weight;  ///< weight of a soft constraint; empty: hard constraint
 };
 
+/// [[target]]: a surface that the mesh follows in all edits.
+struct MorphTargetSpec {
+  SourceLocation location;
+  std::filesystem::path file;     ///< a CAD file or a mesh file
+  std::string unit;               ///< length unit of a mesh file; empty: the unit of the scene
+  std::vector<LocatedString> of;  ///< what follows: features, selections, proposals; empty: all
+  double smoothing = 0, reach = 0, offset = 0;  ///< those of TargetFollowerOptions
+};
+
 /// [[edit]]: one edit of the mesh, applied to the result of the previous edit.
 struct EditSpec {
   /// A handle with its prescribed motion: translation, rotation by `degrees` about `axis`, scaling.
@@ -188,6 +197,7 @@ struct DeformScene : SceneSelections {
   std::vector<LineSpec> lines;
   std::vector<CurveSpec> curves;
   std::vector<PositionConstraintSpec> position_constraints;
+  std::vector<MorphTargetSpec> targets;
   std::vector<EditSpec> edits;
   std::vector<DimensionSpec> dimensions;
   std::vector<RequirementSpec> requirements;

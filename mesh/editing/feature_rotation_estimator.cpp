@@ -2,6 +2,7 @@
 #include "batten/mesh/editing/feature_rotation_estimator.h"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -52,8 +53,13 @@ std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vecto
       if (p >= 0) first = p;
     }
   }
+  std::map<int, int> pulls;  // per component: constraints of positions
   for (const LinearConstraint& tie : ties) {
-    if (!tie.connects) continue;
+    if (!tie.connects) {
+      if (const int p = part[topology.node_of(tie.combination.entries[0].vertex)]; p >= 0)
+        ++pulls[p];
+      continue;
+    }
     const int first = part[topology.node_of(tie.combination.entries[0].vertex)];
     for (const auto& e : tie.combination.entries)
       if (const int p = part[topology.node_of(e.vertex)]; first >= 0 && p >= 0)
@@ -66,6 +72,9 @@ std::vector<char> known_vertices(const std::vector<int>& fixed, const std::vecto
   for (const int v : fixed) hold(v);
   for (const Handle& h : handles)
     for (const int v : h.vertices) hold(v);
+  constexpr int enough = 3;  // points determine a position
+  for (const auto& [p, count] : pulls)
+    if (count >= enough) constrained[together.find(p)] = 1;
   std::vector<char> known(mesh.vertex_count(), 0);
   for (int v = 0; v < mesh.vertex_count(); ++v)
     if (const int p = part[topology.node_of(v)]; p >= 0) known[v] = constrained[together.find(p)];
@@ -273,18 +282,23 @@ ShapeEstimate FeatureRotationEstimator::featureless(const DeformEdit& edit) {
 }
 
 std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(
-    const DeformEdit& edit, std::span<const PrescribedRotation> prescribed) {
+    const DeformEdit& edit, std::span<const PrescribedRotation> prescribed, bool pulled) {
   check(prescribed, problem_.features.size());
   iterations_ = 0;
   converged_ = true;
   const bool moving = std::any_of(edit.handles.begin(), edit.handles.end(), moves);
-  const bool finds = moving && mode_ != RotationMode::Harmonic;
+  const bool finds = mode_ == RotationMode::Estimated ? moving || pulled
+                                                      : moving && mode_ != RotationMode::Harmonic;
   if (!finds && prescribed.empty()) return std::nullopt;
   ShapeEstimate estimate;
   estimate.positions = mesh_.points();
   estimate.known.assign(mesh_.vertex_count(), 0);
   if (finds && mode_ == RotationMode::Estimated) {
-    estimate = featureless(edit);
+    if (moving)
+      estimate = featureless(edit);
+    else
+      estimate.known = known_vertices(fixed_vertices(problem_, mesh_), problem_.handles,
+                                      problem_.features, problem_.rows, mesh_);
   } else if (finds) {
     const std::vector<int> fixed = fixed_vertices(problem_, mesh_);
     estimate.use = ShapeEstimate::Use::Shape;

@@ -55,12 +55,14 @@ class FeatureRotationEstimator {
   FeatureRotationEstimator& operator=(const FeatureRotationEstimator&) = delete;
 
   /// Estimates the deformed shape and the rotation of each feature. The result is empty if no
-  /// rotation is prescribed and nothing must be estimated: for RotationMode::Harmonic, or if no
-  /// handle moves. If several rotations are prescribed for features with a common rotation, the
+  /// rotation is prescribed and nothing must be estimated: for RotationMode::Harmonic, or if nothing
+  /// moves. `pulled`: constraints of the edit move the mesh, even if no handle does
+  /// (RotationMode::Estimated then begins with unrotated features). If several rotations are prescribed for features with a common rotation, the
   /// last one applies. Throws InputError if a feature index is out of range, and the exceptions of
   /// the deformer that computes the preliminary shape.
   std::optional<ShapeEstimate> estimate(const DeformEdit& edit,
-                                        std::span<const PrescribedRotation> prescribed = {});
+                                        std::span<const PrescribedRotation> prescribed = {},
+                                        bool pulled = false);
 
   /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the
   /// faces in two rings around the feature. `positions`: vertex positions computed with the current

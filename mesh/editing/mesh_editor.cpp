@@ -150,7 +150,8 @@ const Points& MeshEditor::solve_preview() {
     at_rest_ = rotations_.update_from_adjacent_faces(edit_, prescribed_, own_features_, shape_,
                                                      *live_) < kConvergedDegrees;
   else
-    live_ = rotations_.estimate(edit_, prescribed_);
+    live_ = rotations_.estimate(edit_, prescribed_,
+                                !moves_nothing(problem_, edit_, prescribed_, mesh_.points()));
   shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
   return shape_;
 }
@@ -166,7 +167,7 @@ const Points& MeshEditor::solve_to_equilibrium() {
     return shape_;
   }
   auto start = Clock::now();
-  std::optional<ShapeEstimate> estimate = rotations_.estimate(edit_, prescribed_);
+  std::optional<ShapeEstimate> estimate = rotations_.estimate(edit_, prescribed_, true);
   statistics_.iterations = rotations_.iterations();
   statistics_.converged = rotations_.converged();
   statistics_.setup_seconds = setup_seconds_ + elapsed_seconds(start);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "batten/mesh/editing/feature_relation.h"
 #include "batten/mesh/selection.h"
 #include "batten/scenes/runs/run_support.h"
+#include "batten/scenes/runs/target_files.h"
 
 namespace batten {
 
@@ -68,19 +70,22 @@ void gather_features(const DeformScene& scene, VertexSelector& select, SharedCon
   }
 }
 
+/// Vertices of a feature, a selection or a proposal.
+std::vector<int> vertices_of(const LocatedString& name, const SharedConstraints& shared,
+                             VertexSelector& select) {
+  const auto feature = std::find_if(shared.features.begin(), shared.features.end(),
+                                    [&](const auto& f) { return f.name == name.text; });
+  return feature != shared.features.end() ? feature->vertices : select.of(name);
+}
+
 /// Collects constraints to planes and axes: of the loops of proposals, of all vertices of features
 /// and selections.
 void gather_guides(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
                    SharedConstraints& shared) {
   for (const GuideSpec& rule : scene.guides) {
     std::vector<int> vertices;
-    if (const DetectedFeature* p = select.proposal(rule.of.text)) {
-      vertices = mesh.topology().nodes_of(p->loop);
-    } else {
-      const auto feature = std::find_if(shared.features.begin(), shared.features.end(),
-                                        [&](const auto& f) { return f.name == rule.of.text; });
-      vertices = feature != shared.features.end() ? feature->vertices : select.of(rule.of);
-    }
+    const DetectedFeature* p = select.proposal(rule.of.text);
+    vertices = p ? mesh.topology().nodes_of(p->loop) : vertices_of(rule.of, shared, select);
     shared.point_constraints.push_back(
         {rule.name, VertexCombination::mean_of(vertices), rule.kind, rule.direction});
     shared.through.push_back(rule.through);
@@ -146,6 +151,40 @@ void gather_soft_constraints(const DeformScene& scene, VertexSelector& select,
     const int v = rule.node ? select.vertex_of_label(*rule.node, rule.location)
                             : nearest_vertex(mesh, *rule.at);
     shared.rows.push_back({rule.name, {{{v, 1.0}}}, rule.to, -1, rule.weight});
+  }
+}
+
+/// Reads the target surfaces.
+void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                    SharedConstraints& shared) {
+  for (const MorphTargetSpec& rule : scene.targets) {
+    std::vector<int> vertices;
+    for (const LocatedString& name : rule.of) {
+      const std::vector<int> more = vertices_of(name, shared, select);
+      vertices.insert(vertices.end(), more.begin(), more.end());
+    }
+    if (rule.of.empty()) {
+      vertices.resize(static_cast<size_t>(mesh.topology().node_count()));
+      std::iota(vertices.begin(), vertices.end(), 0);
+    }
+    try {
+      constexpr double chord = 1e-4;  // of the size
+      TargetFaces faces;
+      append_target_file(faces, rule.file,
+                         {.unit = scene.unit, .own_unit = rule.unit, .chord = chord * mesh.size()});
+      const std::shared_ptr<const TargetSurface> surface = target_parts(faces).whole;
+      shared.surfaces.push_back(surface);
+      shared.targets.emplace_back(
+          mesh, sorted_unique(std::move(vertices)),
+          [surface](const Vec3& p, const Vec3& along) -> std::optional<TargetPoint> {
+            const auto nearest = surface->nearest(p, along);
+            if (!nearest) return std::nullopt;
+            return TargetPoint{nearest->at, nearest->normal, nearest->at_boundary};
+          },
+          TargetFollowerOptions{rule.smoothing, rule.reach, rule.offset});
+    } catch (const InputError& e) {
+      throw InputError(scene.at(rule.location) + e.what());
+    }
   }
 }
 
@@ -297,6 +336,7 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
   note_merged(shared, mesh.vertex_count());
   gather_curves(scene, select, mesh, shared);
   gather_soft_constraints(scene, select, mesh, shared);
+  gather_targets(scene, select, mesh, shared);
   return shared;
 }
 
@@ -365,25 +405,59 @@ void EditSession::with_edit_context(const Function& f) const {
 EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
                          const SharedConstraints& shared, VertexSelector& select,
                          const PreparedMesh& prepared, const Points& before, double tolerance)
-    : scene_(scene), rule_(rule), shared_(shared) {
+    : scene_(scene),
+      rule_(rule),
+      shared_(shared),
+      select_(select),
+      prepared_(prepared),
+      tolerance_(tolerance),
+      followers_(shared.targets) {
+  for (TargetFollower& follower : followers_) follower.find_vertices(before);
+  DeformTask task = task_at(before);
+  with_edit_context([&] { build(before, std::move(task)); });
+}
+
+/// The problem, with the springs of the followers.
+DeformTask EditSession::task_at(const Points& before) {
+  SharedConstraints shared = shared_;
+  for (const TargetFollower& follower : followers_) {
+    const auto springs = follower.springs(scene_.weighting);
+    shared.rows.insert(shared.rows.end(), springs.begin(), springs.end());
+  }
   DeformTask task =
-      make_deform_task(scene, rule, shared, select, prepared.mesh.with_points(before));
-  for (size_t r = shared.rows.size(); r < task.problem.rows.size(); ++r)
-    targets_.push_back(task.problem.rows[r].target);
-  const MeshEditorOptions options{rule.rotation_mode, rule.keep_centres, shared.centres, tolerance};
-  with_edit_context([&] {
-    editor_ = std::make_unique<MeshEditor>(prepared, before, std::move(task.problem), options,
-                                           shared.attached);
-    editor_->set(std::move(task.edit), prescribed_rotations(rule, editor_->problem()));
-  });
+      make_deform_task(scene_, rule_, shared, select_, prepared_.mesh.with_points(before));
+  spring_ends_.clear();
+  tie_targets_.clear();
+  for (size_t r = shared_.rows.size(); r < task.problem.rows.size(); ++r)
+    (r < shared.rows.size() ? spring_ends_ : tie_targets_).push_back(task.problem.rows[r].target);
+  return task;
+}
+
+/// Factors the problem.
+void EditSession::build(const Points& before, DeformTask task) {
+  const MeshEditorOptions options{rule_.rotation_mode, rule_.keep_centres, shared_.centres,
+                                  tolerance_};
+  editor_ = std::make_unique<MeshEditor>(prepared_, before, std::move(task.problem), options,
+                                         shared_.attached);
+  editor_->set(current_edit(), prescribed_rotations(rule_, editor_->problem()));
+}
+
+DeformEdit EditSession::current_edit() const {
+  DeformEdit edit = edit_of(scene_, rule_, shared_, editor_->problem(), editor_->mesh());
+  for (const LinearConstraint& row : shared_.rows) edit.targets.push_back(row.target);
+  edit.targets.insert(edit.targets.end(), spring_ends_.begin(), spring_ends_.end());
+  edit.targets.insert(edit.targets.end(), tie_targets_.begin(), tie_targets_.end());
+  return edit;
 }
 
 void EditSession::set(const EditSpec& rule) {
-  DeformEdit edit = edit_of(scene_, rule, shared_, editor_->problem(), editor_->mesh());
-  for (const LinearConstraint& row : shared_.rows) edit.targets.push_back(row.target);
-  edit.targets.insert(edit.targets.end(), targets_.begin(), targets_.end());
-  editor_->set(std::move(edit), prescribed_rotations(rule, editor_->problem()));
-  rule_ = rule;
+  const EditSpec before = std::exchange(rule_, rule);
+  try {
+    editor_->set(current_edit(), prescribed_rotations(rule, editor_->problem()));
+  } catch (...) {
+    rule_ = before;
+    throw;
+  }
 }
 
 const Points& EditSession::solve_preview() {
@@ -392,8 +466,38 @@ const Points& EditSession::solve_preview() {
 }
 
 const Points& EditSession::solve_to_equilibrium() {
-  with_edit_context([&] { editor_->solve_to_equilibrium(); });
+  with_edit_context([&] {
+    if (!followers_.empty()) follow_targets();
+    editor_->solve_to_equilibrium();
+  });
   return editor_->shape();
+}
+
+/// Moves the springs to the closest points of the targets until the shape rests, and determines the
+/// vertices with springs again in this shape.
+void EditSession::follow_targets() {
+  constexpr int most_rounds = 6, most_iterations = 200;
+  const Points before = editor_->mesh().points();
+  const double size = editor_->mesh().size();
+  Points shape = before;
+  for (int round = 0; round < most_rounds; ++round) {
+    double change = 1;
+    for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
+      spring_ends_.clear();
+      for (const TargetFollower& follower : followers_) {
+        const auto ends = follower.closest_points(shape);
+        spring_ends_.insert(spring_ends_.end(), ends.begin(), ends.end());
+      }
+      editor_->set(current_edit(), prescribed_rotations(rule_, editor_->problem()));
+      const Points& next = editor_->solve_preview();
+      change = (next - shape).cwiseAbs().maxCoeff() / size;
+      shape = next;
+    }
+    bool others = false;
+    for (TargetFollower& follower : followers_) others = follower.find_vertices(shape) || others;
+    if (!others) return;
+    build(before, task_at(before));
+  }
 }
 
 }  // namespace batten

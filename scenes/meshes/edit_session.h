@@ -13,9 +13,11 @@
 #include "batten/mesh/attached/attached_nodes.h"
 #include "batten/mesh/deform/deform_problem.h"
 #include "batten/mesh/editing/mesh_editor.h"
+#include "batten/mesh/editing/target_follower.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/scenes/meshes/vertex_selector.h"
 #include "batten/sculpting/curves/deformable_curve.h"
+#include "batten/skinning/target/target_surface.h"
 
 namespace batten {
 
@@ -52,7 +54,9 @@ struct SharedConstraints {
   std::vector<CharacterChain> chains;
   std::vector<LinearConstraint> rows;
   std::vector<MeshCurve> curves;
-  std::vector<std::string> notes;       // remarks for the user
+  std::vector<TargetFollower> targets;                         ///< how the mesh follows surfaces
+  std::vector<std::shared_ptr<const TargetSurface>> surfaces;  ///< of `targets`
+  std::vector<std::string> notes;                              // remarks for the user
   std::vector<std::vector<int>> lines;  // vertices of chains and curves, for pictures; closed
                                         // chains repeat the first vertex
 };
@@ -90,7 +94,7 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
 /// those of the scene. Exceptions name the edit and its location in the scene.
 class EditSession {
  public:
-  /// Keeps references to the scene, `shared` and the mesh. Throws InputError for unknown names or
+  /// Keeps references to all arguments but `before`. Throws InputError for unknown names or
   /// an unsolvable problem, and NoSolutionError. `tolerance`: MeshEditorOptions::tolerance.
   EditSession(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
               VertexSelector& select, const PreparedMesh& prepared, const Points& before,
@@ -123,11 +127,20 @@ class EditSession {
  private:
   template <class Function>
   void with_edit_context(const Function& f) const;
+  DeformTask task_at(const Points& before);
+  void build(const Points& before, DeformTask task);
+  DeformEdit current_edit() const;
+  void follow_targets();
 
   const DeformScene& scene_;
   EditSpec rule_;
   const SharedConstraints& shared_;
-  std::vector<Vec3> targets_;  // of the constraints of attached nodes, which follow the shared ones
+  VertexSelector& select_;
+  const PreparedMesh& prepared_;
+  double tolerance_;
+  std::vector<TargetFollower> followers_;  // of the targets, each with its current vertices
+  std::vector<Vec3> spring_ends_;          // of all followers
+  std::vector<Vec3> tie_targets_;  // constraints of attached nodes, which follow the springs
   std::unique_ptr<MeshEditor> editor_;
 };
 

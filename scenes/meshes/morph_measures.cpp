@@ -167,6 +167,51 @@ std::string dimension_unit(DimensionSpec::Kind kind, const std::string& length) 
   }
 }
 
+/// Distances of the samples of a target from the mesh, minus the offset, for samples beside which the
+/// mesh has a point: not beyond its boundary, nor on another side.
+void measure_back_into(DeformReport::Target& target, const TargetSurface& surface,
+                       const TargetFollowerOptions& options, const TriangleMesh& mesh) {
+  const TriangleTree tree(mesh);
+  std::vector<char> at_boundary(static_cast<size_t>(mesh.vertex_count()), 0);
+  for (const auto& loop : mesh.topology().boundary_loops())
+    for (const int v : loop) at_boundary[v] = 1;
+  double sum = 0;
+  int count = 0;
+  for (const TargetSurface::Nearest& sample : surface.samples()) {
+    const auto found = tree.nearest(sample.at + options.offset * sample.normal);
+    if (!found || found->distance > options.reach) continue;
+    const auto& corners = mesh.triangles()[found->triangle];
+    double inside = 1;  // sum of the weights of corners that are not at the boundary
+    for (size_t k = 0; k < 3; ++k)
+      if (at_boundary[corners[k]]) inside -= found->weights[static_cast<long>(k)];
+    constexpr double cosine = 0.5, at_edge = 1e-9;
+    const Vec3 normal = mesh.area_vector(found->triangle).normalized();
+    if (inside < at_edge || std::abs(normal.dot(sample.normal)) < cosine) continue;
+    ++count;
+    sum += found->distance * found->distance;
+    target.back_largest = std::max(target.back_largest, found->distance);
+  }
+  if (count > 0) target.back_rms = std::sqrt(sum / count);
+}
+
+void measure_targets_into(DeformReport& report, const MorphSolver& solver) {
+  const TriangleMesh after = solver.mesh().with_points(solver.shape());
+  for (size_t k = 0; k < solver.shared().targets.size(); ++k) {
+    const TargetFollower& follower = solver.shared().targets[k];
+    const TargetDistance distance = follower.distance(solver.shape());
+    DeformReport::Target target{solver.scene().targets[k].file.filename().string(),
+                                distance.vertices,
+                                distance.ignored,
+                                distance.rms,
+                                distance.largest,
+                                0,
+                                0,
+                                follower.options().smoothing};
+    measure_back_into(target, *solver.shared().surfaces[k], follower.options(), after);
+    report.targets.push_back(target);
+  }
+}
+
 void measure_dimensions_into(DeformReport& report, const MorphSolver& solver,
                              const std::vector<MeshDimension>& dimensions) {
   for (const MeshDimension& d : dimensions) {
@@ -192,6 +237,7 @@ void measure_morph(DeformReport& report, const MeshFile& file, const MorphSolver
   measure_into(report, file, solver.mesh(), solver.shape(), solver.shared());
   measure_attached_into(report, file, solver.attached(), solver.mesh().points(), solver.shape());
   measure_dimensions_into(report, solver, dimensions);
+  measure_targets_into(report, solver);
 }
 
 void warn_left_behind(DeformReport& report, const MeshFile& file, const MorphSolver& solver) {

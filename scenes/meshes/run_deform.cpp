@@ -416,6 +416,13 @@ std::string summary(const DeformReport& report, const std::filesystem::path& fol
                                       " -> " + std::to_string(c.after.extrema) + ", displacement " +
                                       format_number(c.largest_shift) + unit + ", residual " +
                                       format_number(c.max_residual));
+  for (const auto& t : report.targets)
+    text += summary_line("target",
+                         t.file + ": " + std::to_string(t.followers) + " nodes, distance RMS " +
+                             format_number(t.rms) + ", largest " + format_number(t.largest) +
+                             "; from the target to the mesh RMS " + format_number(t.back_rms) +
+                             ", largest " + format_number(t.back_largest) + unit + "; " +
+                             std::to_string(t.ignored) + " nodes without a point of the target");
   for (const auto& d : report.dimensions) {
     std::string condition;
     for (const std::string& required : d.required) condition += ", required " + required;

@@ -8,10 +8,9 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/io/files/text.h"
-#include "batten/io/lines/cad_plugin.h"
-#include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/catmull_clark.h"
 #include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/runs/target_files.h"
 #include "batten/scenes/shapes/make_session.h"
 #include "batten/sculpting/session/sculpting_session.h"
 #include "batten/skinning/mesh_targets/mesh_target.h"
@@ -289,36 +288,14 @@ bool requests_fair_shape(const Scene& scene, const BuiltModel& made) {
 namespace {
 
 void append_target(TargetFaces& all, const Scene& scene, const SceneTarget& target, double chord) {
+  if (!target.mesh) {
+    append_target_file(all, target.file, {scene.unit, target.unit, chord, target.cage});
+    return;
+  }
   const double unit = unit_in_metres(scene.unit);
   const double own = target.unit.empty() ? unit : unit_in_metres(target.unit);
-  if (target.mesh) {
-    all.append(
-        target.cage ? catmull_clark_limit(*target.mesh, {}, chord * unit / own) : *target.mesh,
-        own / unit);
-    return;
-  }
-  if (MeshFile::can_read(target.file)) {
-    const MeshFile mesh = MeshFile::read(target.file);
-    const ShellMesh& shells = mesh.shells();
-    all.append(
-        target.cage ? catmull_clark_limit(shells, mesh.cage_tags(), chord * unit / own) : shells,
-        own / unit);
-    return;
-  }
-  if (!target.unit.empty())
-    throw InputError("found a 'unit' for a CAD file, expected none: CAD files state their unit");
-  if (target.cage) throw InputError("found a CAD file as control cage, expected a mesh");
-  CadFacetOptions options;
-  options.unit_in_metres = unit;
-  options.chord = chord;
-  options.curved = true;
-  options.coarse_primitives = true;
-  const CadFacets facets = cad_plugin().tessellate_cad(target.file, options);
-  for (int f = 0; f < isize(facets.primitives); ++f)
-    if (facets.primitives[f].kind != FittedPrimitive::Kind::Free || facets.swept[f])
-      all.analytic[all.next_part + f] = facets.primitives[f];
-  all.deviation = std::max(all.deviation, facets.deviation);
-  all.append(facets.mesh, 1, facets.normals, facets.faces);
+  all.append(target.cage ? catmull_clark_limit(*target.mesh, {}, chord * unit / own) : *target.mesh,
+             own / unit);
 }
 
 /// Combines all targets of a scene into one surface in the scene's unit. Meshes are used unchanged;

@@ -157,7 +157,7 @@ TEST_CASE("derivatives agree with other differences for every kind of parameter"
     INFO(d.parameter.name);
     REQUIRE(d.missing.empty());
     CHECK(d.error < 1e-8);
-    double h = 8 * parameter_step(d.parameter, size);
+    const double h = 16 * parameter_step(d.parameter, size);
     const Points expected = ridders(
         [&](double change) {
           DeformScene other = scene;
