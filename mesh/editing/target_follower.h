@@ -64,8 +64,10 @@ class TargetFollower {
   /// Finds the vertices that have a point of the target in this shape (n×3, all vertices). Returns
   /// true if they are others than before: the problem must then be set up again.
   bool find_vertices(const Points& shape);
-  /// The springs, one for each of these vertices: soft constraints on their positions.
-  std::vector<LinearConstraint> springs(DeformProblem::Weighting weighting) const;
+  /// The springs, one for each of these vertices: soft constraints on their positions, with the names
+  /// "NAME at vertex V".
+  std::vector<LinearConstraint> springs(const std::string& name,
+                                        DeformProblem::Weighting weighting) const;
   /// The end of each spring for the current shape. Vertices that have lost their point are attracted
   /// to their current position. O(n log(target)).
   std::vector<Vec3> closest_points(const Points& shape) const;
