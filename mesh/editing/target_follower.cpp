@@ -90,12 +90,13 @@ bool TargetFollower::find_vertices(const Points& shape) {
   return true;
 }
 
-std::vector<LinearConstraint> TargetFollower::springs(DeformProblem::Weighting weighting) const {
+std::vector<LinearConstraint> TargetFollower::springs(const std::string& name,
+                                                      DeformProblem::Weighting weighting) const {
   const double stiffness = std::pow(options_.smoothing, -4);
   std::vector<LinearConstraint> springs;
   for (const int v : with_spring_)
     springs.push_back(
-        {"target",
+        {name + " at vertex " + std::to_string(v),
          {{{v, 1.0}}},
          mesh_.point(v),
          -1,

@@ -420,8 +420,8 @@ EditSession::EditSession(const DeformScene& scene, const EditSpec& rule,
 /// The problem, with the springs of the followers.
 DeformTask EditSession::task_at(const Points& before) {
   SharedConstraints shared = shared_;
-  for (const TargetFollower& follower : followers_) {
-    const auto springs = follower.springs(scene_.weighting);
+  for (size_t k = 0; k < followers_.size(); ++k) {
+    const auto springs = followers_[k].springs("target " + std::to_string(k + 1), scene_.weighting);
     shared.rows.insert(shared.rows.end(), springs.begin(), springs.end());
   }
   DeformTask task =
