@@ -317,6 +317,19 @@ std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(
   return estimate;
 }
 
+ShapeEstimate FeatureRotationEstimator::estimate_from(
+    const Points& shape, const DeformEdit& edit, std::span<const PrescribedRotation> prescribed) {
+  check(prescribed, problem_.features.size());
+  ShapeEstimate estimate;
+  estimate.use = ShapeEstimate::Use::Shape;
+  estimate.positions = shape;
+  estimate.known.assign(mesh_.vertex_count(), 1);
+  if (!given_)
+    given_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known, Rotations::Faces::Own);
+  estimate.feature_rotations = given_->at(shape, edit, prescribed);
+  return estimate;
+}
+
 double FeatureRotationEstimator::update_from_adjacent_faces(
     const DeformEdit& edit, std::span<const PrescribedRotation> prescribed, int count,
     const Points& positions, ShapeEstimate& estimate) {

@@ -64,6 +64,12 @@ class FeatureRotationEstimator {
                                         std::span<const PrescribedRotation> prescribed = {},
                                         bool pulled = false);
 
+  /// The estimate that a given shape of the whole mesh (n×3) is, such as a fit to a scan: features
+  /// rotate like their own faces in it, and its curvature is kept. Throws InputError if a feature
+  /// index is out of range.
+  ShapeEstimate estimate_from(const Points& shape, const DeformEdit& edit,
+                              std::span<const PrescribedRotation> prescribed = {});
+
   /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the
   /// faces in two rings around the feature. `positions`: vertex positions computed with the current
   /// estimate. The rotation of a feature is not changed if it is prescribed, if the feature has no
@@ -90,7 +96,7 @@ class FeatureRotationEstimator {
   std::unique_ptr<FormFeatureDeformer> featureless_;  // the edit without features
   std::unique_ptr<IterativeDeformer> iterative_;
   std::vector<char> known_;  // vertices that featureless_ determines
-  std::unique_ptr<Rotations> own_, adjacent_;
+  std::unique_ptr<Rotations> own_, adjacent_, given_;
   bool own_estimated_ = false;
   int iterations_ = 0;
   bool converged_ = true;

@@ -142,16 +142,21 @@ void MeshEditor::fix_centres(const Points& unscaled) {
   centres_kept_ = true;
 }
 
+std::optional<ShapeEstimate> MeshEditor::estimate() {
+  if (given_) return rotations_.estimate_from(*given_, edit_, prescribed_);
+  return rotations_.estimate(edit_, prescribed_,
+                             !moves_nothing(problem_, edit_, prescribed_, mesh_.points()));
+}
+
 const Points& MeshEditor::solve_preview() {
   at_rest_ = true;
-  const bool uses_adjacent_faces = options_.rotation_mode == RotationMode::Estimated &&
+  const bool uses_adjacent_faces = !given_ && options_.rotation_mode == RotationMode::Estimated &&
                                    (!attached_ || attached_->connections().empty());
   if (live_ && uses_adjacent_faces)
     at_rest_ = rotations_.update_from_adjacent_faces(edit_, prescribed_, own_features_, shape_,
                                                      *live_) < kConvergedDegrees;
   else
-    live_ = rotations_.estimate(edit_, prescribed_,
-                                !moves_nothing(problem_, edit_, prescribed_, mesh_.points()));
+    live_ = estimate();
   shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
   return shape_;
 }
@@ -167,7 +172,7 @@ const Points& MeshEditor::solve_to_equilibrium() {
     return shape_;
   }
   auto start = Clock::now();
-  std::optional<ShapeEstimate> estimate = rotations_.estimate(edit_, prescribed_, true);
+  std::optional<ShapeEstimate> estimate = this->estimate();
   statistics_.iterations = rotations_.iterations();
   statistics_.converged = rotations_.converged();
   statistics_.setup_seconds = setup_seconds_ + elapsed_seconds(start);
@@ -195,7 +200,8 @@ const Points& MeshEditor::solve_to_equilibrium() {
 void MeshEditor::converge_rotations(const DeformEdit& edit,
                                     std::optional<ShapeEstimate>& estimate) {
   estimate ? deformer_->deform(edit, *estimate) : deformer_->deform(edit);
-  if (estimate && options_.rotation_mode == RotationMode::Estimated && own_features_ > 0) {
+  if (estimate && !given_ && options_.rotation_mode == RotationMode::Estimated &&
+      own_features_ > 0) {
     constexpr int max_iterations = 100;
     auto& rotations = estimate->feature_rotations;
     const auto stack = [&](MatX& all) {

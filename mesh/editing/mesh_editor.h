@@ -82,6 +82,11 @@ class MeshEditor {
   /// detected by the next solution, which throws InputError.
   void set(DeformEdit edit, std::vector<PrescribedRotation> prescribed = {});
 
+  /// Sets a preliminary shape of the mesh (n×3), from which the rotations of features and the
+  /// curvature are taken in place of the rotation mode: see
+  /// FeatureRotationEstimator::estimate_from(). It holds for all later solutions.
+  void set_estimate(Points shape) { given_ = std::move(shape); }
+
   /// Computes the positions of all vertices quickly, for display during a drag. Of the
   /// nodes of non-shell elements, only those of rigid elements, bushings and bolts move; the others
   /// move in solve_to_equilibrium(). Throws the exceptions of solve_to_equilibrium(). After an
@@ -117,6 +122,7 @@ class MeshEditor {
   void set_up();
   std::vector<char> related_features() const;
   void fix_centres(const Points& unscaled);
+  std::optional<ShapeEstimate> estimate();
   void converge_rotations(const DeformEdit& edit, std::optional<ShapeEstimate>& estimate);
 
   const TriangleMesh mesh_;
@@ -133,6 +139,7 @@ class MeshEditor {
   Points shape_;
   MeshEditStatistics statistics_;
   double setup_seconds_ = 0;
+  std::optional<Points> given_;        // set_estimate()
   std::optional<ShapeEstimate> live_;  // of the last solution
   bool at_rest_ = true;
 };

@@ -473,29 +473,58 @@ const Points& EditSession::solve_to_equilibrium() {
   return editor_->shape();
 }
 
-/// Moves the springs to the closest points of the targets until the shape rests, and determines the
-/// vertices with springs again in this shape.
-void EditSession::follow_targets() {
-  constexpr int most_rounds = 6, most_iterations = 200;
-  const Points before = editor_->mesh().points();
-  const double size = editor_->mesh().size();
+/// The ends of all springs for a shape.
+void EditSession::move_springs(const Points& shape) {
+  spring_ends_.clear();
+  for (const TargetFollower& follower : followers_) {
+    const auto ends = follower.closest_points(shape);
+    spring_ends_.insert(spring_ends_.end(), ends.begin(), ends.end());
+  }
+}
+
+/// The shape of the mesh without features that follows the targets: the springs are moved to the
+/// closest points until the shape rests.
+Points EditSession::shape_on_targets() {
+  constexpr int most_iterations = 200;
+  const Points& before = editor_->mesh().points();
+  DeformProblem problem = editor_->problem();
+  const auto own = static_cast<long>(shared_.features.size());
+  problem.features.erase(problem.features.begin(), problem.features.begin() + own);
+  problem.shared_rotations.clear();
+  problem.rows.resize(shared_.rows.size() + spring_ends_.size() + tie_targets_.size());
+  if (!plain_)
+    plain_ = std::make_unique<MeshEditor>(prepared_, before, std::move(problem),
+                                          MeshEditorOptions{RotationMode::Harmonic, false, {}, 0});
   Points shape = before;
+  double change = 1;
+  for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
+    move_springs(shape);
+    DeformEdit edit = current_edit();
+    edit.feature_scales.clear();
+    plain_->set(std::move(edit));
+    const Points& next = plain_->solve_preview();
+    change = (next - shape).cwiseAbs().maxCoeff() / editor_->mesh().size();
+    shape = next;
+  }
+  return shape;
+}
+
+/// Attaches the springs of the edit to the targets. The vertices with springs are determined again in
+/// the shape on the targets.
+void EditSession::follow_targets() {
+  constexpr int most_rounds = 6;
   for (int round = 0; round < most_rounds; ++round) {
-    double change = 1;
-    for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
-      spring_ends_.clear();
-      for (const TargetFollower& follower : followers_) {
-        const auto ends = follower.closest_points(shape);
-        spring_ends_.insert(spring_ends_.end(), ends.begin(), ends.end());
-      }
-      editor_->set(current_edit(), prescribed_rotations(rule_, editor_->problem()));
-      const Points& next = editor_->solve_preview();
-      change = (next - shape).cwiseAbs().maxCoeff() / size;
-      shape = next;
-    }
+    Points shape = shape_on_targets();
     bool others = false;
     for (TargetFollower& follower : followers_) others = follower.find_vertices(shape) || others;
-    if (!others) return;
+    if (!others || round + 1 == most_rounds) {
+      move_springs(shape);
+      editor_->set_estimate(std::move(shape));
+      editor_->set(current_edit(), prescribed_rotations(rule_, editor_->problem()));
+      return;
+    }
+    const Points before = editor_->mesh().points();
+    plain_.reset();
     build(before, task_at(before));
   }
 }

@@ -130,6 +130,8 @@ class EditSession {
   DeformTask task_at(const Points& before);
   void build(const Points& before, DeformTask task);
   DeformEdit current_edit() const;
+  void move_springs(const Points& shape);
+  Points shape_on_targets();
   void follow_targets();
 
   const DeformScene& scene_;
@@ -140,7 +142,8 @@ class EditSession {
   double tolerance_;
   std::vector<TargetFollower> followers_;  // of the targets, each with its current vertices
   std::vector<Vec3> spring_ends_;          // of all followers
-  std::vector<Vec3> tie_targets_;  // constraints of attached nodes, which follow the springs
+  std::vector<Vec3> tie_targets_;      // constraints of attached nodes, which follow the springs
+  std::unique_ptr<MeshEditor> plain_;  // without features, to follow the targets
   std::unique_ptr<MeshEditor> editor_;
 };
 
