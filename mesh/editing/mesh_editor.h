@@ -84,8 +84,9 @@ class MeshEditor {
 
   /// Sets a preliminary shape of the mesh (n×3), from which the rotations of features and the
   /// curvature are taken in place of the rotation mode: see
-  /// FeatureRotationEstimator::estimate_from(). It holds for all later solutions.
-  void set_estimate(Points shape) { given_ = std::move(shape); }
+  /// FeatureRotationEstimator::estimate_from(). It holds for all later solutions; nullopt: the
+  /// rotation mode holds again.
+  void set_estimate(std::optional<Points> shape) { given_ = std::move(shape); }
 
   /// Computes the positions of all vertices quickly, for display during a drag. Of the
   /// nodes of non-shell elements, only those of rigid elements, bushings and bolts move; the others

@@ -495,16 +495,22 @@ Points EditSession::shape_on_targets() {
   if (!plain_)
     plain_ = std::make_unique<MeshEditor>(prepared_, before, std::move(problem),
                                           MeshEditorOptions{RotationMode::Harmonic, false, {}, 0});
+  // Iterated Tikhonov regularization: each stage preserves the curvature that the previous one found.
+  constexpr int stages = 3;
   Points shape = before;
-  double change = 1;
-  for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
-    move_springs(shape);
-    DeformEdit edit = current_edit();
-    edit.feature_scales.clear();
-    plain_->set(std::move(edit));
-    const Points& next = plain_->solve_preview();
-    change = (next - shape).cwiseAbs().maxCoeff() / editor_->mesh().size();
-    shape = next;
+  plain_->set_estimate(std::nullopt);
+  for (int stage = 0; stage < stages; ++stage) {
+    if (stage > 0) plain_->set_estimate(shape);
+    double change = 1;
+    for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
+      move_springs(shape);
+      DeformEdit edit = current_edit();
+      edit.feature_scales.clear();
+      plain_->set(std::move(edit));
+      const Points& next = plain_->solve_preview();
+      change = (next - shape).cwiseAbs().maxCoeff() / editor_->mesh().size();
+      shape = next;
+    }
   }
   return shape;
 }
