@@ -94,6 +94,14 @@ struct DeformProblem {
     Uniform  ///< equations without weights, as in [Masuda2006]
   };
 
+  /// Discretization of the bending energy.
+  enum class Bending {
+    Laplacian,  ///< mean-curvature vectors of the vertices [Masuda2006]. At a boundary they contain
+                ///< the slope across it, which resists changes
+    Hinges      ///< changes of slope across the edges: natural boundary conditions of a plate, as
+                ///< registration to a target needs them. Not affected by isometries of flat meshes
+  };
+
   std::vector<int> fixed;
   std::vector<Handle> handles;
   std::vector<FormFeature> features;
@@ -107,6 +115,7 @@ struct DeformProblem {
   /// the curvature at two rings of fixed vertices around the region.
   std::optional<std::vector<int>> region;
   Weighting weighting = Weighting::Area;
+  Bending bending = Bending::Laplacian;
 };
 
 /// Transformation of one handle: p = about + scale · R (p⁰ - about) + translation, where p⁰ is the

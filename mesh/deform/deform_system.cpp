@@ -248,17 +248,20 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
   feature_of_.assign(mesh.vertex_count(), -1);
   for (size_t f = 0; f < feature_vertices_.size(); ++f)
     for (const int v : feature_vertices_[f]) feature_of_[v] = static_cast<int>(f);
-  const std::vector<int> curved = curved_vertices(topology);
+  const bool hinges = problem.bending == DeformProblem::Bending::Hinges;
+  const std::vector<int> curved = hinges ? std::vector<int>() : curved_vertices(topology);
   const std::vector<SoftRow> soft_rows = soft_constraint_rows(problem);
-  long entries = 0;
+  const long hinge_rows = hinges ? static_cast<long>(topology.edges().size()) : 0;
+  long entries = 4 * hinge_rows;
   for (const int v : curved) entries += static_cast<long>(topology.neighbours(v).size()) + 1;
   for (const SoftRow& row : soft_rows) entries += static_cast<long>(row.terms.size());
-  const auto rows = static_cast<long>(curved.size() + soft_rows.size());
+  const auto rows = static_cast<long>(curved.size() + soft_rows.size()) + hinge_rows;
   A.resize(rows, static_cast<long>(vertex.size()));
   A.reserve(entries);
   base.resize(rows, 3);
   add_curvature_rows(mesh, curved, problem.weighting);
-  curvature_rows = static_cast<long>(curved.size());
+  if (hinges) add_hinge_rows(mesh, problem.weighting);
+  curvature_rows = static_cast<long>(linear_constraint_of_row.size());
   for (const SoftRow& row : soft_rows) {
     const auto r = static_cast<long>(linear_constraint_of_row.size());
     A.startVec(r);
@@ -269,6 +272,67 @@ void DeformSystem::add_soft_rows(const TriangleMesh& mesh, const DeformProblem& 
     linear_constraint_of_row.push_back(row.target);
   }
   A.finalize();
+  A.conservativeResize(static_cast<long>(linear_constraint_of_row.size()), A.cols());
+  base.conservativeResize(A.rows(), 3);
+}
+
+void DeformSystem::add_hinge_rows(const TriangleMesh& mesh, DeformProblem::Weighting weighting) {
+  const MeshTopology& topology = mesh.topology();
+  const auto opposite = [&](int triangle, int a, int b) {
+    const auto& corners = topology.triangles()[triangle];
+    return *std::find_if(corners.begin(), corners.end(), [&](int v) { return v != a && v != b; });
+  };
+  for (const auto& edge : topology.edges()) {
+    if (edge.left < 0 || edge.right < 0) continue;
+    const std::array<int, 4> hinge{edge.low, edge.high, opposite(edge.left, edge.low, edge.high),
+                                   opposite(edge.right, edge.low, edge.high)};
+    const bool known = std::all_of(hinge.begin(), hinge.end(), [&](int v) { return dof[v] >= 0; });
+    const bool moves = known && std::any_of(hinge.begin(), hinge.end(),
+                                            [&](int v) { return constrained_by[v] == kFree; });
+    const bool rigid = feature_of_[hinge[0]] >= 0 &&
+                       std::all_of(hinge.begin(), hinge.end(),
+                                   [&](int v) { return feature_of_[v] == feature_of_[hinge[0]]; });
+    if (moves && !rigid) add_hinge_row(mesh, hinge, weighting);
+  }
+}
+
+// The jump of the slope across the edge i, j between the corners k and l of its triangles, per
+// distance of their centroids. The factor 8/3 gives the energy of the Laplacian for a bent cylinder,
+// on average over the directions of the edges.
+void DeformSystem::add_hinge_row(const TriangleMesh& mesh, const std::array<int, 4>& hinge,
+                                 DeformProblem::Weighting weighting) {
+  const auto& [i, j, k, l] = hinge;
+  const Vec3 along = mesh.point(j) - mesh.point(i);
+  const double length = along.norm();
+  std::array<double, 4> row{};
+  double heights = 0;
+  for (const int corner : {2, 3}) {
+    const Vec3 to = mesh.point(hinge[corner]) - mesh.point(i);
+    const double foot = to.dot(along) / (length * length), height = (to - foot * along).norm();
+    constexpr double flattest = 1e-3;  // of the length of the edge
+    const double slope = 1 / std::max(height, flattest * length);
+    row[corner] = slope;
+    row[0] -= (1 - foot) * slope;
+    row[1] -= foot * slope;
+    heights += height;
+  }
+  const double area = heights * length / 6;
+  double scale = std::sqrt(8.0 / 3 * area) * 3 / heights;
+  if (weighting == DeformProblem::Weighting::Uniform) scale /= std::sqrt(area);
+  const auto r = static_cast<long>(linear_constraint_of_row.size());
+  std::array<int, 4> order{0, 1, 2, 3};
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return dof[hinge[a]] < dof[hinge[b]]; });
+  A.startVec(r);
+  Vec3 sum = Vec3::Zero();
+  for (const int c : order) {
+    A.insertBack(r, dof[hinge[c]]) = scale * row[c];
+    sum += scale * row[c] * rest.row(hinge[c]).transpose();
+  }
+  base.row(r) = sum;
+  rotates_with.push_back(dof[i]);
+  scaled_by.push_back(scale_of(i));
+  linear_constraint_of_row.push_back(-1);
 }
 
 void DeformSystem::add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
@@ -393,16 +457,18 @@ void DeformSystem::add_hard_rows(const MeshTopology& topology, const DeformProbl
     values.push_back({Value::Kind::Row, static_cast<int>(r), -1, -1});
   }
 
-  // A part that only position constraints hold does not rotate.
+  // A part that only position constraints hold does not rotate: one of its vertices, of no feature if
+  // there is one, because features rotate by estimates.
   std::vector<char> is_determined(part_count_, 0);
   for (const auto& row : rotations.constraints())
     if (row.entries.size() == 1) is_determined[part_[vertex[row.entries[0].dof]]] = 1;
-  for (const int v : vertex) {
-    if (is_determined[part_[v]]) continue;
-    is_determined[part_[v]] = 1;
-    rotations.fix("no rotation", dof[v], Vec3::Zero());
-    rotated_by.push_back(-1);
-  }
+  for (const bool of_features : {false, true})
+    for (const int v : vertex) {
+      if (is_determined[part_[v]] || (feature_of_[v] >= 0) != of_features) continue;
+      is_determined[part_[v]] = 1;
+      rotations.fix("no rotation", dof[v], Vec3::Zero());
+      rotated_by.push_back(-1);
+    }
 }
 
 /// Parts that are tied rotate together. A feature takes the rotation of one tie only.

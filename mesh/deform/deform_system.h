@@ -2,6 +2,7 @@
 // Assembles a DeformProblem: numbering of unknowns, soft rows and hard constraints.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,6 +66,10 @@ struct DeformSystem {
   std::vector<int> curved_vertices(const MeshTopology& topology) const;
   void add_curvature_rows(const TriangleMesh& mesh, const std::vector<int>& vertices,
                           DeformProblem::Weighting weighting);
+  /// One row for each edge between two triangles at which the deformation may change the slope.
+  void add_hinge_rows(const TriangleMesh& mesh, DeformProblem::Weighting weighting);
+  void add_hinge_row(const TriangleMesh& mesh, const std::array<int, 4>& hinge,
+                     DeformProblem::Weighting weighting);
   /// Feature or handle that scales the curvature at a vertex, encoded as in scaled_by.
   int scale_of(int vertex) const;
   /// A soft row of a chain or of a LinearConstraint.

@@ -2,6 +2,7 @@
 #include "batten/scenes/meshes/edit_session.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -485,13 +486,18 @@ void EditSession::move_springs(const Points& shape) {
 /// The shape of the mesh without features that follows the targets: the springs are moved to the
 /// closest points until the shape rests.
 Points EditSession::shape_on_targets() {
-  constexpr int most_iterations = 200;
+  constexpr int most_iterations = 30;
+  double rest = followers_.front().options().smoothing;  // a small part of an element, by default
+  for (const TargetFollower& follower : followers_)
+    rest = std::min(rest, follower.options().smoothing);
+  rest *= 5e-4;
   const Points& before = editor_->mesh().points();
   DeformProblem problem = editor_->problem();
   const auto own = static_cast<long>(shared_.features.size());
   problem.features.erase(problem.features.begin(), problem.features.begin() + own);
   problem.shared_rotations.clear();
   problem.rows.resize(shared_.rows.size() + spring_ends_.size() + tie_targets_.size());
+  problem.bending = DeformProblem::Bending::Hinges;
   if (!plain_)
     plain_ = std::make_unique<MeshEditor>(prepared_, before, std::move(problem),
                                           MeshEditorOptions{RotationMode::Harmonic, false, {}, 0});
@@ -501,14 +507,14 @@ Points EditSession::shape_on_targets() {
   plain_->set_estimate(std::nullopt);
   for (int stage = 0; stage < stages; ++stage) {
     if (stage > 0) plain_->set_estimate(shape);
-    double change = 1;
-    for (int k = 0; k < most_iterations && change > tolerance_; ++k) {
+    double change = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < most_iterations && change > rest; ++k) {
       move_springs(shape);
       DeformEdit edit = current_edit();
       edit.feature_scales.clear();
       plain_->set(std::move(edit));
       const Points& next = plain_->solve_preview();
-      change = (next - shape).cwiseAbs().maxCoeff() / editor_->mesh().size();
+      change = (next - shape).cwiseAbs().maxCoeff();
       shape = next;
     }
   }
