@@ -45,12 +45,16 @@ struct Requirement {
                      std::numeric_limits<double>::min()});
   }
   bool holds(const Points& points) const {
-    constexpr double tolerance = 1e-9;
     const double off = excess(points);
-    if (rule->relation == Relation::AtMost) return off <= tolerance;
-    if (rule->relation == Relation::AtLeast) return off >= -tolerance;
-    return std::abs(off) <= tolerance;
+    if (rule->relation == Relation::AtMost) return off <= kTolerance;
+    if (rule->relation == Relation::AtLeast) return off >= -kTolerance;
+    return is_equation_met(points);
   }
+  /// For requirements of the active set, which are equations.
+  bool is_equation_met(const Points& points) const {
+    return std::abs(excess(points)) <= kTolerance;
+  }
+  static constexpr double kTolerance = 1e-9;
 };
 
 std::vector<Requirement> requirements_of(const DeformScene& scene,
@@ -94,7 +98,7 @@ class RequirementSolver {
   long count() const { return static_cast<long>(active_.size()); }
   bool all_hold() const {
     return std::all_of(active_.begin(), active_.end(),
-                       [&](const Requirement& r) { return r.holds(solver_.shape()); });
+                       [&](const Requirement& r) { return r.is_equation_met(solver_.shape()); });
   }
 
   /// The residual after a change of the parameters.

@@ -10,7 +10,7 @@
 namespace batten {
 namespace {
 
-/// The formulas for one parameter, from solutions at four other values of it.
+/// The formulas for one parameter, from solutions at six other values of it.
 class ParameterDifferences {
  public:
   ParameterDifferences(MorphSolver& solver, const DeformScene& scene, const Parameter& parameter,
@@ -24,7 +24,7 @@ class ParameterDifferences {
 
   MorphDerivative derivative() {
     MorphDerivative best = at_step(suitable_step());
-    constexpr double good = 1e-9, reduction = 4;
+    constexpr double good = 1e-8, reduction = 2;
     constexpr int attempts = 2;
     for (int k = 0; k < attempts && best.error > good; ++k) {
       step_ /= reduction;
@@ -41,9 +41,9 @@ class ParameterDifferences {
     return solver_.solve(other);
   }
 
-  /// The step that displaces a vertex by about 0.2 % of the size of the mesh.
+  /// The step that displaces a vertex by about 0.1 % of the size of the mesh.
   double suitable_step() {
-    constexpr double target = 2e-3, no_effect = 1e-13, most_growth = 1e3, of_scale = 0.05;
+    constexpr double target = 1e-3, no_effect = 1e-13, most_growth = 1e3, of_scale = 0.05;
     const double first = parameter_step(parameter_, size_);
     const double effect = (shape(first) - here_).cwiseAbs().maxCoeff() / size_;
     step_ = effect > no_effect ? first * std::min(target / effect, most_growth) : first;
@@ -52,25 +52,31 @@ class ParameterDifferences {
   }
 
   MorphDerivative at_step(double h) {
-    std::array<Points, 2> rise;  // f(h) - f(-h) and f(2h) - f(-2h)
-    std::array<VecX, 2> dimension_rise;
-    for (size_t k = 0; k < 2; ++k) {
-      const double step = h * static_cast<double>(k + 1);
+    std::array<Points, 3> rise;  // f(kh) - f(-kh) for k = 1, 2, 4
+    std::array<VecX, 3> dimension_rise;
+    for (size_t k = 0; k < 3; ++k) {
+      const double step = std::ldexp(h, static_cast<int>(k));
       rise[k] = shape(step);
       dimension_rise[k] = values(rise[k]);
       const Points below = shape(-step);
       rise[k] -= below;
       dimension_rise[k] -= values(below);
     }
+    const auto order_four = [h](const auto& near, const auto& far, double factor) {
+      return ((8 * near - far) / (12 * factor * h)).eval();
+    };
+    const auto order_six = [&](const auto& of) {
+      return ((16 * order_four(of[0], of[1], 1) - order_four(of[1], of[2], 2)) / 15).eval();
+    };
     MorphDerivative result;
     result.parameter = parameter_;
-    result.rate = (8 * rise[0] - rise[1]) / (12 * h);
-    const VecX of_dimensions = (8 * dimension_rise[0] - dimension_rise[1]) / (12 * h);
+    result.rate = order_six(rise);
+    const VecX of_dimensions = order_six(dimension_rise);
     result.dimensions.assign(of_dimensions.begin(), of_dimensions.end());
-    // The formula of order two has a relative error of e; that of order four one of about e².
-    const double largest = result.rate.cwiseAbs().maxCoeff(),
-                 off = (result.rate - rise[0] / (2 * h)).cwiseAbs().maxCoeff();
-    result.error = largest > 0 ? (off / largest) * (off / largest) : 0;
+    const double largest = result.rate.cwiseAbs().maxCoeff();
+    if (largest > 0)
+      result.error =
+          (result.rate - order_four(rise[0], rise[1], 1)).cwiseAbs().maxCoeff() / largest;
     return result;
   }
 
