@@ -39,7 +39,7 @@ TargetFollower::TargetFollower(const TriangleMesh& mesh, std::vector<int> vertic
       closest_(std::move(closest)),
       options_(options),
       areas_(mixed_areas(mesh)) {
-  constexpr double edges = 4, of_size = 0.1;
+  constexpr double edges = 2, of_size = 0.1;
   if (options_.smoothing == 0) options_.smoothing = edges * mean_edge_length(mesh);
   if (options_.reach == 0) options_.reach = of_size * mesh.size();
   const std::vector<Vec3> normals = vertex_normals(mesh, mesh.points());

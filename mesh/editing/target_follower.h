@@ -25,7 +25,7 @@ using ClosestTargetPoint =
 
 /// Options of TargetFollower.
 struct TargetFollowerOptions {
-  /// Details of the target up to about six times this length are smoothed, model units; 0: four times
+  /// Details of the target up to about six times this length are smoothed, model units; 0: twice
   /// the mean edge length of the mesh.
   double smoothing = 0;
   /// Points of the target that are farther away are ignored, model units; 0: a tenth of the size of

@@ -37,6 +37,66 @@ def similarity_error(before, after):
 
 
 class Deformers(PropertyTests):
+    def test_derivatives_are_those_of_differences_and_adjoint(self):
+        mesh = batten.read_mesh(example("10-plate-with-holes", "plate.obj"))
+        x, holes = mesh.points[:, 0], mesh.holes()
+        for mode in ("harmonic", "estimated"):
+            deformer = batten.Deformer(
+                mesh, fixed=x == 0, handles={"end": x == 300}, features=holes, rotation_mode=mode,
+                constraints={"level": batten.OnPlane(holes[2].loop, normal=[0, 0, 1])})
+            base = dict(translate=[-40, 0, 110], axis=[0, -1, 0], angle=75, scale=1.1)
+            origin = mesh.points[holes[2].loop].mean(0) + [0, 0, 50]
+
+            def shape(h):
+                move = dict(base, translate=np.add(base["translate"], [h, 0, -2 * h]), angle=75 - 0.5 * h,
+                            scale=1.1 + 0.01 * h)
+                return deformer.deform({"end": batten.Move(**move)}, scales={"hole-1": 1 + 0.02 * h}, correct=True,
+                                       origins={"level": origin + [0, 0, h]})
+
+            rates = dict(moves={"end": {"translate": [1, 0, -2], "rotation": [0, 0.5, 0], "scale": 0.01}},
+                         scales={"hole-1": 0.02}, origins={"level": [0, 0, 1]})
+            # Differences of order six, with other steps than those of jvp().
+            near, middle, far = (shape(h) - shape(-h) for h in (0.4, 0.8, 1.6))
+            order_four = [(8 * a - b) / (12 * h) for a, b, h in ((near, middle, 0.4), (middle, far, 0.8))]
+            expected = (16 * order_four[0] - order_four[1]) / 15
+            before = shape(0).copy()
+            found = deformer.jvp(**rates)
+            self.assertLess(np.abs(found - expected).max(), 1e-7 * np.abs(expected).max())
+            self.same_bits(np.ascontiguousarray(deformer.positions), before)  # jvp() changes nothing
+            weights = np.random.default_rng(3).normal(size=mesh.points.shape)
+            gradient = deformer.vjp(weights)
+            product = sum(np.dot(rates["moves"]["end"][k], gradient["moves"]["end"][k]) for k in ("translate", "rotation"))
+            product += 0.01 * gradient["moves"]["end"]["scale"] + 0.02 * gradient["scales"]["hole-1"]
+            product += gradient["origins"]["level"][2]
+            self.assertLess(abs(product - (weights * found).sum()), 1e-6 * np.abs(weights * found).sum())
+        for bad in ({"moves": {"side": {}}}, {"moves": {"end": {"turn": 1}}}, {"scales": {"hole-1": float("nan")}},
+                    {"moves": {"end": {"translate": [1, 2]}}}):
+            with self.assertRaises(batten.InputError):
+                deformer.jvp(**bad)
+        with self.assertRaises(batten.InputError):
+            deformer.vjp(np.zeros((3, 3)))
+
+    def test_design_study_of_a_deck(self):
+        text = open(example("11-panel", "edit.toml"), encoding="utf-8").read()
+        text = text[:text.index("[modes]")].replace("panel.bdf", example("11-panel", "panel.bdf").replace("\\", "/"))
+        with open(self.file("edit.toml"), "w", encoding="utf-8") as file:
+            file.write(text + '[[dimension]]\nname = "length"\ntype = "distance"\nof = ["left", "right"]\n')
+        report = batten.deform(self.file("edit.toml"), self.file("out"), doe="grid",
+                               derivatives=[self.file("d.npz"), self.file("d.csv")],
+                               ranges={"longer.right.x": (0, 20, 2), "longer.right.z": (0, 40, 2)})
+        self.assertEqual(report["variants"], {"count": 4, "failed": 0, "table": "variants.csv"})
+        with np.load(self.file("d.npz")) as arrays:
+            self.assertEqual(list(arrays["parameters"]), ["longer.right.x", "longer.right.z"])
+            self.assertEqual(list(arrays["values"]), [12, 40])
+            self.assertEqual(list(arrays["dimensions"]), ["length"])
+            nodes, points, derivatives = arrays["nodes"], arrays["points"], arrays["derivatives"]
+            self.assertEqual(derivatives.shape, (2, len(nodes), 3))
+            self.assertEqual(arrays["dimension_derivatives"].shape, (1, 2))
+        table = np.genfromtxt(self.file("d.csv"), delimiter=",", skip_header=1)
+        self.assertTrue(np.array_equal(table[:, 0], nodes))
+        self.assertTrue(np.array_equal(table[:, 1:4], points))
+        self.assertTrue(np.array_equal(table[:, 4:], np.hstack(derivatives)))
+
     def test_the_example_in_cpp_has_the_same_bits(self):
         program = os.environ.get("BATTEN_DEFORMER", "")
         if not os.path.exists(program):
