@@ -44,7 +44,7 @@ DeformScene without_unfinished_edits(DeformScene scene) {
   std::erase_if(scene.edits, [&](const EditSpec& edit) {
     return edit.handles.empty() && edit.fixed.empty() && edit.scales.empty() &&
            edit.rotated_features.empty() && edit.guides.empty() &&
-           scene.position_constraints.empty();
+           scene.position_constraints.empty() && scene.targets.empty();
   });
   return scene;
 }

@@ -297,9 +297,12 @@ void read_edits(const TomlTable& root, bool required, DeformScene& scene) {
              {"name", "fixed", "region_of_interest", "handle", "scale", "constraint", "centres",
               "rotation_mode", "rotate_feature"},
              scene.edits, [&](const TomlTable& t) { return read_edit(t, scene.edits.size()); });
-  if (!scene.edits.empty() || !required) return;
-  if (scene.targets.empty() && scene.position_constraints.empty())
-    root.fail("", "no edits", "at least one [[edit]], [[target]] or [[position_constraint]]");
+  if (!scene.edits.empty()) return;
+  if (scene.targets.empty() && scene.position_constraints.empty()) {
+    if (required)
+      root.fail("", "no edits", "at least one [[edit]], [[target]] or [[position_constraint]]");
+    return;
+  }
   scene.edits.emplace_back();  // the constraints alone
   scene.edits.back().name = "edit-1";
 }

@@ -155,40 +155,6 @@ void gather_soft_constraints(const DeformScene& scene, VertexSelector& select,
   }
 }
 
-/// Reads the target surfaces.
-void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                    SharedConstraints& shared) {
-  for (const MorphTargetSpec& rule : scene.targets) {
-    std::vector<int> vertices;
-    for (const LocatedString& name : rule.of) {
-      const std::vector<int> more = vertices_of(name, shared, select);
-      vertices.insert(vertices.end(), more.begin(), more.end());
-    }
-    if (rule.of.empty()) {
-      vertices.resize(static_cast<size_t>(mesh.topology().node_count()));
-      std::iota(vertices.begin(), vertices.end(), 0);
-    }
-    try {
-      constexpr double chord = 1e-4;  // of the size
-      TargetFaces faces;
-      append_target_file(faces, rule.file,
-                         {.unit = scene.unit, .own_unit = rule.unit, .chord = chord * mesh.size()});
-      const std::shared_ptr<const TargetSurface> surface = target_parts(faces).whole;
-      shared.surfaces.push_back(surface);
-      shared.targets.emplace_back(
-          mesh, sorted_unique(std::move(vertices)),
-          [surface](const Vec3& p, const Vec3& along) -> std::optional<TargetPoint> {
-            const auto nearest = surface->nearest(p, along);
-            if (!nearest) return std::nullopt;
-            return TargetPoint{nearest->at, nearest->normal, nearest->at_boundary};
-          },
-          TargetFollowerOptions{rule.smoothing, rule.reach, rule.offset});
-    } catch (const InputError& e) {
-      throw InputError(scene.at(rule.location) + e.what());
-    }
-  }
-}
-
 /// Adds a note for features that share a vertex; these are merged.
 void note_merged(SharedConstraints& shared, int vertices) {
   std::vector<int> owner(vertices, -1);
@@ -337,8 +303,40 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
   note_merged(shared, mesh.vertex_count());
   gather_curves(scene, select, mesh, shared);
   gather_soft_constraints(scene, select, mesh, shared);
-  gather_targets(scene, select, mesh, shared);
   return shared;
+}
+
+void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                    SharedConstraints& shared) {
+  for (const MorphTargetSpec& rule : scene.targets) {
+    std::vector<int> vertices;
+    for (const LocatedString& name : rule.of) {
+      const std::vector<int> more = vertices_of(name, shared, select);
+      vertices.insert(vertices.end(), more.begin(), more.end());
+    }
+    if (rule.of.empty()) {
+      vertices.resize(static_cast<size_t>(mesh.topology().node_count()));
+      std::iota(vertices.begin(), vertices.end(), 0);
+    }
+    try {
+      constexpr double chord = 1e-4;  // of the size
+      TargetFaces faces;
+      append_target_file(faces, rule.file,
+                         {.unit = scene.unit, .own_unit = rule.unit, .chord = chord * mesh.size()});
+      const std::shared_ptr<const TargetSurface> surface = target_parts(faces).whole;
+      shared.surfaces.push_back(surface);
+      shared.targets.emplace_back(
+          mesh, sorted_unique(std::move(vertices)),
+          [surface](const Vec3& p, const Vec3& along) -> std::optional<TargetPoint> {
+            const auto nearest = surface->nearest(p, along);
+            if (!nearest) return std::nullopt;
+            return TargetPoint{nearest->at, nearest->normal, nearest->at_boundary};
+          },
+          TargetFollowerOptions{rule.smoothing, rule.reach, rule.offset});
+    } catch (const InputError& e) {
+      throw InputError(scene.at(rule.location) + e.what());
+    }
+  }
 }
 
 DeformEdit edit_of(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,

@@ -68,10 +68,15 @@ CharacterChain with_default_width(CharacterChain chain, const TriangleMesh& mesh
 /// Largest distance of the vertices, at positions p (n×3), from the curve.
 double distance_from(const MeshCurve& curve, const Points& p);
 
-/// Collects the shared constraints. Throws InputError, with the location, for unknown names.
+/// Collects the shared constraints, without targets. Throws InputError, with the location, for unknown names.
 SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSelector& select,
                                             const AttachedNodes& attached,
                                             const TriangleMesh& mesh);
+
+/// Reads the surfaces of [[target]]. Throws InputError, with the location, for unknown names and
+/// files that cannot be read.
+void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
+                    SharedConstraints& shared);
 
 /// The problem of one edit and its prescribed motion.
 struct DeformTask {

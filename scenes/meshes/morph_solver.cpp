@@ -101,7 +101,14 @@ const Points& MorphSolver::solve(const DeformScene& values, const Progress& prog
 void MorphSolver::solve_from(size_t first, const DeformScene& values, const Progress& progress) {
   if (!gathered_ || shared_values(values) != shared_values(scene_)) {
     progress.update("features", 0);
-    shared_ = gather_shared_constraints(values, select_, attached_, mesh());
+    SharedConstraints shared = gather_shared_constraints(values, select_, attached_, mesh());
+    if (gathered_) {
+      shared.targets = shared_.targets;
+      shared.surfaces = shared_.surfaces;
+    } else {
+      gather_targets(values, select_, mesh(), shared);
+    }
+    shared_ = std::move(shared);
   }
   gathered_ = true;
   scene_ = values;
