@@ -34,7 +34,7 @@ std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, const Points& shape) 
 
 TargetFollower::TargetFollower(const TriangleMesh& mesh, std::vector<int> vertices,
                                ClosestTargetPoint closest, const TargetFollowerOptions& options)
-    : mesh_(mesh),
+    : mesh_(&mesh),
       vertices_(std::move(vertices)),
       closest_(std::move(closest)),
       options_(options),
@@ -53,7 +53,7 @@ TargetFollower::TargetFollower(const TriangleMesh& mesh, std::vector<int> vertic
 
 // The majority decides, by area.
 void TargetFollower::orient(const Points& shape) {
-  const std::vector<Vec3> normals = vertex_normals(mesh_, shape);
+  const std::vector<Vec3> normals = vertex_normals(*mesh_, shape);
   VecX agreement = VecX::Zero(static_cast<long>(vertices_.size()));
   parallel_for_each<64>(isize(vertices_), [&](int k) {
     const int v = vertices_[k];
@@ -67,7 +67,7 @@ void TargetFollower::orient(const Points& shape) {
 std::vector<std::optional<Vec3>> TargetFollower::find(const Points& shape,
                                                       const std::vector<int>& vertices) const {
   constexpr double cosine = 0.5;  // of 60 degrees
-  const std::vector<Vec3> normals = vertex_normals(mesh_, shape);
+  const std::vector<Vec3> normals = vertex_normals(*mesh_, shape);
   std::vector<std::optional<Vec3>> found(vertices.size());
   parallel_for_each<64>(isize(vertices), [&](int k) {
     const int v = vertices[k];
@@ -98,7 +98,7 @@ std::vector<LinearConstraint> TargetFollower::springs(const std::string& name,
     springs.push_back(
         {name + " at vertex " + std::to_string(v),
          {{{v, 1.0}}},
-         mesh_.point(v),
+         mesh_->point(v),
          -1,
          weighting == DeformProblem::Weighting::Area ? stiffness * areas_[v] : stiffness});
   return springs;

@@ -81,7 +81,7 @@ class TargetFollower {
                                         const std::vector<int>& vertices) const;
   void orient(const Points& shape);
 
-  const TriangleMesh& mesh_;
+  const TriangleMesh* mesh_;
   std::vector<int> vertices_;
   ClosestTargetPoint closest_;
   TargetFollowerOptions options_;
