@@ -296,9 +296,10 @@ void DeformSystem::add_hinge_rows(const TriangleMesh& mesh, DeformProblem::Weigh
   }
 }
 
-// The jump of the slope across the edge i, j between the corners k and l of its triangles, per
-// distance of their centroids. The factor 8/3 gives the energy of the Laplacian for a bent cylinder,
-// on average over the directions of the edges.
+// The jump of the slope across the edge i, j between the corners k and l of its triangles, divided by
+// the mean of both heights: the second derivative across the edge, on a regular mesh without a third
+// of that along it. The weight, the area of both triangles, gives a bent cylinder the energy of the
+// Laplacian, for equilateral triangles and for halved squares.
 void DeformSystem::add_hinge_row(const TriangleMesh& mesh, const std::array<int, 4>& hinge,
                                  DeformProblem::Weighting weighting) {
   const auto& [i, j, k, l] = hinge;
@@ -316,9 +317,9 @@ void DeformSystem::add_hinge_row(const TriangleMesh& mesh, const std::array<int,
     row[1] -= foot * slope;
     heights += height;
   }
-  const double area = heights * length / 6;
-  double scale = std::sqrt(8.0 / 3 * area) * 3 / heights;
-  if (weighting == DeformProblem::Weighting::Uniform) scale /= std::sqrt(area);
+  const double area = heights * length / 2;
+  double scale = std::sqrt(area) * 2 / heights;
+  if (weighting == DeformProblem::Weighting::Uniform) scale /= std::sqrt(area / 3);
   const auto r = static_cast<long>(linear_constraint_of_row.size());
   std::array<int, 4> order{0, 1, 2, 3};
   std::sort(order.begin(), order.end(),

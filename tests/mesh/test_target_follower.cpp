@@ -67,7 +67,8 @@ TEST_CASE("affine displacements of a flat mesh cost no bending", "[mesh][target]
   const PreparedMesh plate = prepare(plate_with_holes().shells);
   DeformProblem problem;
   problem.bending = DeformProblem::Bending::Hinges;
-  problem.fixed = {0};
+  for (int v = 0; v < plate.mesh.vertex_count(); ++v)
+    if (plate.mesh.point(v).x() == 0) problem.fixed.push_back(v);
   problem.weighting = GENERATE(DeformProblem::Weighting::Area, DeformProblem::Weighting::Uniform);
   FormFeatureDeformer deformer(plate.mesh, problem);
   const auto matrices = deformer.problem_matrices({});
@@ -85,7 +86,7 @@ TEST_CASE("affine displacements of a flat mesh cost no bending", "[mesh][target]
     double area = 0;
     for (int t = 0; t < plate.mesh.triangle_count(); ++t)
       area += plate.mesh.area_vector(t).norm() / 2;
-    CHECK(scale * scale == Approx(area).epsilon(0.25));
+    CHECK(scale * scale == Approx(area).epsilon(0.1));
   }
 }
 
