@@ -65,10 +65,16 @@ std::vector<CurveLoad> read_curve_loads(const TomlTable& t) {
   return loads;
 }
 
-CurveSpec read_curve(const TomlTable& t) {
+CurveSpec read_curve(const TomlTable& t, const std::filesystem::path& folder) {
   CurveSpec rule;
   rule.line = read_line(t);
-  rule.faired = t.boolean("faired", true);
+  for (const char* key : {"curve", "unit"})
+    if (t.has(key) && !t.has("file"))
+      t.fail(key, std::string("a ") + key + " without a file", "file = …, in which the curve is");
+  if (t.has("file")) rule.file = folder / t.text("file");
+  if (t.has("unit")) rule.unit = read_unit(t, "unit");
+  if (t.has("curve")) rule.curve = read_string(t, "curve");
+  rule.faired = t.boolean("faired", rule.file.empty());
   if (t.has("deviation") + t.has("wavelength") + !rule.faired > 1)
     t.fail("", "more than one fairing option", "one of deviation, wavelength, faired = false");
   using Smoothing = FairOptions::Smoothing;
@@ -280,10 +286,11 @@ void read_guides_and_lines(const TomlTable& root, UniqueNames& taken, DeformScen
   taken.read(root, "relation", {"name", "type", "of", "plane"}, scene.relations, read_relation);
   taken.read(root, "chain", {"name", "through", "nodes", "closed", "keep", "width"}, scene.lines,
              read_line);
-  for (const TomlTable& t : root.tables(
-           "curve", {"name", "through", "nodes", "closed", "faired", "deviation", "wavelength",
-                     "corner_angle", "ends", "alpha", "beta", "spring", "force", "uniform"})) {
-    scene.curves.push_back(read_curve(t));
+  for (const TomlTable& t :
+       root.tables("curve", {"name", "through", "nodes", "closed", "file", "unit", "curve",
+                             "faired", "deviation", "wavelength", "corner_angle", "ends", "alpha",
+                             "beta", "spring", "force", "uniform"})) {
+    scene.curves.push_back(read_curve(t, scene.file.parent_path()));
     taken.add(t, "name", scene.curves.back().line.name);
   }
   taken.read(root, "position_constraint", {"name", "node", "at", "to", "weight"},

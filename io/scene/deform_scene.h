@@ -66,6 +66,10 @@ struct LineSpec {
 struct CurveSpec {
   using Ends = SculptedCurveOptions::Ends;
   LineSpec line;  ///< name and vertices of the chain; `rigid` and `width` are ignored
+  /// Curve file, CAD file or scene with the curve that the chain follows; empty: that of the chain.
+  std::filesystem::path file;
+  std::string unit;     ///< length unit of a curve file; empty: the unit of the scene
+  LocatedString curve;  ///< name of the curve in the file; empty: the only one
   bool faired = true;
   FairOptions fair;  ///< options of the fairing; used if `faired` is true
   Ends ends = Ends::Clamped;

@@ -13,6 +13,7 @@
 #include "batten/core/geometry.h"
 #include "batten/mesh/editing/feature_relation.h"
 #include "batten/mesh/selection.h"
+#include "batten/scenes/meshes/driving_curve.h"
 #include "batten/scenes/runs/run_support.h"
 #include "batten/scenes/runs/target_files.h"
 
@@ -122,6 +123,10 @@ MeshCurve shape_curve(const DeformScene& scene, const CurveSpec& rule, VertexSel
   const SculptedCurveOptions options{rule.line.closed, rule.faired, rule.fair, rule.ends,
                                      rule.alpha,       rule.beta,   rule.loads};
   try {
+    if (!rule.file.empty())
+      points =
+          points_along(points, rule.line.closed,
+                       read_curve_samples({rule.file, rule.curve.text, rule.unit, scene.unit}));
     result.shape = sculpt_curve(rule.line.name, points, options);
   } catch (const NoSolutionError& e) {
     throw NoSolutionError(scene.at(rule.line.location) + "the curve '" + rule.line.name +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // batten deform with [[target]]: a mesh follows a scan, another mesh, CAD faces.
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "batten/io/meshes/mesh_file.h"
@@ -97,4 +98,74 @@ TEST_CASE("handles and fixed vertices stay exact beside a target", "[apps][defor
   for (long v = 0; v < before.rows(); ++v)
     if (before(v, 0) == 0) CHECK(after.row(v) == before.row(v));
   CHECK((after - before).col(2).cwiseAbs().maxCoeff() > 5);
+}
+
+TEST_CASE("a chain of the mesh follows the curve of a file", "[apps][deform]") {
+  const CliCase c("deform_curve_file");
+  std::string arc;
+  for (int i = 60; i >= 0; --i) {  // against the direction of the chain, in metres
+    const double x = 0.3 * i / 60;
+    arc += std::to_string(x) + ", 0, " +
+           std::to_string(0.02 * std::sin(std::numbers::pi * i / 60)) + "\n";
+  }
+  c.file("arc.csv", arc);
+  const std::string head = "unit = \"mm\"\nmesh = \"" + kPlate +
+                           "\"\n[[features]]\nof = \"hole-*\"\n"
+                           "[[select]]\nname = \"back\"\nbox = [[0, 300, -1], [300, 300, 1]]\n"
+                           "[[edit]]\nfixed = \"back\"\n"
+                           "[[curve]]\nname = \"front\"\nthrough = [[0, 0, 0], [300, 0, 0]]\n";
+  c.file("s.toml", head + "file = \"arc.csv\"\nunit = \"m\"\n");
+  const CliResult r = c.run({"deform", "s.toml", "--out", "out"});
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  const auto before = batten::MeshFile::read(kPlate).shells().points,
+             after = batten::MeshFile::read(c / "out/plate-deformed.obj").shells().points;
+  int count = 0;
+  for (long v = 0; v < before.rows(); ++v)
+    if (before(v, 1) == 0) {
+      ++count;
+      CHECK(after(v, 2) ==
+            Approx(20 * std::sin(std::numbers::pi * after(v, 0) / 300)).margin(0.01));
+      CHECK(std::abs(after(v, 1)) < 1e-6);
+      CHECK(after(v, 0) == Approx(before(v, 0)).margin(3));
+    }
+  CHECK(count > 20);
+
+  c.file("two.csv", arc + "\n\n0, 0, 0\n0, 0.3, 0.1\n");
+  c.fails(head + "file = \"two.csv\"\n", 1, {"found 2 curves in two.csv", "one of:"}, {}, "deform");
+  c.fails(head + "closed = true\nfile = \"arc.csv\"\nunit = \"m\"\n", 1,
+          {"found an open curve for a closed chain"}, {}, "deform");
+  c.fails(head + "curve = \"arc\"\n", 1, {"without a file"}, {}, "deform");
+}
+
+TEST_CASE("a mesh follows the surface of a scene that its loads shape", "[apps][deform]") {
+  const CliCase c("deform_scene_target");
+  const auto surface = [](double swell) {
+    std::string text = "unit = \"cm\"\n[mesh]\nedge_length = 3\n";
+    const std::string corners[] = {"[-2, -2, 0]", "[32, -2, 0]", "[32, 32, 0]", "[-2, 32, 0]"};
+    for (int k = 0; k < 4; ++k)
+      text += "[[curve]]\nname = \"side " + std::to_string(k + 1) + "\"\npoints = [" + corners[k] +
+              ", " + corners[(k + 1) % 4] + "]\n";
+    return text +
+           "[[load]]\nname = \"swell\"\ntype = \"pressure\"\nvalue = " + std::to_string(swell) +
+           "\n";
+  };
+  const auto highest = [&](double swell) {
+    c.file("surface.toml", surface(swell));
+    c.file("s.toml", scene("file = \"surface.toml\"\n"));
+    const CliResult r = c.run({"deform", "s.toml", "--out", "out"});
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(report(c, "out")["targets"][0]["rms"].get<double>() < 0.5);
+    for (const auto& f : report(c, "out")["features"])
+      CHECK(f["max_rigid_error"].get<double>() < 1e-12);
+    return batten::MeshFile::read(c / "out/plate-deformed.obj")
+        .shells()
+        .points.col(2)
+        .cwiseAbs()
+        .maxCoeff();
+  };
+  const double one = highest(20), two = highest(40);
+  CHECK(one > 1);
+  CHECK(two == Approx(2 * one).epsilon(0.05));
 }
