@@ -92,6 +92,10 @@ class DeformRun {
 
   /// Checks the names of the output files, see OutputFolder::require_replaceable().
   void require_replaceable() const {
+    for (const std::filesystem::path& path : task_.derivatives) {
+      require_derivative_format(path, file_);
+      replaceable_file(path);
+    }
     std::vector<std::string> names{scene_.mesh_out, scene_.vtp, "report.json"};
     if (scene_.modes) names.insert(names.end(), {scene_.modes->before, scene_.modes->after});
     for (const MeshPictureSpec& rule : scene_.pictures) names.push_back(rule.file);
@@ -237,7 +241,6 @@ class DeformRun {
   }
 
   void derive() {
-    for (const auto& path : task_.derivatives) require_derivative_format(path, file_);
     std::vector<MorphDerivative> derivatives =
         morph_derivatives(solver_, scene_, derivative_parameters(), dimensions_, progress_);
     for (const MorphDerivative& d : derivatives)
