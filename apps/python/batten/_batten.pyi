@@ -2,7 +2,7 @@
 """Types of the compiled module. Its docstrings give array shapes, units and exceptions."""
 
 import os
-from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence, Union, overload
+from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Union, overload
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -638,8 +638,8 @@ def convert(
     progress: Progress | None = ...,
 ) -> list[str]: ...
 def deform(
-    path: Path, out: Path, *, values: Values | None = ..., derivatives: Path | Sequence[Path] | None = ...,
-    doe: Path | None = ..., ranges: dict[str, Sequence[float]] = ..., progress: Progress | None = ...,
+    path: Path, out: Path, *, values: Values | None = ..., derivatives: Path | Iterable[Path] | None = ...,
+    doe: Path | None = ..., ranges: dict[str, Iterable[float]] = ..., progress: Progress | None = ...,
 ) -> dict[str, Any]: ...
 def fair(
     points: ArrayLike, *, noise: float | None = ..., deviation: float | None = ..., wavelength: float | None = ...,
