@@ -131,11 +131,14 @@ TEST_CASE("a chain of the mesh follows the curve of a file", "[apps][deform]") {
     }
   CHECK(count > 20);
 
-  c.file("two.csv", arc + "\n\n0, 0, 0\n0, 0.3, 0.1\n");
-  c.fails(head + "file = \"two.csv\"\n", 1, {"found 2 curves in two.csv", "one of:"}, {}, "deform");
-  c.fails(head + "closed = true\nfile = \"arc.csv\"\nunit = \"m\"\n", 1,
-          {"found an open curve for a closed chain"}, {}, "deform");
-  c.fails(head + "curve = \"arc\"\n", 1, {"without a file"}, {}, "deform");
+  const CliCase bad("deform_curve_file_refused");
+  bad.file("arc.csv", arc);
+  bad.file("two.csv", arc + "\n\n0, 0, 0\n0, 0.3, 0.1\n");
+  bad.fails(head + "file = \"two.csv\"\n", 1, {"found 2 curves in two.csv", "one of:"}, {},
+            "deform");
+  bad.fails(head + "closed = true\nfile = \"arc.csv\"\nunit = \"m\"\n", 1,
+            {"found an open curve for a closed chain"}, {}, "deform");
+  bad.fails(head + "curve = \"arc\"\n", 1, {"without a file"}, {}, "deform");
 }
 
 TEST_CASE("a mesh follows the surface of a scene that its loads shape", "[apps][deform]") {
