@@ -15,7 +15,6 @@
 #include "batten/mesh/selection.h"
 #include "batten/scenes/meshes/driving_curve.h"
 #include "batten/scenes/runs/run_support.h"
-#include "batten/scenes/runs/target_files.h"
 
 namespace batten {
 
@@ -32,6 +31,13 @@ MeshSource read_source(const std::filesystem::path& path) {
 
 Points node_positions(const Points& vertices, const MeshFile& file) {
   return vertices.topRows(file.shells().node_count());
+}
+
+std::vector<int> vertices_of(const LocatedString& name, const SharedConstraints& shared,
+                             VertexSelector& select) {
+  const auto feature = std::find_if(shared.features.begin(), shared.features.end(),
+                                    [&](const auto& f) { return f.name == name.text; });
+  return feature != shared.features.end() ? feature->vertices : select.of(name);
 }
 
 namespace {
@@ -70,14 +76,6 @@ void gather_features(const DeformScene& scene, VertexSelector& select, SharedCon
         shared.features.push_back({name.text, select.of(name), rule.kind});
       }
   }
-}
-
-/// Vertices of a feature, a selection or a proposal.
-std::vector<int> vertices_of(const LocatedString& name, const SharedConstraints& shared,
-                             VertexSelector& select) {
-  const auto feature = std::find_if(shared.features.begin(), shared.features.end(),
-                                    [&](const auto& f) { return f.name == name.text; });
-  return feature != shared.features.end() ? feature->vertices : select.of(name);
 }
 
 /// Collects constraints to planes and axes: of the loops of proposals, of all vertices of features
@@ -309,39 +307,6 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
   gather_curves(scene, select, mesh, shared);
   gather_soft_constraints(scene, select, mesh, shared);
   return shared;
-}
-
-void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                    SharedConstraints& shared) {
-  for (const MorphTargetSpec& rule : scene.targets) {
-    std::vector<int> vertices;
-    for (const LocatedString& name : rule.of) {
-      const std::vector<int> more = vertices_of(name, shared, select);
-      vertices.insert(vertices.end(), more.begin(), more.end());
-    }
-    if (rule.of.empty()) {
-      vertices.resize(static_cast<size_t>(mesh.topology().node_count()));
-      std::iota(vertices.begin(), vertices.end(), 0);
-    }
-    try {
-      constexpr double chord = 1e-4;  // of the size
-      TargetFaces faces;
-      append_target_file(faces, rule.file,
-                         {.unit = scene.unit, .own_unit = rule.unit, .chord = chord * mesh.size()});
-      const std::shared_ptr<const TargetSurface> surface = target_parts(faces).whole;
-      shared.surfaces.push_back(surface);
-      shared.targets.emplace_back(
-          mesh, sorted_unique(std::move(vertices)),
-          [surface](const Vec3& p, const Vec3& along) -> std::optional<TargetPoint> {
-            const auto nearest = surface->nearest(p, along);
-            if (!nearest) return std::nullopt;
-            return TargetPoint{nearest->at, nearest->normal, nearest->at_boundary};
-          },
-          TargetFollowerOptions{rule.smoothing, rule.reach, rule.offset});
-    } catch (const InputError& e) {
-      throw InputError(scene.at(rule.location) + e.what());
-    }
-  }
 }
 
 DeformEdit edit_of(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,

@@ -73,10 +73,10 @@ SharedConstraints gather_shared_constraints(const DeformScene& scene, VertexSele
                                             const AttachedNodes& attached,
                                             const TriangleMesh& mesh);
 
-/// Reads the surfaces of [[target]]. Throws InputError, with the location, for unknown names and
-/// files that cannot be read.
-void gather_targets(const DeformScene& scene, VertexSelector& select, const TriangleMesh& mesh,
-                    SharedConstraints& shared);
+/// Vertices of a feature, a selection or a proposal. Throws InputError, with the location, for an
+/// unknown name.
+std::vector<int> vertices_of(const LocatedString& name, const SharedConstraints& shared,
+                             VertexSelector& select);
 
 /// The problem of one edit and its prescribed motion.
 struct DeformTask {

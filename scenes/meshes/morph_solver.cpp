@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "batten/core/containers.h"
+#include "batten/scenes/meshes/morph_targets.h"
 
 namespace batten {
 namespace {

@@ -9,36 +9,11 @@
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/mesh/catmull_clark.h"
-#include "batten/scenes/mesh_data.h"
-#include "batten/scenes/model.h"
 
 namespace batten {
-namespace {
-
-/// Appends the surface of a scene as curved triangles.
-void append_scene(TargetFaces& all, const std::filesystem::path& file, double unit,
-                  const TargetFileOptions& options) {
-  if (!options.own_unit.empty() || options.cage)
-    throw InputError("found a 'unit' or a 'cage' for a scene, expected none");
-  const Model model = load(file);
-  const Mesh mesh = model.mesh();
-  const Points& corners = mesh.corner_normals();
-  std::vector<PnTriangle::Corners> normals;
-  for (long t = 0; t < corners.rows() / 3; ++t)
-    normals.push_back({corners.row(3 * t).transpose(), corners.row(3 * t + 1).transpose(),
-                       corners.row(3 * t + 2).transpose()});
-  all.append(mesh.data().shells(), unit_in_metres(model.unit()) / unit, normals);
-}
-
-}  // namespace
-
 void append_target_file(TargetFaces& all, const std::filesystem::path& file,
                         const TargetFileOptions& options) {
   const double unit = unit_in_metres(options.unit);
-  if (lower_extension(file) == ".toml") {
-    append_scene(all, file, unit, options);
-    return;
-  }
   if (MeshFile::can_read(file)) {
     const double own = options.own_unit.empty() ? unit : unit_in_metres(options.own_unit);
     const MeshFile mesh = MeshFile::read(file);

@@ -17,9 +17,8 @@ struct TargetFileOptions {
   bool cage = false;          ///< the Catmull-Clark limit surface of the mesh
 };
 
-/// Appends the faces of a CAD file or the surface of a scene (.toml), as curved triangles, or the faces
-/// of a mesh file. Throws InputError as the readers do, and for a unit or a cage of a CAD file or a
-/// scene; for a scene, the exceptions of load() (scenes/model.h).
+/// Appends the faces of a CAD file, as curved triangles, or of a mesh file. Throws InputError as the
+/// readers do, and for a unit or a cage of a CAD file.
 void append_target_file(TargetFaces& all, const std::filesystem::path& file,
                         const TargetFileOptions& options);
 
