@@ -31,7 +31,7 @@ struct TargetFollowerOptions {
   /// Points of the target that are farther away are ignored, model units; 0: a tenth of the size of
   /// the mesh.
   double reach = 0;
-  /// Distance of the mesh from the target, on the side of its normals (of the target), model units:
+  /// Distance of the mesh from the target, on the side of the normals of the target, model units:
   /// half the thickness for a middle surface and the scan of one side of a sheet.
   double offset = 0;
 };
@@ -46,11 +46,12 @@ struct TargetDistance {
 /// Springs between vertices of a mesh and the closest points of a target surface. In each iteration
 /// they are attached to the closest points of the current shape, so that they slide on the target:
 ///
-///     min ½ Σ_v A_v |Δp - R Δp⁰|²_v + ½ ℓ⁻⁴ Σ_v A_v |p_v - c_v|²
+///     min ½ E(p) + ½ ℓ⁻⁴ Σ_v A_v |p_v - c_v|²
 ///
 /// with mixed areas A_v, the smoothing length ℓ, and the closest points c_v of the previous shape.
-/// The first sum is the energy of FormFeatureDeformer, so that features and constraints stay exact,
-/// and the matrix does not change: an iteration costs closest points and a solve. Vertices whose
+/// E is the bending energy of FormFeatureDeformer, for which DeformProblem::Bending::Hinges has no
+/// bias at boundaries. Features and constraints stay exact, and the matrix does not change: an
+/// iteration costs closest points and a solve. Vertices whose
 /// closest point is beyond the reach, at the boundary of the target, or has a normal that deviates by
 /// more than 60 degrees have no spring. Reference: [Amberg2007].
 class TargetFollower {

@@ -99,7 +99,7 @@ DeformTask make_deform_task(const DeformScene& scene, const EditSpec& rule,
 /// those of the scene. Exceptions name the edit and its location in the scene.
 class EditSession {
  public:
-  /// Keeps references to all arguments but `before`. Throws InputError for unknown names or
+  /// Keeps references to all arguments but `rule` and `before`. Throws InputError for unknown names or
   /// an unsolvable problem, and NoSolutionError. `tolerance`: MeshEditorOptions::tolerance.
   EditSession(const DeformScene& scene, const EditSpec& rule, const SharedConstraints& shared,
               VertexSelector& select, const PreparedMesh& prepared, const Points& before,
