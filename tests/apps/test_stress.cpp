@@ -297,8 +297,12 @@ TEST_CASE("two processes give the same result as one", "[apps][stress]") {
           Approx(one["cases"][0][key].get<double>()).epsilon(1e-10));
   CHECK(two["frequencies"][1].get<double>() ==
         Approx(one["frequencies"][1].get<double>()).epsilon(1e-8));
-  CHECK(two["cases"][0]["max_displacement"] !=
-        one["cases"][0]["max_displacement"]);  // the same bits
+  // Another solver rounds differently: of these numbers at least one has other bits.
+  const auto rounded = [](const auto& s) {
+    return std::vector<double>{s["cases"][0]["max_displacement"], s["cases"][0]["max_von_mises"],
+                               s["frequencies"][0], s["frequencies"][1]};
+  };
+  CHECK(rounded(two) != rounded(one));
   // An insufficiently supported shell stops all processes.
   c.file("s.toml", plate(kSteel + "supports = [{curve = \"a\", type = \"pinned\"}]\npressure = 1"));
   const std::string refused = "cd '" + c.folder().string() +
