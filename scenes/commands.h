@@ -20,7 +20,7 @@
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/sequence_scene.h"
-#include "batten/mesh/triangle_mesh.h"
+#include "batten/scenes/fit_surface.h"
 
 namespace batten {
 
@@ -78,18 +78,23 @@ struct ViewReport : RunReport {
 std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad, const PictureScene& look,
                                          const std::filesystem::path& picture);
 
-// The scene of `batten fit`.
-
-/// Adds feature lines of a mesh to a network scene: its creases ("crease 1", …) and boundary edges
-/// ("free edge 1", …), and the faces they enclose ("patch 1", …). Sets the gap tolerance, because
-/// these lines meet exactly. Throws InputError if there are none.
-void add_mesh_lines(Scene& scene, const TriangleMesh& mesh);
+// Fitting: `batten fit`.
 
 /// Creates a network scene whose shape is fitted to a surface. Its lines come from `lines`; if that
 /// is empty, they are the edges of the CAD file or the feature lines of the mesh. STEP and VTP are
 /// written.
 Scene scene_of_target(const std::filesystem::path& target,
                       const std::vector<std::filesystem::path>& lines, const std::string& unit);
+
+/// Input of `batten fit`.
+struct FitTask {
+  FitSettings settings;                          ///< `curves` and `name` are not used
+  bool step_curves = false, step_ap242 = false;  ///< as Scene::step_lines and Scene::step_ap242
+};
+/// Runs `batten fit`: run_scene() with the scene of scene_of_target(), which is also written, as
+/// NAME.toml. Throws as run_scene() does.
+Report run_fit(const std::filesystem::path& target, const FitTask& task,
+               const std::filesystem::path& folder, const Progress& progress = {});
 
 // Sculpting: `batten sculpt`.
 

@@ -7,17 +7,19 @@
 #include "batten/io/files/text.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/commands.h"
+#include "batten/scenes/lines/mesh_lines.h"
 #include "batten/scenes/mesh_data.h"
 #include "batten/scenes/model_data.h"
 
 namespace batten {
 namespace {
 
-/// Writes the curves, faces, joins and targets of a scene of `batten fit` as text.
+/// Writes the curves, faces, joins and targets of a scene of `batten fit` as text. Names of files are
+/// relative to `folder`; empty: absolute.
 class FitSceneText {
  public:
-  FitSceneText(const Scene& scene, const FitSettings& settings)
-      : scene_(scene), settings_(settings) {}
+  FitSceneText(const Scene& scene, const FitSettings& settings, std::filesystem::path folder = {})
+      : scene_(scene), settings_(settings), folder_(std::move(folder)) {}
 
   std::string text() {
     add("name", SceneText::toml_value(scene_.name));
@@ -36,6 +38,8 @@ class FitSceneText {
     text_ += "\n[output]\n";
     add("step", SceneText::toml_value(scene_.name + ".step"));
     add_length("step_tolerance", settings_.fit_tolerance);
+    if (scene_.step_lines) add("step_curves", "true");
+    if (scene_.step_ap242) add("step_schema", "\"ap242\"");
     add("vtp", SceneText::toml_value(scene_.name + ".vtp"));
     return std::move(text_);
   }
@@ -48,7 +52,9 @@ class FitSceneText {
     if (length > 0) add(key, SceneText::toml_value(length));
   }
   void add_file(const std::filesystem::path& file) {
-    add("file", SceneText::toml_value(std::filesystem::absolute(file).string()));
+    const std::filesystem::path path = folder_.empty() ? std::filesystem::absolute(file)
+                                                       : std::filesystem::proximate(file, folder_);
+    add("file", SceneText::toml_value(path.string()));
   }
 
   void add_line(const SceneLine& line) {
@@ -102,6 +108,7 @@ class FitSceneText {
 
   const Scene& scene_;
   const FitSettings& settings_;
+  const std::filesystem::path folder_;
   std::string text_;
 };
 
@@ -134,6 +141,22 @@ Scene scene_of_curves(const FitSettings& settings) {
 
 }  // namespace
 
+Report run_fit(const std::filesystem::path& target, const FitTask& task,
+               const std::filesystem::path& folder, const Progress& progress) {
+  const FitSettings& settings = task.settings;
+  Scene scene = scene_of_target(target, settings.curve_files, settings.unit);
+  scene.targets.front().tolerance = scene.step_tolerance = settings.fit_tolerance;
+  scene.targets.front().cage = settings.cage;
+  scene.skin.options.edge_length = settings.edge_length;
+  scene.step_lines = task.step_curves;
+  scene.step_ap242 = task.step_ap242;
+  if (settings.gap_tolerance > 0) scene.network.tolerance = settings.gap_tolerance;
+  scene.text = "# The model that batten fit made of " + target.filename().string() +
+               ". Add loads, parameters or [stress], and run it with batten run.\n" +
+               FitSceneText(scene, settings, folder).text();
+  return run_scene(scene, folder, progress);
+}
+
 Model fit_surface(const std::filesystem::path& target, const FitSettings& settings,
                   const Progress& progress) {
   check_settings(settings);
@@ -150,7 +173,7 @@ Model fit_surface(const Mesh& target, const FitSettings& settings, const Progres
   Scene scene = scene_of_curves(settings);
   scene.name = "surface";
   if (settings.curves.empty() && settings.curve_files.empty())
-    add_mesh_lines(scene, target.data().mesh());
+    add_mesh_lines(scene, target.data().source.prepared, target.sets());
   scene.targets.emplace_back().mesh = {target.shared_data(), &target.data().shells()};
   return fitted(std::move(scene), settings, progress);
 }

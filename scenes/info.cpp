@@ -22,6 +22,7 @@
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
+#include "batten/io/files/toml_table.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/comb_pictures.h"
@@ -297,9 +298,9 @@ std::string file_info(const std::filesystem::path& file, const std::string& unit
   }
   throw InputError(file.string() + ": found the extension '" + file.extension().string() +
                    "', expected a scene (.toml), curves (.csv, .txt, .xyz, .dat, .obj, .curves, "
-                   ".iges, .step, .brep, .dxf, .svg, .json), a "
-                   "mesh (.obj, .off, .ply, .stl, .vtp, .vtu, .bdf, .nas, .dat, .inp, .k, .key, "
-                   ".dyn, .rad) or a mesh sequence (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
+                   ".iges, .step, .brep, .dxf, .svg, .json), a mesh (" +
+                   comma_separated(MeshFile::readable_extensions()) +
+                   ") or a mesh sequence (.glb, .gltf, .pc2, .mdd, .pvd, .frd)");
 }
 
 void draw_lines(const std::filesystem::path& picture, const std::filesystem::path& file,

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
+#include <set>
 #include <sstream>
 
 #include "batten/core/errors.h"
@@ -23,6 +25,23 @@ const CLI::Validator kPositive(
                  : "found " + text + ", expected a number above 0";
     },
     "POSITIVE");
+
+// A folder, and not the name of a file, which would become a folder of this name.
+const CLI::Validator kFolder(
+    [](std::string& text) {
+      static const std::set<std::string> files{
+          ".step", ".stp", ".iges", ".igs", ".brep", ".vtp", ".vtu", ".inp", ".bdf",  ".nas",
+          ".k",    ".rad", ".obj",  ".stl", ".ply",  ".off", ".glb", ".3mf", ".png",  ".csv",
+          ".dxf",  ".svg", ".msh",  ".unv", ".gif",  ".pvd", ".pc2", ".mdd", ".toml", ".json"};
+      const std::filesystem::path path = text;
+      std::error_code none;
+      if (!files.contains(lower_extension(path)) || std::filesystem::is_directory(path, none))
+        return std::string();
+      return "found '" + text + "', expected a folder, such as '" +
+             std::filesystem::path(path).replace_extension().string() +
+             "': this command writes several files, whose names the scene or the input gives";
+    },
+    "FOLDER");
 
 /// An option of an earlier version, and what replaces it.
 struct RenamedOption {
@@ -88,6 +107,7 @@ CommandOption CommandOption::excludes(CommandOption other) const {
 }
 
 CommandOption CommandOption::positive() const { return {option_->check(kPositive), help_}; }
+CommandOption CommandOption::folder() const { return {option_->check(kFolder), help_}; }
 
 CommandOption CommandOption::in_range(int least, int most) const {
   return {option_->check(CLI::Range(least, most)), help_};

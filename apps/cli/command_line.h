@@ -61,6 +61,7 @@ class CommandOption {
   /// Not allowed together with the other option.
   CommandOption excludes(CommandOption other) const;
   CommandOption positive() const;  ///< the value must be finite and above 0
+  CommandOption folder() const;    ///< the value must not be the name of a file ("part.step")
   /// The value must lie in [least, most].
   CommandOption in_range(int least, int most) const;
   CommandOption in_range(double least, double most) const;

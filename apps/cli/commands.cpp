@@ -57,7 +57,8 @@ constexpr char kSetText[] = "set a parameter of the scene, with a number as the 
 
 void add_out(const Subcommand& subcommand, std::string& out) {
   subcommand.option("--out FOLDER", out, "output folder for all files, including report.json")
-      .required();
+      .required()
+      .folder();
 }
 
 void add_edge_length(const Subcommand& subcommand, double& length, const std::string& otherwise) {
@@ -761,23 +762,11 @@ Command add_convert(CommandLine& program, CommonOptions& common) {
 namespace {
 
 struct FitArguments {
-  std::string target, out, unit = "mm";
+  std::string target, out;
   std::vector<std::string> lines;
-  double tolerance = 0, edge_length = 0, meet = 0;
-  bool cage = false;
+  FitTask task;
   StepFileArguments step;
 };
-
-Scene scene_of(const FitArguments& a) {
-  Scene scene = scene_of_target(a.target, {a.lines.begin(), a.lines.end()}, a.unit);
-  scene.targets.front().tolerance = scene.step_tolerance = a.tolerance;
-  scene.targets.front().cage = a.cage;
-  scene.skin.options.edge_length = a.edge_length;
-  scene.step_lines = a.step.lines;
-  scene.step_ap242 = a.step.ap242;
-  if (a.meet > 0) scene.network.tolerance = a.meet;
-  return scene;
-}
 
 }  // namespace
 
@@ -796,16 +785,18 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
               "file of the curves to keep; without this option, they are the edges of the CAD "
               "model, or the creases and free edges of the mesh")
       .allow_repeated();
-  add_unit(subcommand, a.unit, "length unit of the results, and of files that state none");
+  add_unit(subcommand, a.task.settings.unit,
+           "length unit of the results, and of files that state none");
   subcommand.group("Surface");
   subcommand
-      .option("--fit-tolerance LENGTH", a.tolerance, "maximum distance from the target surface")
+      .option("--fit-tolerance LENGTH", a.task.settings.fit_tolerance,
+              "maximum distance from the target surface")
       .positive()
       .default_text("1e-4 of the size");
-  subcommand.flag("--cage", a.cage,
+  subcommand.flag("--cage", a.task.settings.cage,
                   "the mesh is a control cage: fit its Catmull-Clark limit surface");
-  add_edge_length(subcommand, a.edge_length, "initially 1/40 of the size");
-  add_gap_tolerance(subcommand, a.meet);
+  add_edge_length(subcommand, a.task.settings.edge_length, "initially 1/40 of the size");
+  add_gap_tolerance(subcommand, a.task.settings.gap_tolerance);
   subcommand.group("Output");
   add_step_options(subcommand, a.step);
   add_common(subcommand, common);
@@ -814,8 +805,12 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
   subcommand.example("batten fit part.step --out out/part",
                      "a CAD model of yours becomes a model that you can sculpt");
   return {subcommand, [arguments, &common] {
+            FitTask& task = arguments->task;
+            task.settings.curve_files.assign(arguments->lines.begin(), arguments->lines.end());
+            task.step_curves = arguments->step.lines;
+            task.step_ap242 = arguments->step.ap242;
             const auto report =
-                run_scene(scene_of(*arguments), arguments->out, terminal_progress(common.quiet));
+                run_fit(arguments->target, task, arguments->out, terminal_progress(common.quiet));
             return print_result(report, summary(report, arguments->out), common);
           }};
 }

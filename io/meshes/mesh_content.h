@@ -55,6 +55,8 @@ struct MeshContent {
                              const MeshWriteOptions& options) const = 0;
   /// Included files that write() stores beside the main file; see MeshFile::included_files().
   virtual std::vector<std::filesystem::path> included_files() const { return {}; }
+  /// See MeshFile::folder_in_tree().
+  virtual std::filesystem::path folder_in_tree() const { return {}; }
 
   /// Name of the format, for messages.
   std::string format;
@@ -76,7 +78,7 @@ struct MeshContent {
 /// Signature of the readers: reads a file and returns its content. Throws InputError.
 using MeshContentReader = std::unique_ptr<MeshContent>(const std::filesystem::path&);
 MeshContentReader read_obj_mesh, read_off_mesh, read_ply_mesh, read_stl_mesh, read_vtk_mesh,
-    read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
+    read_gmsh_mesh, read_nastran_deck, read_abaqus_deck, read_lsdyna_deck, read_radioss_deck;
 
 /// Validated input of a mesh writer; see write_mesh().
 struct MeshOutput {

@@ -42,7 +42,7 @@ const std::map<std::string, MeshContentReader*>& readers() {
       {".vtk", read_vtk_mesh},     {".bdf", read_nastran_deck}, {".nas", read_nastran_deck},
       {".dat", read_nastran_deck}, {".inp", read_abaqus_deck},  {".k", read_lsdyna_deck},
       {".key", read_lsdyna_deck},  {".dyn", read_lsdyna_deck},  {".rad", read_radioss_deck},
-      {".fem", read_nastran_deck}};
+      {".fem", read_nastran_deck}, {".msh", read_gmsh_mesh},    {".unv", read_gmsh_mesh}};
   return all;
 }
 
@@ -77,6 +77,12 @@ MeshFile MeshFile::read(const fs::path& path) {
 
 bool MeshFile::can_read(const fs::path& path) { return readers().contains(lower_extension(path)); }
 
+std::vector<std::string> MeshFile::readable_extensions() {
+  std::vector<std::string> all;
+  for (const auto& [extension, reader] : readers()) all.push_back(extension);
+  return all;
+}
+
 const ShellMesh& MeshFile::shells() const { return content_->shells; }
 long MeshFile::node_label(int node) const { return content_->node_labels.of(node); }
 long MeshFile::face_label(int face) const { return content_->face_labels.of(face); }
@@ -101,6 +107,7 @@ const std::string& MeshFile::element_counts() const { return content_->element_c
 const std::string& MeshFile::format() const { return content_->format; }
 
 std::vector<fs::path> MeshFile::included_files() const { return content_->included_files(); }
+fs::path MeshFile::folder_in_tree() const { return content_->folder_in_tree(); }
 
 MeshFile::Rounding MeshFile::write(const fs::path& path, const Points& points,
                                    const MeshWriteOptions& options) const {

@@ -26,6 +26,10 @@ struct MeshContent;
 ///   .stl               text or binary; corners with equal coordinates become one node; sets
 ///                      from `solid`
 ///   .vtp .vtu .vtk     VTK XML and legacy: two-dimensional cells; other cells in other_elements()
+///   .msh .unv          Gmsh: triangles and quads of first and second order; sets from physical
+///                      groups, properties from geometric surfaces. MSH 2.2 and 4.1 as text are
+///                      read directly. The program gmsh converts binary files, other versions and
+///                      universal files, and converts them back when they are written
 ///   .bdf .nas .dat .fem  Nastran bulk data (OptiStruct): GRID, CTRIA3, CTRIAR, CQUAD4, CQUADR, CTRIA6, CQUAD8;
 ///                      small, large and free fields; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C,
 ///                      CORD2S; INCLUDE; properties from PID, node sets from SET1
@@ -61,6 +65,8 @@ class MeshFile {
   static MeshFile read(const std::filesystem::path& path);
   /// True if the extension of the file is that of a supported mesh format.
   static bool can_read(const std::filesystem::path& path);
+  /// The file extensions that read() supports, with the dot.
+  static std::vector<std::string> readable_extensions();
 
   /// Creates a MeshFile for a mesh that does not belong to a file. Nodes and faces are numbered
   /// from 1, and there are no sets. write() throws InputError for such a mesh.
@@ -106,15 +112,20 @@ class MeshFile {
   /// Name of the file format for messages, such as "Nastran bulk data".
   const std::string& format() const;
 
-  /// Included files of the deck, relative to its folder. write() writes them under the same names
-  /// next to the new deck, even if they are unchanged. Files outside the folder of the deck are not
-  /// listed: they are not written, so their nodes cannot be moved.
+  /// Included files of the deck, relative to its folder. write() writes them under the same names,
+  /// relative to the new deck, even if they are unchanged. Files that are included by absolute paths
+  /// are not listed: they are not written, so their nodes cannot be moved.
   std::vector<std::filesystem::path> included_files() const;
+  /// The folder, relative to an output folder, in which the deck must be written so that all of its
+  /// included files lie in the output folder. Empty if no included file lies above the deck; "run"
+  /// for a deck run/main.k that includes ../common/mesh.k.
+  std::filesystem::path folder_in_tree() const;
 
   using Rounding = MeshRounding;
   /// Writes the mesh file with the node coordinates `points` (n×3) and otherwise unchanged,
   /// together with included_files(). Returns the largest rounding error of a coordinate. Each file
-  /// is written atomically. A deck of several files never overwrites a file that was read.
+  /// is written atomically. A deck of several files never overwrites a file that was read: changed
+  /// included files need another folder, and unchanged ones that are already there are kept.
   ///
   /// In text files, binary PLY and binary STL, only the coordinates of moved nodes are replaced;
   /// all other bytes are copied. A coordinate that is unchanged keeps its digits. In decks, a

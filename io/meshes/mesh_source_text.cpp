@@ -71,10 +71,11 @@ fs::path true_path(const fs::path& file) {
 
 }  // namespace
 
-MeshSourceText::MeshSourceText(const fs::path& path, bool binary) {
-  open({path, true_path(path), read_input_file(path, "a mesh"), 0, std::string::npos,
-        path.filename()},
-       binary);
+MeshSourceText::MeshSourceText(const fs::path& path, bool binary)
+    : MeshSourceText(path, read_input_file(path, "a mesh"), binary) {}
+
+MeshSourceText::MeshSourceText(const fs::path& path, std::string content, bool binary) {
+  open({path, true_path(path), std::move(content), 0, std::string::npos, path.filename()}, binary);
   const std::string& text = this->text();
   different_bytes_ = text.size();
   if (std::all_of(text.begin(), text.end(), [](char c) { return is_blank(c) || c == '\n'; }))
@@ -384,12 +385,6 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// Path of `file` relative to `folder`; empty if it is not inside that folder.
-fs::path inside(const fs::path& file, const fs::path& folder) {
-  const fs::path way = true_path(file).lexically_relative(true_path(folder));
-  return way.empty() || *way.begin() == ".." || *way.begin() == "." ? fs::path() : way;
-}
-
 /// Decks from other systems may use backslashes as separators.
 std::string with_slashes(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
@@ -448,7 +443,7 @@ void MeshSourceText::include(const std::string& name, std::string_view where,
     throw InputError(include_trace(line) + "found " + std::to_string(all >> 20) +
                      " MB of included files, expected " + std::to_string(most >> 20) +
                      " MB at most, or files that are included fewer times");
-  if (!elsewhere) source.beside = inside(found, root);
+  if (!elsewhere) source.beside = true_path(found).lexically_relative(true_path(root));
   open_.push_back({current_, at_});
   open(std::move(source), false);
 }

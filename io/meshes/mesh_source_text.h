@@ -81,8 +81,8 @@ class MeshSourceText {
     size_t base = 0;  ///< offset of its first byte
     /// Offset of the line that includes it; npos for the main file.
     size_t included_at = std::string::npos;
-    /// Path relative to the deck's folder, used when a deck is written. Empty if the file lies
-    /// outside that folder or is named by an absolute path; then it is not written.
+    /// Path relative to the deck's folder, used when a deck is written. Empty if the file is named by
+    /// an absolute path; then it is not written.
     std::filesystem::path beside;
     bool ends_with_carriage_returns = false;  ///< line ends of the file, which are '\n' in `text`
   };
@@ -90,6 +90,8 @@ class MeshSourceText {
   /// Reads the file. Throws InputError for a missing file, a folder or an empty file and, unless
   /// `binary`, for UTF-16 text or zero bytes.
   explicit MeshSourceText(const std::filesystem::path& path, bool binary = false);
+  /// Takes the contents of the file, or the text that another program made of it.
+  MeshSourceText(const std::filesystem::path& path, std::string content, bool binary);
 
   /// The text of the main file.
   const std::string& text() const { return sources_.front()->text; }

@@ -438,38 +438,39 @@ void Rewriting::note_left(const std::string& name, const Motion& motion) {
 }
 
 /// The path to which each file is written: the main file to `path`, included files beside it. A
-/// file included twice is written once. Throws InputError if a changed file cannot be written.
+/// file included twice is written once, and an unchanged one that is already there is not written.
+/// Throws InputError if a changed file cannot be written.
 std::map<fs::path, const Output*> targets_of(const fs::path& path,
                                              const fs::path& destination_folder,
                                              const std::vector<Output>& outputs) {
+  const fs::path folder = destination_folder.empty() ? path.parent_path() : destination_folder;
+  std::set<fs::path> inputs;
+  for (const Output& output : outputs) inputs.insert(output.source->canonical);
   std::map<fs::path, const Output*> targets;
   for (const Output& output : outputs) {
     const bool main = &output == &outputs.front();
     if (output.source->beside.empty()) {
       if (!output.changed.empty())
-        throw InputError(output.source->path.string() + ": " + output.changed +
-                         ", but its file lies outside of the deck's folder or is included by "
-                         "an absolute path, expected a relative path in the folder");
+        throw InputError(
+            output.source->path.string() + ": " + output.changed +
+            ", but its file is included by an absolute path, expected a relative path");
       continue;
     }
-    const fs::path target = main ? path : path.parent_path() / output.source->beside;
+    const fs::path target =
+        main ? path : (path.parent_path() / output.source->beside).lexically_normal();
+    std::error_code error;
+    const fs::path last =
+        fs::weakly_canonical(folder / target.lexically_relative(path.parent_path()), error);
+    if (outputs.size() > 1 && inputs.contains(last)) {
+      if (!main && output.changed.empty() && last == output.source->canonical) continue;
+      throw InputError(last.string() +
+                       ": found a file of the deck that was read, expected another folder");
+    }
     const auto there = targets.find(target);
     if (there != targets.end() && there->second->source->path != output.source->path)
       throw InputError(target.string() +
                        ": found the name of an included file, expected another name");
     if (there == targets.end() || !output.changed.empty()) targets[target] = &output;
-  }
-  if (outputs.size() == 1) return targets;
-  std::set<fs::path> inputs;
-  std::error_code error;
-  for (const Output& output : outputs)
-    inputs.insert(fs::weakly_canonical(output.source->path, error));
-  const fs::path folder = destination_folder.empty() ? path.parent_path() : destination_folder;
-  for (const auto& [target, output] : targets) {
-    const fs::path last = folder / target.lexically_relative(path.parent_path());
-    if (inputs.contains(fs::weakly_canonical(last, error)))
-      throw InputError(last.string() +
-                       ": found a file of the deck that was read, expected another folder");
   }
   return targets;
 }
@@ -511,6 +512,18 @@ std::vector<fs::path> TextMeshContent::included_files() const {
   return names;
 }
 
+fs::path TextMeshContent::folder_in_tree() const {
+  long above = 0;
+  for (const fs::path& name : included_files())
+    above = std::max<long>(above, std::count(name.begin(), name.end(), ".."));
+  fs::path rest = file.sources().front()->canonical.parent_path(), folder;
+  for (; above > 0; --above) {
+    folder = folder.empty() ? rest.filename() : rest.filename() / folder;
+    rest = rest.parent_path();
+  }
+  return folder;
+}
+
 void TextMeshContent::warn_about_unwritten_includes() {
   std::vector<fs::path> said;
   for (const auto& source : file.sources()) {
@@ -519,8 +532,8 @@ void TextMeshContent::warn_about_unwritten_includes() {
     said.push_back(source->path);
     warnings.push_back(
         source->path.string() +
-        " lies outside of the deck's folder or is included by an absolute path: it is "
-        "not written, and the written deck refers to it by the same name");
+        " is included by an absolute path: it is not written, and the written deck refers to it by "
+        "the same name");
   }
 }
 

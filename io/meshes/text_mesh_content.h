@@ -141,6 +141,7 @@ struct TextMeshContent : MeshContent {
   MeshRounding write(const std::filesystem::path& path, const Points& points,
                      const MeshWriteOptions& options) const override;
   std::vector<std::filesystem::path> included_files() const override;
+  std::filesystem::path folder_in_tree() const override;
 
   /// Adds a warning for each included file that is not written together with the deck.
   void warn_about_unwritten_includes();

@@ -278,6 +278,9 @@ class VtkMesh : public MeshContent {
     warn();
     drop_normals(*data_->GetPointData(), "point");
     drop_normals(*data_->GetCellData(), "cell");
+    read_sets("Set", "Set_names");
+    read_sets("Face", "Face_names");
+    read_sets("Curve", "Curve_names");
   }
 
   MeshRounding write(const fs::path& path, const Points& points,
@@ -292,7 +295,7 @@ class VtkMesh : public MeshContent {
     moved->ShallowCopy(data_);
     moved->SetPoints(vtk_points(points, single ? VTK_FLOAT : VTK_DOUBLE));
     legacy_ ? write_legacy(moved, path) : write_data(moved, path);
-    return {};
+    return {0, -1, dropped_};
   }
 
  private:
@@ -413,7 +416,7 @@ class VtkMesh : public MeshContent {
 
   /// Faces of strips share the label of their cell: they are counted instead.
   Labels labels_of_faces() {
-    Labels labels(std::move(cell_of_face_));
+    Labels labels(cell_of_face_);
     return labels.duplicate() ? Labels::counted_from(0, labels.count()) : labels;
   }
 
@@ -423,13 +426,50 @@ class VtkMesh : public MeshContent {
       const std::string name =
           attributes.GetArrayName(i) ? attributes.GetArrayName(i) : std::string();
       if (array != attributes.GetNormals() && upper(name) != "NORMALS") continue;
-      warnings.push_back("the " + what + " normals '" + name +
+      dropped_.push_back("the " + what + " normals '" + name +
                          "' are not written, because the shape has changed");
       attributes.RemoveArray(i);
     }
   }
 
-  std::string file_, bytes_;  // its name and content
+  /// Sets of faces, or of the nodes of lines: the cell data `values` are indices of `names`. Batten
+  /// writes these data for sets, and for the faces and curves of models.
+  void read_sets(const char* values, const char* names) {
+    vtkDataArray* const index = data_->GetCellData()->GetArray(values);
+    auto* const texts =
+        vtkStringArray::SafeDownCast(data_->GetFieldData()->GetAbstractArray(names));
+    if (!index || !texts || index->GetNumberOfComponents() != 1 ||
+        index->GetNumberOfTuples() != data_->GetNumberOfCells())
+      return;
+    std::vector<MeshSet> found(static_cast<size_t>(texts->GetNumberOfValues()));
+    const auto set_of = [&](vtkIdType cell) {
+      const double value = index->GetComponent(cell, 0);
+      return value >= 0 && value < static_cast<double>(found.size())
+                 ? &found[static_cast<size_t>(value)]
+                 : nullptr;
+    };
+    std::vector<char> is_face(static_cast<size_t>(data_->GetNumberOfCells()), 0);
+    for (int f = 0; f < isize(cell_of_face_); ++f) {
+      is_face[static_cast<size_t>(cell_of_face_[f])] = 1;
+      if (MeshSet* const set = set_of(cell_of_face_[f])) set->faces.push_back(f);
+    }
+    vtkNew<vtkIdList> nodes;
+    for (vtkIdType cell = 0; cell < data_->GetNumberOfCells(); ++cell)
+      if (MeshSet* const set = set_of(cell); set && !is_face[static_cast<size_t>(cell)]) {
+        data_->GetCellPoints(cell, nodes);
+        for (vtkIdType i = 0; i < nodes->GetNumberOfIds(); ++i)
+          set->nodes.push_back(static_cast<int>(nodes->GetId(i)));
+      }
+    for (size_t i = 0; i < found.size(); ++i) {
+      found[i].name = texts->GetValue(static_cast<vtkIdType>(i));
+      found[i].nodes = sorted_unique(std::move(found[i].nodes));
+      if (!found[i].faces.empty()) found[i].nodes.clear();  // a set has faces or nodes
+      if (!found[i].faces.empty() || !found[i].nodes.empty()) sets.push_back(std::move(found[i]));
+    }
+  }
+
+  std::string file_, bytes_;          // its name and content
+  std::vector<std::string> dropped_;  // notes about data that are not written after a change
   vtkSmartPointer<vtkPointSet> data_;
   bool legacy_ = false;
   std::vector<long> cell_of_face_;

@@ -269,6 +269,9 @@ struct Scene {
   SceneMotion motion;
   std::optional<SceneStress> stress;
   std::string step, vtu, vtp, calculix;  ///< [output]: names of output files; empty: not written
+  /// Text of a scene file that describes this scene, which was created in memory. It is written as
+  /// NAME.toml, unless the output folder contains another file of this name. Empty: not written.
+  std::string text;
   enum class StepForm {
     /// Automatic: like Face, except for a scene with a single untrimmed face of up to 10,000
     /// triangles whose B-spline face exceeds step_tolerance. Such a scene is written like Exact.

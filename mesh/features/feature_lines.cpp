@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <queue>
 #include <utility>
 
@@ -31,15 +32,7 @@ class LineFinder {
     check_angle(options.crease_degrees, "a crease angle");
     check_angle(options.corner_degrees, "a corner angle");
     at_.resize(mesh.topology().vertex_count());
-    used_.assign(edges_.size(), 1);
-    const double crease = cosine(options.crease_degrees);
-    for (int e = 0; e < isize(edges_); ++e) {
-      const auto& edge = edges_[e];
-      if (!is_boundary(edge) && normal(edge.left).dot(normal(edge.right)) >= crease) continue;
-      used_[e] = 0;
-      at_[edge.low].push_back(e);
-      at_[edge.high].push_back(e);
-    }
+    find_edges();
   }
 
   FeatureLines find() {
@@ -53,6 +46,31 @@ class LineFinder {
   }
 
  private:
+  using Kind = FeatureLine::Kind;
+
+  void find_edges() {
+    kinds_.assign(edges_.size(), std::nullopt);
+    for (const int e : options_.given_edges) {
+      if (e < 0 || e >= isize(edges_))
+        throw InputError("found edge " + std::to_string(e) + ", expected 0 to " +
+                         std::to_string(isize(edges_) - 1));
+      kinds_[e] = Kind::Given;
+    }
+    const double crease = cosine(options_.crease_degrees);
+    used_.assign(edges_.size(), 1);
+    for (int e = 0; e < isize(edges_); ++e) {
+      const auto& edge = edges_[e];
+      if (is_boundary(edge))
+        kinds_[e] = Kind::Boundary;
+      else if (!(normal(edge.left).dot(normal(edge.right)) >= crease))
+        kinds_[e] = Kind::Crease;
+      if (!kinds_[e]) continue;
+      used_[e] = 0;
+      at_[edge.low].push_back(e);
+      at_[edge.high].push_back(e);
+    }
+  }
+
   std::vector<FeatureLine> lines() {
     std::vector<FeatureLine> lines;
     for (int v = 0; v < isize(at_); ++v)
@@ -75,12 +93,12 @@ class LineFinder {
   Vec3 normal(int triangle) const { return mesh_.area_vector(triangle).normalized(); }
   int other(int e, int v) const { return edges_[e].low == v ? edges_[e].high : edges_[e].low; }
 
-  /// True if lines end at this vertex: it has not two feature edges, joins boundary and crease, or
-  /// is a corner.
+  /// True if lines end at this vertex: it has not two feature edges, joins edges of different kinds,
+  /// or is a corner.
   bool ends_at(int v) const {
     if (at_[v].size() != 2) return true;
     const int a = at_[v][0], b = at_[v][1];
-    if (is_boundary(edges_[a]) != is_boundary(edges_[b])) return true;
+    if (kinds_[a] != kinds_[b]) return true;
     const Vec3 in = (mesh_.point(v) - mesh_.point(other(a, v))).normalized(),
                out = (mesh_.point(other(b, v)) - mesh_.point(v)).normalized();
     return in.dot(out) < cosine(options_.corner_degrees);
@@ -88,7 +106,7 @@ class LineFinder {
 
   FeatureLine along(int v, int e) {
     FeatureLine line;
-    line.boundary = is_boundary(edges_[e]);
+    line.kind = *kinds_[e];
     line.vertices = {v};
     for (;;) {
       used_[e] = 1;
@@ -103,7 +121,7 @@ class LineFinder {
   }
 
   bool is_noise(const FeatureLine& line) const {
-    if (line.boundary || line.closed) return false;
+    if (line.kind != Kind::Crease || line.closed) return false;
     if (at_[line.vertices.front()].size() > 1 && at_[line.vertices.back()].size() > 1) return false;
     double length = 0;
     for (size_t i = 1; i < line.vertices.size(); ++i)
@@ -184,7 +202,8 @@ class LineFinder {
   const TriangleMesh& mesh_;
   const FeatureLineOptions& options_;
   const std::vector<MeshTopology::Edge>& edges_;
-  std::vector<std::vector<int>> at_;  // feature edges at each vertex
+  std::vector<std::vector<int>> at_;        // feature edges at each vertex
+  std::vector<std::optional<Kind>> kinds_;  // per edge; none: not a feature edge
   std::vector<char> used_;
   std::vector<int> line_of_, patch_of_;  // per edge, per triangle; -1: none
 };

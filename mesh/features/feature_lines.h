@@ -19,14 +19,17 @@ struct FeatureLineOptions {
   /// Minimum length of crease lines with a dangling end, relative to the mesh size. Shorter lines
   /// are regarded as noise and omitted.
   double min_length = 0.02;
+  /// Edges that are feature lines whatever their angle; indices into MeshTopology::edges().
+  std::vector<int> given_edges = {};
 };
 
-/// A feature line of a mesh: a chain of crease edges or of boundary edges.
+/// A feature line of a mesh: a chain of boundary edges, of crease edges, or of other given edges.
 struct FeatureLine {
+  enum class Kind { Boundary, Crease, Given };
   std::vector<int> vertices;  ///< in order; the first vertex of a closed line is not repeated
   std::vector<int> edges;     ///< indices into MeshTopology::edges(), in order along the line
   bool closed = false;
-  bool boundary = false;  ///< true: boundary line; false: crease
+  Kind kind = Kind::Crease;
 };
 
 /// A patch of the mesh enclosed by feature lines.
@@ -46,10 +49,10 @@ struct FeatureLines {
 };
 
 /// Finds the feature lines of a mesh and the patches that they enclose. Lines are split at corners
-/// (see FeatureLineOptions::corner_degrees), and at vertices whose number of crease and boundary
-/// edges is not two. The lines are sorted by their lowest-numbered vertices. Creases rounded off by
-/// many small triangles are not detected. Throws InputError if an angle is not between 0 and 180.
-/// O(edges).
+/// (see FeatureLineOptions::corner_degrees), where their kind changes, and at vertices whose number
+/// of feature edges is not two. The lines are sorted by their lowest-numbered vertices. Creases rounded off by
+/// many small triangles are not detected. Throws InputError if an angle is not between 0 and 180,
+/// or a given edge is out of range. O(edges).
 FeatureLines feature_lines(const TriangleMesh& mesh, const FeatureLineOptions& options = {});
 
 /// Finds the shortest path along edges through the vertices `through`, in the given order

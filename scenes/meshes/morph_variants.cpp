@@ -118,14 +118,15 @@ class VariantWriter {
   void write_mesh(Variant& variant, const MorphSolver& solver) const {
     const std::string folder = "variant-" + variant.number;
     const std::string file = folder + "/" + scene_.mesh_out;
-    std::filesystem::create_directories(out_.file(folder));
-    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder() / folder};
+    const std::filesystem::path tree = folder / file_.folder_in_tree();
+    std::filesystem::create_directories(out_.file(tree.string()));
+    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder() / tree};
     const DeferredFlush deferred;  // OutputFolder::commit() flushes all files
     variant.rounding =
         file_.write(out_.file(file), node_positions(solver.shape(), file_), options).largest;
     variant.files.push_back(file);
     for (const auto& beside : file_.included_files())
-      variant.files.push_back(folder + "/" + beside.string());
+      variant.files.push_back((tree / beside).lexically_normal().string());
   }
 
   static double value_of(const DeformScene& scene, const std::string& name) {

@@ -166,6 +166,8 @@ class DeformRun {
     report_.unit = scene_.unit;
     progress_.update("mesh", 0);
     MeshSource source = read_source(scene_.mesh);
+    if (!scene_.mesh_out.empty())
+      scene_.mesh_out = (source.file.folder_in_tree() / scene_.mesh_out).string();
     report_.warnings = source.file.warnings();
     // The report counts these elements, and names the nodes that stay behind.
     std::erase_if(report_.warnings, [&](const std::string& warning) {
@@ -269,13 +271,16 @@ class DeformRun {
 
   /// Writes the mesh in the format of its file.
   void write_mesh() {
-    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder()};
+    const std::filesystem::path tree = file_.folder_in_tree();
+    const MeshWriteOptions options{scene_.large_field_nodes, out_.folder() / tree};
+    std::filesystem::create_directories(out_.file(tree.string()));
     const Points places = node_positions(states_.back(), file_);
     const MeshFile::Rounding written = file_.write(out_.file(scene_.mesh_out), places, options);
     report_.rounding = written.largest;
     report_.warnings.insert(report_.warnings.end(), written.notes.begin(), written.notes.end());
     report_.files.push_back(scene_.mesh_out);
-    for (const auto& beside : file_.included_files()) report_.files.push_back(beside.string());
+    for (const auto& beside : file_.included_files())
+      report_.files.push_back((tree / beside).lexically_normal().string());
     if (report_.rounding > 1e-9 * original().size())
       report_.warnings.push_back(
           scene_.mesh_out + ": the number fields of this deck round coordinates by up to " +

@@ -20,8 +20,8 @@
 #include "batten/io/meshes/mesh_file.h"
 #include "batten/io/pictures/display.h"
 #include "batten/io/pictures/mesh_pictures.h"
-#include "batten/mesh/features/feature_lines.h"
 #include "batten/mesh/prepared_mesh.h"
+#include "batten/scenes/lines/mesh_lines.h"
 #include "batten/scenes/lines/scene_lines.h"
 #include "batten/scenes/runs/run_support.h"
 #include "batten/scenes/shapes/load_effects.h"
@@ -549,54 +549,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
 
 namespace {
 
-/// Region specification of a patch; empty for patches without a border, or with a line that occurs
-/// twice in it. The region search handles these.
-std::optional<RegionSpec> spec_of(const FeaturePatch& patch, const std::vector<SceneLine>& lines) {
-  RegionSpec spec;
-  std::set<int> used;
-  for (const auto& loop : patch.loops) {
-    auto& names = spec.loops.emplace_back();
-    for (const int l : loop) {
-      if (!used.insert(l).second) return {};
-      names.push_back(lines[l].name);
-    }
-  }
-  if (spec.loops.empty()) return {};
-  for (const int l : patch.inner) spec.inner.push_back(lines[l].name);
-  spec.annulus = patch.loops.size() == 2 && !patch.flat && patch.loops[0].size() == 1 &&
-                 patch.loops[1].size() == 1;
-  return spec;
-}
-
 constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
-
-}  // namespace
-
-void add_mesh_lines(Scene& scene, const TriangleMesh& mesh) {
-  scene.network.tolerance = kMeet * mesh.size();
-  const FeatureLines found = feature_lines(mesh);
-  int creases = 0, free_edges = 0;
-  for (const FeatureLine& feature : found.lines) {
-    SceneLine line;
-    line.name = feature.boundary ? "free edge " + std::to_string(++free_edges)
-                                 : "crease " + std::to_string(++creases);
-    for (const int v : feature.vertices) line.points.push_back(mesh.point(v));
-    if (feature.closed) line.points.push_back(line.points.front());
-    line.corners.emplace();  // lines end at their corners
-    if (!feature.boundary) scene.network.joins.push_back({line.name, JoinSpec::Kind::Crease, ""});
-    scene.lines.push_back(std::move(line));
-  }
-  if (found.lines.empty())
-    throw InputError(
-        "found no crease and no free edge in the mesh, expected the curves to keep (--curves)");
-  for (int p = 0; p < isize(found.patches); ++p)
-    if (auto spec = spec_of(found.patches[p], scene.lines)) {
-      spec->name = "patch " + std::to_string(p + 1);
-      scene.network.regions.push_back(std::move(*spec));
-    }
-}
-
-namespace {
 
 /// Adds a region for each face of a CAD file, except faces with a line that occurs twice. The
 /// region search handles these.
@@ -630,7 +583,8 @@ Scene scene_of_target(const std::filesystem::path& target,
   Scene scene;
   if (lines.empty() && mesh) {
     scene.unit = unit;
-    add_mesh_lines(scene, prepare(MeshFile::read(target).shells()).mesh);
+    const MeshFile file = MeshFile::read(target);
+    add_mesh_lines(scene, prepare(file.shells()), file.sets());
   } else {
     scene = scene_of_lines(lines.empty() ? std::vector{target} : lines, {}, unit);
     if (lines.empty()) {

@@ -13,6 +13,7 @@
 #include "batten/core/geometry.h"
 #include "batten/io/decks/calculix_decks.h"
 #include "batten/io/files/atomic_file.h"
+#include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
 #include "batten/io/vtk/vtk_files.h"
@@ -402,6 +403,23 @@ void write_vtk_files(Report& report, const Scene& scene, const BuiltModel& made,
   write_vtk(scene.vtu, write_vtu);
 }
 
+/// Writes the text of the scene. A file that the user may have changed is kept.
+void write_scene_text(Report& report, const Scene& scene, const OutputFolder& out) {
+  if (scene.text.empty()) return;
+  const std::string name = scene.name + ".toml";
+  const std::filesystem::path existing = out.folder() / name;
+  std::error_code none;
+  if (std::filesystem::exists(existing, none) &&
+      read_input_file(existing, "a scene") != scene.text) {
+    report.warnings.push_back(existing.string() +
+                              " is kept, although it differs from the scene of this run; remove or "
+                              "rename it to get the new one");
+    return;
+  }
+  write_file_atomically(out.file(name), [&](std::ostream& file) { file << scene.text; });
+  report.files.push_back(name);
+}
+
 }  // namespace
 
 void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
@@ -413,6 +431,7 @@ void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
     run.watch.lap("compare");
   }
   progress.update("files", 0);
+  write_scene_text(report, scene, run.out);
   if (!scene.vtp.empty() || !scene.vtu.empty()) {
     progress.update("VTK", 0);
     write_vtk_files(report, scene, made, shape, run.out);

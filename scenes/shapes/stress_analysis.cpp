@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/scenes/shapes/stress_analysis.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#if defined(__linux__)
-#include <sys/prctl.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +12,7 @@
 #include "batten/analysis/models/shell_stresses.h"
 #include "batten/core/errors.h"
 #include "batten/io/decks/frd_results.h"
+#include "batten/io/files/external_program.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/scenes/shapes/stress_results.h"
@@ -351,28 +344,8 @@ double equivalent(const Mat3& s) {
 }
 
 void run_ccx(const std::filesystem::path& deck) {
-  const char* named = std::getenv("CCX");
-  const std::string program = named ? named : "ccx", folder = deck.parent_path().string(),
-                    stem = deck.stem().string();
-  const pid_t child = fork();
-  if (child == 0) {
-#if defined(__linux__)
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends together with a cancelled run
-#endif
-    const int nothing = open("/dev/null", O_WRONLY);
-    dup2(nothing, STDOUT_FILENO);
-    dup2(nothing, STDERR_FILENO);
-    if (chdir(folder.c_str()) == 0)
-      execlp(program.c_str(), program.c_str(), "-i", stem.c_str(), nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0)
-    throw InputError("cannot start '" + program + "'");
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    throw InputError("found no program '" + program +
-                     "', expected CalculiX (calculix-ccx) or its path in the environment variable "
-                     "CCX");
+  run_external_program({"ccx", "CCX", "CalculiX (calculix-ccx)"}, {"-i", deck.stem().string()},
+                       deck.parent_path());
   // Files that ccx leaves beside its results.
   for (const char* ending : {".dat", ".sta", ".cvg", ".12d"})
     std::filesystem::remove(std::filesystem::path(deck).replace_extension(ending));

@@ -554,3 +554,16 @@ TEST_CASE("work that does not respond to cancellation is ended all the same", "[
   c.file("other.txt", "");
   CHECK(std::distance(fs::directory_iterator(c / ""), fs::directory_iterator()) == 1);
 }
+
+TEST_CASE("the name of a file is no output folder", "[apps][cli]") {
+  const CliCase c("out_file");
+  c.file("plate.csv", "0,0,0\n10,0,0\n10,10,0\n0,10,0\n0,0,0\n");
+  const CliResult r = c.run({"skin", "plate.csv", "--out", "plate.step"});
+  CHECK(r.code != 0);
+  CHECK_THAT(r.err, Catch::Matchers::Contains("'plate.step', expected a folder, such as 'plate'"));
+  CHECK_FALSE(fs::exists(c / "plate.step"));
+  // Other dots are part of a name, and folders that exist are folders.
+  fs::create_directories(c / "old.step");
+  for (const char* folder : {"v1.2", "old.step"})
+    CHECK(c.run({"skin", "plate.csv", "--out", folder}).code == 0);
+}

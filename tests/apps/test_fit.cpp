@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // batten fit: existing surfaces become models.
 #include <cmath>
+#include <set>
 
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/catch.h"
@@ -154,4 +155,46 @@ TEST_CASE("invalid targets are refused with their position", "[apps][fit]") {
   const CliResult r = c.run({"fit", "empty.obj", "--out", "out"});
   CHECK(r.code == 1);
   CHECK_FALSE(fs::exists(c / "out"));
+}
+
+TEST_CASE(
+    "names of curves and faces survive the way into a deck and back, and fit writes its scene",
+    "[apps][fit]") {
+  const CliCase c("fit_names");
+  c.file("plate.csv",
+         "curve,x,y,z\nleft,0,0,0\nleft,0,25,4\nleft,0,50,0\nright,100,0,0\nright,100,25,4\n"
+         "right,100,50,0\nfront,0,0,0\nfront,50,0,10\nfront,100,0,0\nback,0,50,0\nback,50,50,10\n"
+         "back,100,50,0\nmiddle,50,0,10\nmiddle,50,25,16\nmiddle,50,50,10\n");
+  c.file("plate.toml",
+         "unit = \"mm\"\n[[curves]]\nfile = \"plate.csv\"\n[output]\ncalculix = \"plate.inp\"\n"
+         "[stress]\nmaterial = \"steel\"\nthickness = 1\npressure = 0.001\n"
+         "supports = [{curve = \"left\", type = \"clamped\"}]\n");
+  REQUIRE(c.run({"run", "plate.toml", "--out", "out"}).code == 0);
+  const CliResult r = c.run({"fit", "out/plate.inp", "--out", "fitted", "--fit-tolerance", "0.05"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  const auto j = report(c, "fitted");
+  std::set<std::string> curves, faces;
+  for (const auto& face : j["faces"]) faces.insert(face["name"].get<std::string>());
+  for (const auto& curve : j["curves"]["each"]) curves.insert(curve["name"].get<std::string>());
+  CHECK(faces == std::set<std::string>{"FACE_1", "FACE_2"});
+  CHECK(curves ==
+        std::set<std::string>{"LEFT", "RIGHT", "MIDDLE", "FRONT_1", "FRONT_2", "BACK_1", "BACK_2"});
+  // The curve between both faces is no crease, as in the original.
+  CHECK(r.out.find("0 creases (G0), 1 smooth") != std::string::npos);
+
+  // The written scene is the scene of the run; a changed one is kept.
+  const std::string scene = contents(c / "fitted/plate.toml");
+  setenv("SOURCE_DATE_EPOCH", "0", 1);
+  REQUIRE(c.run({"fit", "out/plate.inp", "--out", "fitted", "--fit-tolerance", "0.05"}).code == 0);
+  REQUIRE(c.run({"run", "fitted/plate.toml", "--out", "again"}).code == 0);
+  unsetenv("SOURCE_DATE_EPOCH");
+  CHECK(contents(c / "fitted/plate.step") == contents(c / "again/plate.step"));
+  CHECK(contents(c / "fitted/plate.toml") == scene);
+  c.file("fitted/plate.toml", scene + "# mine\n");
+  const CliResult kept =
+      c.run({"fit", "out/plate.inp", "--out", "fitted", "--fit-tolerance", "0.05"});
+  CHECK(kept.code == 0);
+  CHECK_THAT(kept.err, Contains("plate.toml is kept"));
+  CHECK(contents(c / "fitted/plate.toml") == scene + "# mine\n");
 }

@@ -46,7 +46,7 @@ TEST_CASE("a box has twelve creases between its corners", "[mesh][features]") {
   for (const FeatureLine& line : lines) {
     CHECK(line.vertices.size() == 2);
     CHECK_FALSE(line.closed);
-    CHECK_FALSE(line.boundary);
+    CHECK(line.kind == FeatureLine::Kind::Crease);
     ends.insert(std::minmax(line.vertices.front(), line.vertices.back()));
   }
   CHECK(ends.size() == 12);
@@ -67,7 +67,7 @@ TEST_CASE("a cup has one closed crease and one closed free edge", "[mesh][featur
     CHECK(std::set<int>(line.vertices.begin(), line.vertices.end()).size() == 40);
     CHECK(line.vertices.size() == 40);
   }
-  CHECK(lines[0].boundary != lines[1].boundary);
+  CHECK(lines[0].kind != lines[1].kind);
   REQUIRE(patches.size() == 2);  // the wall and the lid
   for (const FeaturePatch& patch : patches) CHECK(patch.loops.size() == (patch.flat ? 1 : 2));
 }
@@ -85,7 +85,7 @@ TEST_CASE("short creases that end in the open are noise, long ones are not", "[m
       mesh.add_face(f);
     int creases = 0;
     for (const FeatureLine& line : feature_lines(prepare(mesh).mesh).lines)
-      creases += !line.boundary;
+      creases += line.kind == FeatureLine::Kind::Crease;
     return creases;
   };
   CHECK(add(0.01) == 0);

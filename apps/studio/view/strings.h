@@ -287,8 +287,7 @@ inline constexpr const char* kUntitled = QT_TRANSLATE_NOOP("studio", "a new scen
 inline constexpr const char* kSceneFiles = QT_TRANSLATE_NOOP(
     "studio",
     "Scenes, curves and meshes (*.toml *.json *.csv *.txt *.xyz *.dat *.obj *.curves *.dxf *.svg "
-    "*.iges *.igs *.step *.stp *.brep *.off *.ply *.stl *.vtp *.vtu *.bdf *.nas *.inp *.k *.key "
-    "*.dyn *.rad);;All files (*)");
+    "*.iges *.igs *.step *.stp *.brep %1);;All files (*)");
 inline constexpr const char* kSavedFiles = QT_TRANSLATE_NOOP("studio", "Scenes (*.toml)");
 inline constexpr const char* kExportFiles = QT_TRANSLATE_NOOP(
     "studio",

@@ -30,6 +30,7 @@
 #include "batten/apps/documents/line_edits.h"
 #include "batten/apps/studio/view/strings.h"
 #include "batten/io/files/text.h"
+#include "batten/io/meshes/mesh_file.h"
 
 namespace batten::studio {
 // Light and dark theme of all widgets.
@@ -414,7 +415,9 @@ QString original_format(const QString& ending) {
   constexpr std::pair<const char*, const char*> decks[] = {{"bdf nas dat", "Nastran deck"},
                                                            {"inp", "Abaqus deck"},
                                                            {"k key dyn", "LS-DYNA deck"},
-                                                           {"rad", "Radioss deck"}};
+                                                           {"rad", "Radioss deck"},
+                                                           {"msh", "Gmsh mesh"},
+                                                           {"unv", "Universal file"}};
   for (const auto& [endings, deck] : decks)
     if (QString(endings).split(' ').contains(ending.toLower()))
       return text(kOriginalFormat).arg(deck, "." + ending);
@@ -425,8 +428,11 @@ QString original_format(const QString& ending) {
 
 void MainWindow::ask_open() {
   if (!may_close()) return;
-  const QString file =
-      QFileDialog::getOpenFileName(this, title(kOpen), in_folder(), text(kSceneFiles));
+  QStringList meshes;
+  for (const std::string& extension : MeshFile::readable_extensions())
+    meshes += "*" + QString::fromStdString(extension);
+  const QString file = QFileDialog::getOpenFileName(this, title(kOpen), in_folder(),
+                                                    text(kSceneFiles).arg(meshes.join(' ')));
   if (!file.isEmpty()) open(file.toStdString());
 }
 

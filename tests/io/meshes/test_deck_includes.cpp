@@ -167,36 +167,49 @@ TEST_CASE("files that include others again and again have an end", "[io][decks]"
   CHECK_THAT(read_error_in(files, "f0.bdf"), Contains("found more files than are followed"));
 }
 
-TEST_CASE("included files outside of the deck's folder stay where they are", "[io][decks]") {
-  const fs::path folder = folder_with(
-      "includes_outside", {{"deck/main.bdf",
-                            "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nINCLUDE '../shared/node.bdf'\n"
-                            "CTRIA3,1,1,1,2,3\nINCLUDE '../shared/node2.bdf'\n"},
-                           {"shared/node.bdf", "GRID,3,,0.,1.,0.\n"},
-                           {"shared/node2.bdf", "$\n"}});
-  const MeshFile file = MeshFile::read(folder / "deck/main.bdf");
-  CHECK(std::count_if(file.warnings().begin(), file.warnings().end(), [](const auto& warning) {
-          return warning.find("shared/node") != warning.npos &&
-                 warning.find("refers to it by the same name") != warning.npos;
-        }) == 2);
-  CHECK(file.included_files().empty());
-  fs::create_directories(folder / "out");
+TEST_CASE("included files above the deck's folder keep their place relative to the deck",
+          "[io][decks]") {
+  const Files tree{{"model/deck/main.bdf",
+                    "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nINCLUDE '../../shared/node.bdf'\n"
+                    "CTRIA3,1,1,1,2,3\nINCLUDE '../material.bdf'\n"},
+                   {"shared/node.bdf", "GRID,3,,0.,1.,0.\n"},
+                   {"model/material.bdf", "$\n"}};
+  const fs::path folder = folder_with("includes_above", tree);
+  const MeshFile file = MeshFile::read(folder / "model/deck/main.bdf");
+  CHECK(file.warnings().empty());
+  CHECK(file.folder_in_tree() == fs::path("model/deck"));
   Points points = file.shells().points;
-  points(0, 2) = 0.5;
-  file.write(folder / "out/main.bdf", points);
-  CHECK(MeshFile::read(folder / "out/main.bdf").shells().points == points);
-  CHECK(fs::exists(folder / "shared/node.bdf"));
   points(2, 2) = 0.5;
-  CHECK_THROWS_WITH(file.write(folder / "out/second.bdf", points),
-                    Contains("shared/node.bdf: node 3 moves, but its file lies outside"));
-  CHECK_FALSE(fs::exists(folder / "out/second.bdf"));
-  // An absolute path refers to the file that was read, wherever the deck is written.
-  std::ofstream(folder / "deck/whole.bdf")
-      << "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nINCLUDE '" << (folder / "deck/node.bdf").string()
-      << "'\nCTRIA3,1,1,1,2,3\n";
-  std::ofstream(folder / "deck/node.bdf") << "GRID,3,,0.,1.,0.\n";
-  CHECK_THROWS_WITH(MeshFile::read(folder / "deck/whole.bdf").write(folder / "out/w.bdf", points),
-                    Contains("deck/node.bdf: node 3 moves"));
+  const fs::path out = scratch("includes_above_out");
+  fs::create_directories(out / "model/deck");
+  file.write(out / "model/deck/main.bdf", points);
+  const Files written = files_in(out);
+  CHECK(written.at("shared/node.bdf") == "GRID,3,,0.,1.,0.5\n");
+  CHECK(written.at("model/material.bdf") == tree.at("model/material.bdf"));
+  CHECK(MeshFile::read(out / "model/deck/main.bdf").shells().points == points);
+  // Beside the old deck, unchanged files are used again, and changed ones refuse.
+  CHECK_THROWS_WITH(file.write(folder / "model/deck/new.bdf", points),
+                    Contains("node.bdf: found a file of the deck that was read"));
+  points = file.shells().points;
+  points(0, 2) = 0.5;
+  file.write(folder / "model/deck/new.bdf", points);
+  Files expected = tree;
+  expected["model/deck/new.bdf"] = bytes_of(folder / "model/deck/new.bdf");
+  CHECK(files_in(folder) == expected);
+  CHECK(MeshFile::read(folder / "model/deck/new.bdf").shells().points == points);
+}
+
+TEST_CASE("files that are included by absolute paths stay where they are", "[io][decks]") {
+  const fs::path folder = folder_with("includes_absolute", {{"node.bdf", "GRID,3,,0.,1.,0.\n"}});
+  std::ofstream(folder / "whole.bdf") << "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nINCLUDE '"
+                                      << (folder / "node.bdf").string() << "'\nCTRIA3,1,1,1,2,3\n";
+  const MeshFile file = MeshFile::read(folder / "whole.bdf");
+  CHECK(file.included_files().empty());
+  REQUIRE(file.warnings().size() == 1);
+  CHECK_THAT(file.warnings()[0], Contains("refers to it by the same name"));
+  Points points = file.shells().points;
+  points(2, 2) = 0.5;
+  CHECK_THROWS_WITH(file.write(folder / "w.bdf", points), Contains("node.bdf: node 3 moves"));
 }
 
 TEST_CASE("a deck of several files is never written over one that was read", "[io][decks]") {
