@@ -18,8 +18,9 @@ void AndersonAccelerator::resize(long rows, std::vector<int> sample) {
   sample_ = std::move(sample);
   const long sampled = sample_.empty() ? rows : static_cast<long>(sample_.size());
   if (last_g_.rows() == rows && f_.rows() == sampled && !df_.empty()) return;
-  df_.assign(kDepth, Points(sampled, 3));
-  dg_.assign(kDepth, Points(rows, 3));
+  df_.assign(static_cast<size_t>(depth_), Points(sampled, 3));
+  dg_.assign(static_cast<size_t>(depth_), Points(rows, 3));
+  coefficients_.assign(static_cast<size_t>(depth_), 0);
   f_.resize(sampled, 3);
   last_f_.resize(sampled, 3);
   last_g_.resize(rows, 3);
@@ -44,13 +45,13 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
     for (size_t i = 0; i < sample_.size(); ++i)
       f_(static_cast<long>(i), c) = g(sample_[i], c) - x(sample_[i], c);
   if (has_last_) {
-    if (count_ == kDepth) drop_oldest();
+    if (count_ == depth_) drop_oldest();
     for (;;) {
       Points& df = df_[count_];
       df = f_ - last_f_;
       const double before = std::sqrt(dot(df, df));
-      double* coefficients = R_[count_].data();
-      std::fill(coefficients, coefficients + kDepth, 0);
+      auto coefficients = R_.col(count_);
+      coefficients.setZero();
       for (int pass = 0; pass < 2; ++pass)  // the second pass makes them orthogonal to rounding
         for (int k = 0; k < count_; ++k) {
           const double coefficient = dot(df_[k], df);
@@ -61,7 +62,7 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
       if (length > independence_ * before) {
         Points& dg = dg_[count_];
         dg = g - last_g_;
-        subtract_combination(coefficients, dg);
+        subtract_combination(coefficients.data(), dg);
         df /= length;
         dg /= length;
         coefficients[count_++] = length;
@@ -80,13 +81,12 @@ void AndersonAccelerator::add_iterate(const Eigen::Ref<const Points>& x,
 // rows make the other columns of R triangular again, and turn the columns of Q and ΔG R⁻¹ likewise.
 void AndersonAccelerator::drop_oldest() {
   for (int i = 0; i + 1 < count_; ++i) {
-    const auto& column = R_[i + 1];
-    const double r = std::hypot(column[i], column[i + 1]);
-    const double c = column[i] / r, s = column[i + 1] / r;
+    const double r = std::hypot(R_(i, i + 1), R_(i + 1, i + 1));
+    const double c = R_(i, i + 1) / r, s = R_(i + 1, i + 1) / r;
     for (int j = i + 1; j < count_; ++j) {
-      const double a = R_[j][i], b = R_[j][i + 1];
-      R_[j][i] = c * a + s * b;
-      R_[j][i + 1] = c * b - s * a;
+      const double a = R_(i, j), b = R_(i + 1, j);
+      R_(i, j) = c * a + s * b;
+      R_(i + 1, j) = c * b - s * a;
     }
     for (std::vector<Points>* columns : {&df_, &dg_}) {
       Points &x = (*columns)[i], &y = (*columns)[i + 1];
@@ -98,13 +98,12 @@ void AndersonAccelerator::drop_oldest() {
     }
   }
   --count_;
-  for (int j = 0; j < count_; ++j) R_[j] = R_[j + 1];
+  for (int j = 0; j < count_; ++j) R_.col(j) = R_.col(j + 1);
 }
 
-void AndersonAccelerator::extrapolate(Eigen::Ref<Points> g) const {
-  double coefficients[kDepth];
-  for (int k = 0; k < count_; ++k) coefficients[k] = dot(df_[k], last_f_);
-  subtract_combination(coefficients, g);
+void AndersonAccelerator::extrapolate(Eigen::Ref<Points> g) {
+  for (int k = 0; k < count_; ++k) coefficients_[k] = dot(df_[k], last_f_);
+  subtract_combination(coefficients_.data(), g);
 }
 
 }  // namespace batten

@@ -327,12 +327,21 @@ class GmshReader {
   std::vector<Other> others_;
 };
 
+/// The first words of a file: "$MeshFormat", the version, and 1 if it is binary.
+std::array<std::string, 3> header_of(std::string_view content) {
+  std::string start(content.substr(0, 200));
+  std::replace_if(
+      start.begin(), start.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::string_view rest = start;
+  std::array<std::string, 3> words;
+  for (std::string& word : words) word = next_token(rest);
+  return words;
+}
+
 /// True for the text formats that GmshReader reads.
 bool is_plain_text(std::string_view content) {
-  std::string_view rest = trimmed(content.substr(0, 200));
-  if (next_token(rest) != "$MeshFormat") return false;
-  const std::string_view version = next_token(rest), binary = next_token(rest);
-  return binary == "0" && (version == "4.1" || version.starts_with("2"));
+  const auto [first, version, binary] = header_of(content);
+  return first == "$MeshFormat" && binary == "0" && (version == "4.1" || version.starts_with("2"));
 }
 
 /// Converts a file by the program gmsh.
@@ -342,9 +351,13 @@ void convert_by_gmsh(const fs::path& from, const std::string& format, const fs::
   std::vector<std::string> arguments{from.string(), "-0", "-save_all", "-format",
                                      format,        "-o", to.string()};
   if (is_binary) arguments.emplace_back("-bin");
-  const int status = run_external_program(
-      {"gmsh", "GMSH", "Gmsh (package gmsh), which converts this kind of file"}, arguments,
-      to.parent_path(), log);
+  int status = 0;
+  try {
+    status = run_external_program({"gmsh", "GMSH", "Gmsh (package gmsh), to convert this file,"},
+                                  arguments, to.parent_path(), log);
+  } catch (const InputError& error) {
+    throw InputError(shown.string() + ": " + error.what());
+  }
   std::error_code none;
   if (status == 0 && fs::exists(to, none)) return;
   std::string reason = "it ended with status " + std::to_string(status);
@@ -386,15 +399,13 @@ struct ConvertedGmshMesh : TextMeshContent {
 /// empty name, because gmsh writes their physical groups only without the other elements.
 std::pair<std::string, bool> gmsh_format_of(std::string_view content, const fs::path& path) {
   if (lower_extension(path) == ".unv") return {"unv", false};
-  std::string_view rest = trimmed(content.substr(0, 200));
-  const std::string_view first = next_token(rest);
+  const auto [first, version, binary] = header_of(content);
   // Gmsh executes any other text as a script.
   if (first != "$MeshFormat" && first != "$NOD")
     throw InputError(path.string() + ": found " + quoted_excerpt(first) +
                      ", expected a Gmsh mesh, which begins with $MeshFormat");
-  const std::string_view version = next_token(rest);
   if (first == "$NOD" || !version.starts_with('4')) return {"", false};
-  return {version == "4.1" ? "msh41" : "msh40", next_token(rest) == "1"};
+  return {version == "4.1" ? "msh41" : "msh40", binary == "1"};
 }
 
 std::unique_ptr<TextMeshContent> read_converted(const fs::path& path, std::string_view content) {

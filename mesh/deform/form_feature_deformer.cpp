@@ -47,18 +47,19 @@ class RotationField {
 
  private:
   void factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
-                      std::vector<char> prescribed);
+                      std::vector<int> prescribed);
 
   AffineReduction reduction_;
   MatX weights_;           // dofs × handles
   MatX handle_rotations_;  // handles × 3
   MatX rhs_;               // right-hand sides of the rows
-  // Data of prescribe(): the prescribed free unknowns, the numbering of the others, the reduced
-  // Laplacian, and the factor of its remaining part.
-  std::vector<char> prescribed_;
-  std::vector<int> free_index_;
-  SparseMatrix reduced_;
+  // Data of prescribe(): the unknown of each dof (rotations are only equated), or -1; the prescribed
+  // unknowns; the index of each unknown among the others, or -1 minus its index in prescribed_; the
+  // factor of the Laplacian of the others, and its negative coupling with the prescribed ones.
+  std::vector<int> unknown_of_dof_, prescribed_, index_;
+  SparseMatrix coupling_;
   SparseCholesky free_factor_;
+  MatX change_, load_;
 };
 
 struct FormFeatureData {
@@ -586,55 +587,61 @@ void RotationField::evaluate(const DeformSystem& system, const DeformEdit& edit,
 }
 
 void RotationField::factorize_free(const DeformSystem& system, const TriangleMesh& mesh,
-                                   std::vector<char> prescribed) {
-  if (prescribed == prescribed_) return;
-  prescribed_.clear();  // invalid until the factorization is complete
-  free_index_.assign(prescribed.size(), -1);
+                                   std::vector<int> prescribed) {
+  if (prescribed == prescribed_ && !index_.empty()) return;
+  index_.assign(static_cast<size_t>(reduction_.free_count()), 0);  // of the others: below
+  for (int k = 0; k < isize(prescribed); ++k) index_[prescribed[k]] = -1 - k;
   int open = 0;
-  for (size_t c = 0; c < prescribed.size(); ++c)
-    if (!prescribed[c]) free_index_[c] = open++;
-  reduced_ = reduction_.reduce(laplacian_of(system, mesh));
-  std::vector<Triplet> entries;
-  for (int c = 0; c < reduced_.cols(); ++c)
-    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e)
-      if (free_index_[e.row()] >= 0 && free_index_[c] >= 0)
-        entries.emplace_back(free_index_[e.row()], free_index_[c], e.value());
-  if (open > 0) {
-    SparseMatrix rest(open, open);
-    rest.setFromTriplets(entries.begin(), entries.end());
-    free_factor_.analyze(rest);
-    if (!free_factor_.factorize(rest))
-      throw NoSolutionError("the rotation field: " + free_factor_.message());
-  }
+  for (int& index : index_)
+    if (index >= 0) index = open++;
+  const SparseMatrix reduced = reduction_.reduce(laplacian_of(system, mesh));  // lower triangle
+  std::vector<Triplet> entries, coupled;
+  for (int c = 0; c < reduced.cols(); ++c)
+    for (SparseMatrix::InnerIterator e(reduced, c); e; ++e) {
+      const int i = index_[e.row()], j = index_[c];
+      if (i >= 0 && j >= 0) entries.emplace_back(i, j, e.value());
+      if (i >= 0 && j < 0) coupled.emplace_back(i, -1 - j, -e.value());
+      if (i < 0 && j >= 0) coupled.emplace_back(j, -1 - i, -e.value());
+    }
+  coupling_ = SparseMatrix(open, isize(prescribed));
+  coupling_.setFromTriplets(coupled.begin(), coupled.end());
+  change_ = MatX::Zero(isize(prescribed), 3);
+  load_ = MatX::Zero(open, 3);
   prescribed_ = std::move(prescribed);
+  if (open == 0) return;
+  SparseMatrix rest(open, open);
+  rest.setFromTriplets(entries.begin(), entries.end());
+  free_factor_.analyze(rest);
+  if (free_factor_.factorize(rest)) return;
+  index_.clear();  // invalid
+  throw NoSolutionError("the rotation field: " + free_factor_.message());
 }
 
 void RotationField::prescribe(const DeformSystem& system, const TriangleMesh& mesh,
                               const std::vector<std::pair<int, Vec3>>& given, Points& logs) {
-  const SparseMatrix& D = reduction_.D();
-  const RowMatrix by_rows = D;
-  MatX change = MatX::Zero(D.cols(), 3);
-  std::vector<char> prescribed(D.cols(), 0);
+  if (unknown_of_dof_.empty()) {
+    unknown_of_dof_.assign(static_cast<size_t>(logs.rows()), -1);
+    const SparseMatrix& D = reduction_.D();
+    for (int c = 0; c < D.cols(); ++c)
+      for (SparseMatrix::InnerIterator e(D, c); e; ++e) unknown_of_dof_[e.row()] = c;
+  }
+  std::vector<int> prescribed;
   for (const auto& [dof, log] : given)
-    for (RowMatrix::InnerIterator e(by_rows, dof); e; ++e) {  // at most one entry: rotations are
-                                                              // only equated
-      if (prescribed[e.col()]) continue;
-      prescribed[e.col()] = 1;
-      change.row(e.col()) = log.transpose() - logs.row(dof);
-    }
-  factorize_free(system, mesh, std::move(prescribed));
-  const auto open = std::count(prescribed_.begin(), prescribed_.end(), 0);
-  MatX load = MatX::Zero(open, 3);
-  for (int c = 0; c < reduced_.cols(); ++c)
-    for (SparseMatrix::InnerIterator e(reduced_, c); e; ++e) {
-      const int i = free_index_[e.row()], j = free_index_[c];
-      if (i >= 0 && j < 0) load.row(i) -= e.value() * change.row(c);
-      if (i < 0 && j >= 0) load.row(j) -= e.value() * change.row(e.row());
-    }
-  if (open > 0) free_factor_.solve_in_place(load);
-  for (int c = 0; c < D.cols(); ++c)
-    if (free_index_[c] >= 0) change.row(c) = load.row(free_index_[c]);
-  logs += D * change;
+    if (unknown_of_dof_[dof] >= 0) prescribed.push_back(unknown_of_dof_[dof]);
+  factorize_free(system, mesh, sorted_unique(std::move(prescribed)));
+  std::vector<char> is_set(prescribed_.size(), 0);  // the first value of an unknown applies
+  for (const auto& [dof, log] : given) {
+    if (unknown_of_dof_[dof] < 0) continue;
+    const int k = -1 - index_[unknown_of_dof_[dof]];
+    if (std::exchange(is_set[k], 1) == 0) change_.row(k) = log.transpose() - logs.row(dof);
+  }
+  load_.noalias() = coupling_ * change_;
+  if (load_.rows() > 0) free_factor_.solve_in_place(load_);
+  parallel_chunks(logs.rows(), [&](long first, long last) {
+    for (long dof = first; dof < last; ++dof)
+      if (const int c = unknown_of_dof_[dof]; c >= 0)
+        logs.row(dof) += index_[c] >= 0 ? load_.row(index_[c]) : change_.row(-1 - index_[c]);
+  });
 }
 
 // Constraint violation, evaluated independently of the deformer's own rows.

@@ -149,8 +149,13 @@ TEST_CASE("derivatives agree with other differences for every kind of parameter"
   const std::vector<MeshDimension> dimensions =
       mesh_dimensions(scene, solver.shared().features, solver.select(), solver.mesh());
   const double size = solver.mesh().size(), bore = dimensions[1].value(solver.mesh().points());
-  const std::vector<Parameter> parameters = scene.parameters();
+  std::vector<Parameter> parameters = scene.parameters();
   REQUIRE(parameters.size() == 3 + 3 + 5 + 1);
+  // The iterations of these modes take half a minute: one parameter of each kind.
+  if (mode == "dual" || mode == "nonlinear")
+    std::erase_if(parameters, [](const Parameter& p) {
+      return p.name.ends_with(".x") || p.name.ends_with(".y");
+    });
   const auto derivatives = morph_derivatives(solver, scene, parameters, dimensions);
   REQUIRE(derivatives.size() == parameters.size());
   for (const MorphDerivative& d : derivatives) {

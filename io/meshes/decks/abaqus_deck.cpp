@@ -266,10 +266,27 @@ std::optional<std::array<int, 2>> face_of_type(const std::string& type) {
   return {};
 }
 
+/// Number of nodes of a thermal, fluid or other solid, which follows "3D" in its type; 0: no solid.
+int nodes_of_solid(const std::string& type) {
+  const size_t at = type.find("3D");
+  if (at == type.npos || at == 0) return 0;
+  const std::string_view rest = std::string_view(type).substr(at + 2);
+  static const std::set<std::string_view> counts{"4", "5", "6", "8", "10", "15", "20"};
+  for (const size_t digits : {size_t{2}, size_t{1}}) {
+    const auto found = counts.find(rest.substr(0, digits));
+    if (found != counts.end()) return std::stoi(std::string(*found));
+  }
+  return 0;
+}
+
 }  // namespace
 
 AbaqusElement abaqus_element(const std::string& type) {
   AbaqusElement element;
+  if (type == "D") {  // of a network of pipes, with 0 for no node
+    element.count = 3;
+    return element;
+  }
   for (const Start& start : kStarts)
     if (type.starts_with(start.name)) {
       element.kind = start.kind;
@@ -283,6 +300,9 @@ AbaqusElement abaqus_element(const std::string& type) {
     element.middle = (*face)[1];
     element.centre = type.find('9') != type.npos;
     element.count = element.corners + element.middle + (element.centre ? 1 : 0);
+  } else if (const int nodes = nodes_of_solid(type)) {
+    element.kind = NonShellElement::Kind::Solid;
+    element.count = nodes;
   }
   return element;
 }
@@ -436,7 +456,8 @@ class AbaqusReader {
   long node_number(std::string_view value) const {
     const size_t dot = value.rfind('.');
     if (dot != value.npos) return file_.integer(value.substr(dot + 1), "a node number");
-    return file_.integer(value, "a node number") + shift_;
+    const long number = file_.integer(value, "a node number");
+    return number == 0 ? 0 : number + shift_;  // 0: no node
   }
 
   /// A power of ten above all numbers of the part.

@@ -3,6 +3,8 @@
 #include "batten/tests/io/meshes/mesh_file_properties.h"
 
 using namespace batten_test;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -81,7 +83,7 @@ TEST_CASE("second-order elements of Gmsh keep their mid-side nodes", "[io][decks
   CHECK(nine.shells().face(0).size() == 8);
   REQUIRE(nine.other_elements().size() == 1);
   CHECK(nine.other_elements()[0].nodes.front() == 8);
-  CHECK_THROWS_WITH(with("1 21 2 0 1 1 2 3"), Contains("second.msh:16:3: found element type '21'"));
+  CHECK_THROWS_WITH(with("1 21 2 0 1 1 2 3"), Contains("second.msh:18:3: found element type '21'"));
 }
 
 TEST_CASE("damaged Gmsh files are refused with their location", "[io][decks]") {
