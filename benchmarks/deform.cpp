@@ -9,6 +9,7 @@
 #include "batten/benchmarks/cgal_deform.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
+#include "batten/mesh/editing/mesh_editor.h"
 #include "batten/mesh/prepared_mesh.h"
 #include "batten/mesh/rotation_fitting.h"
 #include "batten/tests/support/kkt_deformation.h"
@@ -144,6 +145,44 @@ std::vector<DeformMethod> peers(const Edit& e) {
   return methods;
 }
 
+/// The same edit in an editor, whose flanges rotate with the sheet around them: one frame of a drag,
+/// and the converged solution, beside deform() with prescribed rotations.
+void compare_editor(int vertices, int rounds, Checks& checks) {
+  const auto model = batten_test::holed_panel(vertices);
+  const PreparedMesh prepared = prepare(model.shells);
+  const Edit e(vertices);
+  FormFeatureEdit bare(e, RigidFeatures::Flanges);
+  bare.deformer = std::make_unique<FormFeatureDeformer>(e.mesh, bare.problem);
+  MeshEditor editor(prepared, prepared.mesh.points(), bare.problem);
+  editor.set(bare.edit);
+  editor.solve_to_equilibrium();
+  const Points converged = editor.shape();
+  constexpr int frames = 40;
+  int frame = 0;
+  const auto drag = [&] {
+    frame = frame % frames + 1;
+    DeformEdit edit = bare.edit;
+    const double fraction = static_cast<double>(frame) / frames;
+    edit.handles[0].translation *= fraction;
+    edit.handles[0].rotation_vector *= fraction;
+    editor.set(edit);
+    editor.solve_preview();
+  };
+  const auto times =
+      side_by_side(rounds * frames, {[&] { bare.deformer->deform(bare.edit); }, drag});
+  while (frame != frames) drag();
+  const double behind = (editor.shape() - converged).cwiseAbs().maxCoeff() / e.mesh.size();
+  editor.set(bare.edit);
+  const auto whole = side_by_side(rounds, {[&] { editor.solve_to_equilibrium(); }});
+  std::printf(
+      "%d vertices, flanges rotate with the sheet: deform() %.2f ms, one frame of a drag %.2f ms "
+      "(behind the converged shape by %.2g of the size), converged %.1f ms in %d iterations\n",
+      e.mesh.vertex_count(), 1e3 * times[0], 1e3 * times[1], behind, 1e3 * whole[0],
+      editor.statistics().iterations);
+  checks.at_most(text("%d vertices: frame of a drag over deform()", vertices), times[1] / times[0],
+                 2);
+}
+
 void compare(int vertices, int rounds, Checks& checks) {
   const Edit e(vertices);
   std::vector<DeformMethod> methods;
@@ -240,6 +279,8 @@ int main() {
   compare(3300, 5, checks);
   compare(14000, 5, checks);
   compare(101000, 3, checks);
+  compare_editor(14000, 3, checks);
+  compare_editor(101000, 1, checks);
   checks.print("deform");
   return 0;
 }

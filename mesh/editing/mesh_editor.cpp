@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "batten/core/anderson_accelerator.h"
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/mesh/rotation_fitting.h"
@@ -78,6 +77,9 @@ MeshEditor::MeshEditor(const PreparedMesh& prepared, const Points& before, Defor
   if (options_.centres.empty())
     for (int f = 0; f < own_features_; ++f)
       options_.centres.push_back(VertexCombination::mean_of(problem_.features[f].vertices));
+  const long rows = 3L * own_features_;
+  rotations_before_ = rotations_after_ = accelerated_ = Points::Zero(rows, 3);
+  accelerator_.resize(rows);
   if (isize(options_.centres) != own_features_)
     throw InputError("found " + std::to_string(options_.centres.size()) +
                      " centres of features, expected " + std::to_string(own_features_));
@@ -97,6 +99,7 @@ void MeshEditor::set_up() {
 void MeshEditor::set(DeformEdit edit, std::vector<PrescribedRotation> prescribed) {
   edit_ = std::move(edit);
   prescribed_ = std::move(prescribed);
+  accelerator_.begin();
   if (!centres_kept_) return;
   problem_.rows.erase(problem_.rows.begin() + static_cast<long>(own_rows_), problem_.rows.end());
   set_up();
@@ -152,13 +155,35 @@ const Points& MeshEditor::solve_preview() {
   at_rest_ = true;
   const bool uses_adjacent_faces = !given_ && options_.rotation_mode == RotationMode::Estimated &&
                                    (!attached_ || attached_->connections().empty());
-  if (live_ && uses_adjacent_faces)
-    at_rest_ = rotations_.update_from_adjacent_faces(edit_, prescribed_, own_features_, shape_,
-                                                     *live_) < kConvergedDegrees;
-  else
+  if (live_ && uses_adjacent_faces) {
+    at_rest_ = update_rotations(edit_, shape_, *live_) < kConvergedDegrees;
+  } else {
     live_ = estimate();
+    accelerator_.begin();
+  }
   shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
   return shape_;
+}
+
+// Features rotate like the adjacent faces in the last solution, with Anderson acceleration; the
+// stacked rotation matrices are the iterates. Returns the change before it, in degrees.
+double MeshEditor::update_rotations(const DeformEdit& edit, const Points& positions,
+                                    ShapeEstimate& estimate) {
+  auto& rotations = estimate.feature_rotations;
+  const auto stack = [&](Points& all) {
+    for (int f = 0; f < own_features_; ++f)
+      all.middleRows<3>(3L * f) = rotations[f] ? *rotations[f] : Mat3(Mat3::Identity());
+  };
+  stack(rotations_before_);
+  const double change = rotations_.update_from_adjacent_faces(edit, prescribed_, own_features_,
+                                                              positions, estimate);
+  stack(rotations_after_);
+  if (change > kExactDegrees &&
+      accelerator_.accelerate(rotations_before_, rotations_after_, accelerated_))
+    for (int f = 0; f < own_features_; ++f)
+      if (rotations_before_.middleRows<3>(3L * f) != rotations_after_.middleRows<3>(3L * f))
+        rotations[f] = nearest_rotation(accelerated_.middleRows<3>(3L * f));
+  return change;
 }
 
 const Points& MeshEditor::solve_to_equilibrium() {
@@ -192,37 +217,23 @@ const Points& MeshEditor::solve_to_equilibrium() {
   statistics_.largest_displacement = (found - before).rowwise().norm().maxCoeff();
   shape_ = restore_unmoved(before, found);
   if (attached_) attached_->propagate(before, shape_, problem_);
+  live_ = std::move(estimate);  // previews continue from here
   return shape_;
 }
 
-// Iterates, because features rotate like the adjacent sheet, which they bend themselves. Anderson
-// acceleration, with the stacked rotation matrices as iterates.
+// Iterates, because features rotate like the adjacent sheet, which they bend themselves.
 void MeshEditor::converge_rotations(const DeformEdit& edit,
                                     std::optional<ShapeEstimate>& estimate) {
   estimate ? deformer_->deform(edit, *estimate) : deformer_->deform(edit);
   if (estimate && !given_ && options_.rotation_mode == RotationMode::Estimated &&
       own_features_ > 0) {
     constexpr int max_iterations = 100;
-    auto& rotations = estimate->feature_rotations;
-    const auto stack = [&](MatX& all) {
-      for (int f = 0; f < own_features_; ++f)
-        all.middleRows<3>(3L * f) = rotations[f] ? *rotations[f] : Mat3(Mat3::Identity());
-    };
-    MatX before(3L * own_features_, 3), after = before, next = before;
-    AndersonAccelerator accelerator(0.1);
-    accelerator.resize(before.rows());
+    accelerator_.reset();  // the result does not depend on earlier solutions
     double change = 2 * kConvergedDegrees;
     for (statistics_.iterations = 1;
          statistics_.iterations < max_iterations && change > kExactDegrees;
          ++statistics_.iterations) {
-      stack(before);
-      change = rotations_.update_from_adjacent_faces(edit, prescribed_, own_features_,
-                                                     deformer_->positions(), *estimate);
-      stack(after);
-      if (change > kExactDegrees && accelerator.accelerate(before, after, next))
-        for (int f = 0; f < own_features_; ++f)
-          if (before.middleRows<3>(3L * f) != after.middleRows<3>(3L * f))
-            rotations[f] = nearest_rotation(next.middleRows<3>(3L * f));
+      change = update_rotations(edit, deformer_->positions(), *estimate);
       deformer_->deform(edit, *estimate);
     }
     statistics_.converged = change < kConvergedDegrees;
