@@ -35,6 +35,7 @@ void SchurComplementConstraints::prepare(const SparseCholesky& factor,
   form_schur_complement();
   const auto soft = static_cast<long>(soft_.size());
   scratch_.resize(S_.rows());
+  multipliers_ = VecX::Zero(S_.rows());
   roots_.resize(soft);
   set_stiffness(VecX::Zero(soft));
   express_redundant(redundant_coefficients);
@@ -229,6 +230,7 @@ void SchurComplementConstraints::apply(Eigen::Ref<MatX> y, const VecX& g) const 
   schur_.solveInPlace(scratch_);
   upper.solveInPlace(hard_part);
   scratch_.tail(soft).array() *= roots_.array();
+  multipliers_ = scratch_;
   for (long k = 0; k < rank + soft; ++k) {
     const Constraint& row = constraints_[k < rank ? independent_[k] : soft_[k - rank]];
     row.terms([&](int point, const Vec3& n) {
@@ -237,6 +239,14 @@ void SchurComplementConstraints::apply(Eigen::Ref<MatX> y, const VecX& g) const 
     });
   }
   project(y, g);
+}
+
+VecX SchurComplementConstraints::multipliers() const {
+  VecX all = VecX::Zero(constraint_count());
+  const auto rank = static_cast<long>(independent_.size());
+  for (long k = 0; k < multipliers_.size(); ++k)
+    all[k < rank ? independent_[k] : soft_[k - rank]] = multipliers_[k];
+  return all;
 }
 
 void SchurComplementConstraints::project(Eigen::Ref<MatX> y, const VecX& g) const {

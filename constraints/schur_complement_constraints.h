@@ -104,6 +104,8 @@ class SchurComplementConstraints {
   /// Projects y orthogonally onto the hard constraints: replaces y by the nearest values that
   /// satisfy these constraints for the right-hand sides g. apply() ends with this projection.
   void project(Eigen::Ref<MatX> y, const VecX& g) const;
+  /// The multipliers λ of the last apply(), one per constraint; 0 for redundant ones.
+  VecX multipliers() const;
   /// Memory of the dense matrices of the constraints, in bytes.
   size_t bytes() const;
 
@@ -133,7 +135,8 @@ class SchurComplementConstraints {
   MatX scaled_;  // S_ with soft rows and columns scaled, plus 1 on their diagonal
   // Initialised, because copies read its state.
   Eigen::LLT<MatX> schur_ = Eigen::LLT<MatX>(MatX(0, 0));
-  mutable VecX scratch_;  // one number per constraint, so that apply() allocates nothing
+  mutable VecX multipliers_;  // of the independent and the soft constraints, of the last apply()
+  mutable VecX scratch_;      // one number per constraint, so that apply() allocates nothing
 };
 
 }  // namespace batten

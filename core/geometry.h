@@ -55,6 +55,25 @@ inline Vec3 rotated(const Vec3& rotation_vector, const Vec3& x) {
   return x + 2 * (std::cos(half) * t + v.cross(t));
 }
 
+/// Product J(ω) x of the left Jacobian of the rotation group with a vector: a rotation vector ω that
+/// changes at the rate x rotates with the angular velocity J(ω) x, so that
+///
+///     d/dt rotated(ω, v) = (J(ω) dω/dt) × rotated(ω, v),
+///     J(ω) x = x + (1 - cos θ)/θ² ω × x + (θ - sin θ)/θ³ ω × (ω × x),   θ = |ω|
+///
+/// The transpose of J(ω) is J(-ω).
+inline Vec3 left_jacobian(const Vec3& rotation_vector, const Vec3& x) {
+  const double angle = rotation_vector.norm();
+  const Vec3 once = rotation_vector.cross(x), twice = rotation_vector.cross(once);
+  constexpr double small = 1e-3;  // the next terms of the series are below 1e-15
+  const double square = angle * angle;
+  const double half = std::sin(angle / 2);
+  const double a = angle > small ? 2 * half * half / square : 0.5 - square / 24;
+  const double b =
+      angle > small ? (angle - std::sin(angle)) / (square * angle) : 1.0 / 6 - square / 120;
+  return x + a * once + b * twice;
+}
+
 /// Rotation matrix of a rotation vector (unit axis times angle in radians).
 inline Mat3 rotation_matrix(const Vec3& rotation_vector) {
   Mat3 R;

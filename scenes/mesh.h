@@ -280,14 +280,16 @@ class Deformer {
                 const std::map<std::string, Vec3>& targets = {});
 
   /// Directional derivative of the positions at the last deform() (initially: at the mesh), n×3:
-  /// Jacobian times vector. Central differences of order four, exact to about 1e-9 relative to the
-  /// size of the mesh per unit step; four solutions with the factorization of the deformer. Throws
-  /// InputError for an unknown name or a rate that is not finite, and the exceptions of deform().
+  /// Jacobian times vector. RotationMode::Harmonic: exact, with one solve
+  /// (FormFeatureDeformer::tangent()). Other modes: central differences of order four, exact to about
+  /// 1e-9 relative to the size of the mesh per unit step, with four solutions. Throws InputError for
+  /// an unknown name or a rate that is not finite, and the exceptions of deform().
   Points jvp(const DeformerRates& rates);
   /// Gradient of Σ weights ∘ positions with respect to all arguments at the last deform(): vector
   /// times Jacobian. `weights`: n×3, the derivative of an objective with respect to the positions.
-  /// Costs one jvp() for each number of the result: seven for each handle, one for each feature,
-  /// three for each constraint. Throws the exceptions of jvp(), and InputError for another number of
+  /// RotationMode::Harmonic: exact, with one solve for all numbers (FormFeatureDeformer::gradient()).
+  /// Other modes: one jvp() for each number of the result, which are seven for each handle, one for
+  /// each feature and three for each constraint. Throws the exceptions of jvp(), and InputError for another number of
   /// rows.
   DeformerRates vjp(const Points& weights);
 

@@ -837,14 +837,15 @@ correct (`report`). Raises InputError, ConflictError; positions are then unchang
           R"(Directional derivative of the positions at the last deform(), n×3: Jacobian times vector.
 
 `moves`: {handle: {"translate": rate (3), "rotation": rate of the rotation vector in degrees (3), "scale":
-rate}}; `scales`, `origins`, `targets`: rates by name, as in deform(). Central differences of order four on
-the factorization of the deformer, exact to about 1e-9. Raises InputError, ConflictError.)")
+rate}}; `scales`, `origins`, `targets`: rates by name, as in deform(). Exact with rotation_mode "harmonic", at the
+cost of one solve; otherwise central differences of order four, exact to about 1e-9. Raises InputError,
+ConflictError.)")
       .def("vjp", &deformer_vjp, "weights"_a,
            R"(Gradient of (weights * positions).sum() at the last deform(): vector times Jacobian.
 
 `weights`: n×3, the derivative of an objective with respect to the positions. Returns a dict of the
-arguments of jvp(): "moves", "scales", "origins", "targets". Costs one jvp() for each number in it.
-Raises InputError, ConflictError.)");
+arguments of jvp(): "moves", "scales", "origins", "targets". Exact with rotation_mode "harmonic", at the cost of one
+solve; otherwise one jvp() for each number in it. Raises InputError, ConflictError.)");
   bind_deformer_results(c);
 }
 

@@ -182,4 +182,30 @@ void check(const DeformProblem& problem, const DeformEdit& edit) {
                        "' is not finite");
 }
 
+void check(const DeformProblem& problem, const DeformEditRates& rates) {
+  const auto count = [](const char* what, size_t found, size_t expected) {
+    if (found != expected)
+      throw InputError("found " + std::to_string(found) + " rates of " + what + ", expected " +
+                       std::to_string(expected));
+  };
+  count("handles", rates.handles.size(), problem.handles.size());
+  count("scales of features", rates.feature_scales.size(), problem.features.size());
+  count("origins of point constraints", rates.constraint_origins.size(),
+        problem.point_constraints.size());
+  count("targets", rates.targets.size(), problem.rows.size());
+  double sum = 0;  // NaN and infinity remain
+  for (const auto& h : rates.handles)
+    sum += h.translation.norm() + h.rotation_vector.norm() + std::abs(h.scale);
+  for (const double s : rates.feature_scales) sum += std::abs(s);
+  for (const auto* points : {&rates.constraint_origins, &rates.targets})
+    for (const Vec3& p : *points) sum += p.norm();
+  if (!std::isfinite(sum)) throw InputError("rates: found a number that is not finite");
+}
+
+DeformEditRates::DeformEditRates(const DeformProblem& problem)
+    : handles(problem.handles.size()),
+      feature_scales(problem.features.size(), 0),
+      constraint_origins(problem.point_constraints.size(), Vec3::Zero()),
+      targets(problem.rows.size(), Vec3::Zero()) {}
+
 }  // namespace batten

@@ -144,6 +144,22 @@ struct DeformEdit {
   std::vector<Vec3> targets;
 };
 
+/// Rates of the numbers of a DeformEdit, or the derivatives of a function with respect to them.
+struct DeformEditRates {
+  struct Handle {
+    Vec3 translation = Vec3::Zero();
+    Vec3 rotation_vector = Vec3::Zero();  ///< in radians
+    double scale = 0;
+  };
+  /// Zero rates for all numbers of the edits of a problem.
+  explicit DeformEditRates(const DeformProblem& problem);
+
+  std::vector<Handle> handles;           ///< one for each handle of the problem
+  std::vector<double> feature_scales;    ///< one for each feature
+  std::vector<Vec3> constraint_origins;  ///< one for each point constraint
+  std::vector<Vec3> targets;             ///< one for each constraint in DeformProblem::rows
+};
+
 /// Creates hard constraints that move each vertex to its target, for example the vertices of a
 /// chain to points of a curve. The constraints are named "NAME, vertex 1" and so on. Throws
 /// InputError if the numbers of vertices and targets differ.
@@ -165,5 +181,8 @@ void check(const DeformProblem& problem, int vertex_count);
 /// Checks an edit of a deformation problem. Throws InputError if entries are missing, a value is
 /// not finite or above 1e100, or a scale is not above 0. The message names the object.
 void check(const DeformProblem& problem, const DeformEdit& edit);
+/// Checks that rates belong to a problem. Throws InputError if a number of them is wrong, or if one
+/// is not finite.
+void check(const DeformProblem& problem, const DeformEditRates& rates);
 
 }  // namespace batten

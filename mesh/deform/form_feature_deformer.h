@@ -96,6 +96,15 @@ class FormFeatureDeformer {
   /// deform() has succeeded before.
   double correct();
 
+  /// Derivative of positions() in a direction: their rate if the numbers of the last edit change at
+  /// the given rates. Exact to rounding; costs about as much as deform(). Throws InputError if no
+  /// deform() without an estimate has succeeded, a size is wrong, or a rate is not finite.
+  Points tangent(const DeformEditRates& rates);
+  /// Derivatives of the sum of `weights` · positions() with respect to the numbers of the last edit:
+  /// the adjoint of tangent(). `weights`: n×3. One pair of triangular solves for all numbers. Throws
+  /// as tangent() does.
+  DeformEditRates gradient(const Points& weights);
+
   const Points& positions() const;
   /// Rotation field of the last edit: one rotation vector (unit axis times angle in radians) per
   /// vertex, n×3.
