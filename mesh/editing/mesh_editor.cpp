@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 /// thousandth of their size.
 constexpr double kConvergedDegrees = 0.05;
 /// The iteration goes on to this change, so that the result is a smooth function of the edit.
-constexpr double kExactDegrees = 1e-8;
+constexpr double kExactDegrees = 1e-9;
 
 double elapsed_seconds(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();

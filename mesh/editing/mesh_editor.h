@@ -51,7 +51,7 @@ struct MeshEditStatistics {
 ///                              the previous solution, with Anderson acceleration over successive
 ///                              calls. Repeated calls with the same edit converge; see is_at_rest()
 ///     solve_to_equilibrium()   iterates, with Anderson acceleration, until the rotations change by
-///                              less than 1e-8 degrees, at most 100 times, and corrects rounding
+///                              less than 1e-9 degrees, at most 100 times, and corrects rounding
 ///                              errors. The shape is therefore a smooth function of the edit (in
 ///                              the rotation modes Dual and Nonlinear, up to their tolerance)
 ///
