@@ -331,8 +331,13 @@ std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest_among(
     at = weights[0] * mesh_.point(a) + weights[1] * mesh_.point(b) + weights[2] * mesh_.point(c);
     return (at - p).squaredNorm();
   };
-  const auto [triangle, distance2] =
-      tree_.nearest(p, [&](int t) { return accepts(t) ? distance2_of(t) : kInfinity; });
+  double best = kInfinity;  // of the accepted triangles: most of them are farther, which is cheaper
+  const auto [triangle, distance2] = tree_.nearest(p, [&](int t) {
+    const double found = distance2_of(t);
+    if (!(found <= best) || !accepts(t)) return kInfinity;
+    best = found;
+    return found;
+  });
   if (triangle < 0) return {};
   distance2_of(triangle);
   return ClosestPoint{triangle, at, weights, std::sqrt(distance2)};

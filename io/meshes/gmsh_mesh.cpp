@@ -233,18 +233,20 @@ class GmshReader {
       nodes.push_back(
           file_.integer(text.empty() ? line_.substr(line_.size()) : text, "a node number"));
     }
-    // MSH 2.2 repeats an element for each further group.
-    const auto [first, is_new] = element_of_nodes_.emplace(nodes, label);
+    long first = label;
+    if (!is_version_4_)  // repeats an element for each further group
+      first = element_of_nodes_.emplace(nodes, label).first->second;
     for (const long group : groups) {
       Members& members = members_[{type.dimension, group}];
       if (type.dimension == 2)
-        members.shells.push_back(first->second);
+        members.shells.push_back(first);
       else
         members.nodes.insert(members.nodes.end(), nodes.begin(), nodes.end());
     }
-    if (is_new && type.dimension == 2)
+    if (first != label) return;
+    if (type.dimension == 2)
       shell(where, label, type, entity, nodes);
-    else if (is_new)
+    else
       others_.push_back({type.dimension, label, where, std::move(nodes)});
   }
 
@@ -323,7 +325,7 @@ class GmshReader {
   std::map<Group, std::string> names_;
   std::map<std::pair<int, long>, std::vector<long>> groups_of_;  // of an entity
   std::map<Group, Members> members_;
-  std::map<std::vector<long>, long> element_of_nodes_;
+  std::map<std::vector<long>, long> element_of_nodes_;  // MSH 2.2 only
   std::vector<Other> others_;
 };
 
