@@ -20,7 +20,6 @@
 #include "batten/io/scene/fair_scene.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/sequence_scene.h"
-#include "batten/scenes/fit_surface.h"
 
 namespace batten {
 
@@ -85,16 +84,6 @@ std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad, const
 /// written.
 Scene scene_of_target(const std::filesystem::path& target,
                       const std::vector<std::filesystem::path>& lines, const std::string& unit);
-
-/// Input of `batten fit`.
-struct FitTask {
-  FitSettings settings;                          ///< `curves` and `name` are not used
-  bool step_curves = false, step_ap242 = false;  ///< as Scene::step_lines and Scene::step_ap242
-};
-/// Runs `batten fit`: run_scene() with the scene of scene_of_target(), which is also written, as
-/// NAME.toml. Throws as run_scene() does.
-Report run_fit(const std::filesystem::path& target, const FitTask& task,
-               const std::filesystem::path& folder, const Progress& progress = {});
 
 // Sculpting: `batten sculpt`.
 

@@ -12,6 +12,8 @@
 
 namespace batten {
 
+struct Report;
+
 /// Options of fit_surface(), with the meanings and defaults of docs/fit.md. Lengths are in model
 /// units.
 struct FitSettings {
@@ -27,6 +29,16 @@ struct FitSettings {
   std::vector<InputLine> curves = {};
   std::vector<std::filesystem::path> curve_files = {};
 };
+
+/// Input of `batten fit`.
+struct FitTask {
+  FitSettings settings;                          ///< `curves` and `name` are not used
+  bool step_curves = false, step_ap242 = false;  ///< as Scene::step_lines and Scene::step_ap242
+};
+/// Runs `batten fit`: run_scene() with the scene of scene_of_target(), which is also written, as
+/// NAME.toml. Throws as run_scene() does.
+Report run_fit(const std::filesystem::path& target, const FitTask& task,
+               const std::filesystem::path& folder, const Progress& progress = {});
 
 /// Fits a model to the surface of a CAD file or mesh file, as `batten fit` does, to the last bit.
 ///

@@ -12,6 +12,7 @@
 #include "batten/io/lines/curve_files.h"
 #include "batten/io/scene/scene.h"
 #include "batten/scenes/commands.h"
+#include "batten/scenes/fit_surface.h"
 #include "batten/scenes/runs/plugins.h"
 #include "batten/scenes/runs/run_support.h"
 
