@@ -241,12 +241,10 @@ void SchurComplementConstraints::apply(Eigen::Ref<MatX> y, const VecX& g) const 
   project(y, g);
 }
 
-VecX SchurComplementConstraints::multipliers() const {
-  VecX all = VecX::Zero(constraint_count());
+void SchurComplementConstraints::add_multipliers(Eigen::Ref<VecX> sum) const {
   const auto rank = static_cast<long>(independent_.size());
   for (long k = 0; k < multipliers_.size(); ++k)
-    all[k < rank ? independent_[k] : soft_[k - rank]] = multipliers_[k];
-  return all;
+    sum[k < rank ? independent_[k] : soft_[k - rank]] += multipliers_[k];
 }
 
 void SchurComplementConstraints::project(Eigen::Ref<MatX> y, const VecX& g) const {

@@ -104,8 +104,9 @@ class SchurComplementConstraints {
   /// Projects y orthogonally onto the hard constraints: replaces y by the nearest values that
   /// satisfy these constraints for the right-hand sides g. apply() ends with this projection.
   void project(Eigen::Ref<MatX> y, const VecX& g) const;
-  /// The multipliers λ of the last apply(), one per constraint; 0 for redundant ones.
-  VecX multipliers() const;
+  /// Adds the multipliers λ of the last apply() to `sum`, which has one entry per constraint; those
+  /// of redundant constraints are 0. Allocates no memory.
+  void add_multipliers(Eigen::Ref<VecX> sum) const;
   /// Memory of the dense matrices of the constraints, in bytes.
   size_t bytes() const;
 

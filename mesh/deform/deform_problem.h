@@ -79,7 +79,7 @@ struct LinearConstraint {
   int rotates_with = -1;  ///< vertex whose rotation is applied to `target`; -1: no rotation
   /// Weight of a soft constraint, which adds ½ weight |combination - target|² to the energy; empty:
   /// the constraint is hard.
-  std::optional<double> weight;
+  std::optional<double> weight = std::nullopt;
   /// Tie between two parts of the mesh: they move as one part, and the vertex of the first entry
   /// rotates like `rotates_with` unless a feature, handle or fixed vertex determines its rotation.
   bool connects = false;

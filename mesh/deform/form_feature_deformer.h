@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -104,6 +105,32 @@ class FormFeatureDeformer {
   /// the adjoint of tangent(). `weights`: n×3. One pair of triangular solves for all numbers. Throws
   /// as tangent() does.
   DeformEditRates gradient(const Points& weights);
+
+  /// First moments of the forces on each feature in the last solution, 3×3 matrices stacked to 3F×3
+  /// for F features. If feature f rotates by δω, its rows i of A p change by δω × c_i, with the levers
+  /// c_i = (A t)_i of the displacement t that the rotation causes. With g = A p - b,
+  ///
+  ///     T_f = Σ_i c_i g_iᵀ + Σ_k c_k (λ_k n_k)ᵀ      (k: point constraints with multipliers λ_k)
+  ///     M_f = (T_23 - T_32, T_31 - T_13, T_12 - T_21) = Σ c × force
+  ///
+  /// The moment M_f is the derivative of the energy ½ |A p - b|² with respect to the rotation, with b
+  /// constant and all other unknowns in equilibrium. It vanishes if the forces of the surface on the
+  /// feature are in equilibrium. Throws InputError if no call of deform() has succeeded before. Cost:
+  /// O(vertices next to features); allocates memory in the first call only.
+  const Points& feature_moments();
+  /// Derivatives of feature_moments() in the undeformed shape if bodies of features rotate. `body`:
+  /// per feature, the body to which it belongs, 0 … m-1; -1: the feature does not rotate. The result
+  /// consists of the blocks
+  ///
+  ///     S_fh = Σ_i c_f,i r_h,iᵀ
+  ///
+  /// where column j of r_h is g if every rotated lever and target b of the body h changes by its
+  /// component j in a fixed direction, and the rotation field follows the features that the last
+  /// estimate prescribed. The moment on f due to a rotation ω of h is (tr(S_fh) I - S_fhᵀ) ω. Up to 256
+  /// bodies: 3m×3m. More bodies: the diagonal blocks only, approximately, 3m×3. Point constraints are
+  /// neglected. Cost: a solve with 3 right-hand sides per body, at most 256. Throws InputError if the
+  /// last deform() had no estimate, or `body` has a wrong size.
+  MatX feature_stiffness(std::span<const int> body);
 
   const Points& positions() const;
   /// Rotation field of the last edit: one rotation vector (unit axis times angle in radians) per

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "batten/core/containers.h"
@@ -154,22 +153,22 @@ void check(std::span<const PrescribedRotation> prescribed, size_t features) {
 
 }  // namespace
 
-/// Rotations of features in a shape: the mean rotation of faces, either of their own vertices or of
-/// the adjacent ones. The faces are determined once.
+/// Rotations of features in a shape: the mean rotation of their faces, which are determined once.
 class FeatureRotationEstimator::Rotations {
  public:
-  enum class Faces { Own, Adjacent };
-  Rotations(const DeformProblem& problem, const TriangleMesh& mesh, const std::vector<char>& known,
-            Faces faces)
+  Rotations(const DeformProblem& problem, const TriangleMesh& mesh, const std::vector<char>& known)
       : mesh_(mesh), group_(rotation_groups(problem, mesh.vertex_count())) {
     triangles_.resize(problem.features.size());
     for (size_t f = 0; f < problem.features.size(); ++f)
-      gather_faces(problem.features[f], known, faces, triangles_[group_[f]]);
+      gather_faces(problem.features[f], known, triangles_[group_[f]]);
     for (const auto& triangles : triangles_) {
       areas_.emplace_back();
       for (const int t : triangles) areas_.back().push_back(mesh_.area_vector(t).norm());
     }
     find_constrained(problem);
+    for (const FormFeature& feature : problem.features)
+      is_chain_.push_back(
+          is_open_chain(mesh.topology().expand_to_nodes(feature.vertices), mesh.topology()));
   }
 
   /// The rotation of each feature in the shape `positions`; none: it has no faces.
@@ -192,6 +191,24 @@ class FeatureRotationEstimator::Rotations {
     return all;
   }
 
+  /// See FeatureRotationEstimator::bodies().
+  std::vector<int> bodies(std::span<const PrescribedRotation> prescribed, int count,
+                          const std::vector<std::optional<Mat3>>& rotations) const {
+    constexpr int none = -1, free = 0;
+    std::vector<int> of_group(group_.size(), none), body;
+    for (int f = 0; f < count; ++f)
+      if (!is_chain_[f]) of_group[group_[f]] = free;
+    for (size_t f = 0; f < group_.size(); ++f)
+      if (!rotations[f]) of_group[group_[f]] = none;
+    for (const auto& [feature, handle] : constrained_) of_group[group_[feature]] = none;
+    for (const PrescribedRotation& p : prescribed) of_group[group_[p.feature]] = none;
+    int bodies = 0;
+    for (int& b : of_group)
+      if (b == free) b = bodies++;
+    for (const int g : group_) body.push_back(of_group[g]);
+    return body;
+  }
+
  private:
   /// Sets the rotation of a feature and of its group.
   void set(std::vector<std::optional<Mat3>>& rotations, int feature, const Mat3& rotation) const {
@@ -199,38 +216,20 @@ class FeatureRotationEstimator::Rotations {
       if (group_[f] == group_[feature]) rotations[f] = rotation;
   }
 
-  /// Triangles at the vertices of a feature, or in the rings around it. Cost: O(feature), because
-  /// there may be many features.
-  std::vector<int> triangles_near(const std::vector<int>& own, Faces faces) const {
-    const MeshTopology& topology = mesh_.topology();
-    std::vector<int> vertices = own, triangles;
-    for (size_t i = 0; i < own.size() && faces == Faces::Adjacent; ++i) {
-      const auto ring = topology.neighbours(own[i]);
-      vertices.insert(vertices.end(), ring.begin(), ring.end());
-    }
-    for (const int v : topology.expand_to_nodes(std::move(vertices))) {
-      const auto around = topology.triangles_of(v);
-      triangles.insert(triangles.end(), around.begin(), around.end());
-    }
-    return sorted_unique(std::move(triangles));
-  }
-
-  void gather_faces(const FormFeature& feature, const std::vector<char>& known, Faces faces,
+  /// Known triangles at the vertices of a feature. Cost: O(feature), because there may be many
+  /// features.
+  void gather_faces(const FormFeature& feature, const std::vector<char>& known,
                     std::vector<int>& triangles) const {
     const MeshTopology& topology = mesh_.topology();
-    const std::vector<int> own = topology.expand_to_nodes(feature.vertices);
-    // A line that bends the sheet beside it and rotates like that sheet would swing.
-    if (faces == Faces::Adjacent && is_open_chain(own, topology)) return;
-    for (const int t : triangles_near(own, faces)) {
+    std::vector<int> near;
+    for (const int v : topology.expand_to_nodes(feature.vertices)) {
+      const auto around = topology.triangles_of(v);
+      near.insert(near.end(), around.begin(), around.end());
+    }
+    for (const int t : sorted_unique(std::move(near))) {
       const auto& corners = topology.triangles()[t];
-      const auto all = [&](const auto& condition) {
-        return std::all_of(corners.begin(), corners.end(), condition);
-      };
-      if (!all([&](int v) { return known[v] != 0; })) continue;
-      if (faces == Faces::Adjacent &&
-          all([&](int v) { return std::binary_search(own.begin(), own.end(), v); }))
-        continue;
-      triangles.push_back(t);
+      if (std::all_of(corners.begin(), corners.end(), [&](int v) { return known[v] != 0; }))
+        triangles.push_back(t);
     }
   }
 
@@ -260,6 +259,7 @@ class FeatureRotationEstimator::Rotations {
   std::vector<std::vector<double>> areas_;   // per triangle of these
   /// Features whose rotation is constrained, and the handle that rotates them; -1: none.
   std::vector<std::pair<int, int>> constrained_;
+  std::vector<char> is_chain_;  // per feature: is_open_chain()
 };
 
 FeatureRotationEstimator::FeatureRotationEstimator(const PreparedMesh& prepared,
@@ -311,7 +311,7 @@ std::optional<ShapeEstimate> FeatureRotationEstimator::estimate(
     converged_ = iterative_->report().last_change < invisible;
   }
   if (!own_ || own_estimated_ != finds)  // the two estimates determine different vertices
-    own_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known, Rotations::Faces::Own);
+    own_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known);
   own_estimated_ = finds;
   estimate.feature_rotations = own_->at(estimate.positions, edit, prescribed);
   return estimate;
@@ -324,31 +324,17 @@ ShapeEstimate FeatureRotationEstimator::estimate_from(
   estimate.use = ShapeEstimate::Use::Shape;
   estimate.positions = shape;
   estimate.known.assign(mesh_.vertex_count(), 1);
-  if (!given_)
-    given_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known, Rotations::Faces::Own);
+  if (!given_) given_ = std::make_unique<Rotations>(problem_, mesh_, estimate.known);
   estimate.feature_rotations = given_->at(shape, edit, prescribed);
   return estimate;
 }
 
-double FeatureRotationEstimator::update_from_adjacent_faces(
-    const DeformEdit& edit, std::span<const PrescribedRotation> prescribed, int count,
-    const Points& positions, ShapeEstimate& estimate) {
+std::vector<int> FeatureRotationEstimator::bodies(std::span<const PrescribedRotation> prescribed,
+                                                  int count, const ShapeEstimate& estimate) const {
   check(prescribed, problem_.features.size());
-  if (!adjacent_) {
-    const std::vector<char> constrained =
-        known_vertices(fixed_vertices(problem_, mesh_), problem_.handles, {}, problem_.rows, mesh_);
-    adjacent_ =
-        std::make_unique<Rotations>(problem_, mesh_, constrained, Rotations::Faces::Adjacent);
-  }
-  const auto found = adjacent_->at(positions, edit, prescribed);
-  double largest = 0;
-  for (int f = 0; f < count; ++f) {
-    auto& rotation = estimate.feature_rotations[f];
-    if (!found[f] || !rotation) continue;
-    largest = std::max(largest, Eigen::AngleAxisd(rotation->transpose() * *found[f]).angle());
-    rotation = found[f];
-  }
-  return largest * 180 / std::numbers::pi;
+  if (!own_ || estimate.feature_rotations.empty())
+    return std::vector<int>(problem_.features.size(), -1);
+  return own_->bodies(prescribed, count, estimate.feature_rotations);
 }
 
 }  // namespace batten

@@ -70,15 +70,13 @@ class FeatureRotationEstimator {
   ShapeEstimate estimate_from(const Points& shape, const DeformEdit& edit,
                               std::span<const PrescribedRotation> prescribed = {});
 
-  /// Sets the rotations of the first `count` features in `estimate` to the mean rotation of the
-  /// faces in two rings around the feature. `positions`: vertex positions computed with the current
-  /// estimate. The rotation of a feature is not changed if it is prescribed, if the feature has no
-  /// adjacent faces, or if it lies in a part of the mesh that is constrained by connections only,
-  /// whose rotation would oscillate. Returns the largest change of a rotation in degrees. A few
-  /// updates, each followed by a new deformation, converge.
-  double update_from_adjacent_faces(const DeformEdit& edit,
-                                    std::span<const PrescribedRotation> prescribed, int count,
-                                    const Points& positions, ShapeEstimate& estimate);
+  /// Bodies of the first `count` features whose rotations FeatureEquilibrium finds, numbered from 0:
+  /// features that share vertices or a rotation belong to the same body. -1: the rotation of the
+  /// feature follows from a handle, a fixed vertex or `prescribed`, `estimate` contains none, or the
+  /// features of the body are chains of edges with free ends, which have no stiffness about their own
+  /// axes. Features after the first `count` belong only to bodies of the others.
+  std::vector<int> bodies(std::span<const PrescribedRotation> prescribed, int count,
+                          const ShapeEstimate& estimate) const;
 
   /// Number of iterations of the last estimate(); 0 for RotationMode::Estimated and Harmonic.
   int iterations() const { return iterations_; }
@@ -96,7 +94,7 @@ class FeatureRotationEstimator {
   std::unique_ptr<FormFeatureDeformer> featureless_;  // the edit without features
   std::unique_ptr<IterativeDeformer> iterative_;
   std::vector<char> known_;  // vertices that featureless_ determines
-  std::unique_ptr<Rotations> own_, adjacent_, given_;
+  std::unique_ptr<Rotations> own_, given_;
   bool own_estimated_ = false;
   int iterations_ = 0;
   bool converged_ = true;

@@ -8,7 +8,6 @@
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
-#include "batten/mesh/rotation_fitting.h"
 
 namespace batten {
 namespace {
@@ -77,9 +76,6 @@ MeshEditor::MeshEditor(const PreparedMesh& prepared, const Points& before, Defor
   if (options_.centres.empty())
     for (int f = 0; f < own_features_; ++f)
       options_.centres.push_back(VertexCombination::mean_of(problem_.features[f].vertices));
-  const long rows = 3L * own_features_;
-  rotations_before_ = rotations_after_ = accelerated_ = Points::Zero(rows, 3);
-  accelerator_.resize(rows);
   if (isize(options_.centres) != own_features_)
     throw InputError("found " + std::to_string(options_.centres.size()) +
                      " centres of features, expected " + std::to_string(own_features_));
@@ -91,6 +87,7 @@ MeshEditor::~MeshEditor() = default;
 // Without constraints on feature centres: these need a solved shape first.
 void MeshEditor::set_up() {
   const auto start = Clock::now();
+  equilibrium_.reset();
   deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, problem_);
   centres_kept_ = false;
   setup_seconds_ += elapsed_seconds(start);
@@ -99,7 +96,7 @@ void MeshEditor::set_up() {
 void MeshEditor::set(DeformEdit edit, std::vector<PrescribedRotation> prescribed) {
   edit_ = std::move(edit);
   prescribed_ = std::move(prescribed);
-  accelerator_.begin();
+  if (equilibrium_) equilibrium_->reset();
   if (!centres_kept_) return;
   problem_.rows.erase(problem_.rows.begin() + static_cast<long>(own_rows_), problem_.rows.end());
   set_up();
@@ -139,6 +136,7 @@ void MeshEditor::fix_centres(const Points& unscaled) {
                           related[f] ? std::optional(weight) : std::nullopt});
     if (!edit.targets.empty()) edit.targets.push_back(fixed.rows.back().target);
   }
+  equilibrium_.reset();
   deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, fixed);
   problem_ = std::move(fixed);
   edit_ = std::move(edit);
@@ -153,37 +151,21 @@ std::optional<ShapeEstimate> MeshEditor::estimate() {
 
 const Points& MeshEditor::solve_preview() {
   at_rest_ = true;
-  const bool uses_adjacent_faces = !given_ && options_.rotation_mode == RotationMode::Estimated &&
-                                   (!attached_ || attached_->connections().empty());
-  if (live_ && uses_adjacent_faces) {
-    at_rest_ = update_rotations(edit_, shape_, *live_) < kConvergedDegrees;
+  if (live_ && !given_ && options_.rotation_mode == RotationMode::Estimated) {
+    at_rest_ = update_rotations(*live_) < kConvergedDegrees;
   } else {
     live_ = estimate();
-    accelerator_.begin();
   }
   shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
   return shape_;
 }
 
-// Features rotate like the adjacent faces in the last solution, with Anderson acceleration; the
-// stacked rotation matrices are the iterates. Returns the change before it, in degrees.
-double MeshEditor::update_rotations(const DeformEdit& edit, const Points& positions,
-                                    ShapeEstimate& estimate) {
-  auto& rotations = estimate.feature_rotations;
-  const auto stack = [&](Points& all) {
-    for (int f = 0; f < own_features_; ++f)
-      all.middleRows<3>(3L * f) = rotations[f] ? *rotations[f] : Mat3(Mat3::Identity());
-  };
-  stack(rotations_before_);
-  const double change = rotations_.update_from_adjacent_faces(edit, prescribed_, own_features_,
-                                                              positions, estimate);
-  stack(rotations_after_);
-  if (change > kExactDegrees &&
-      accelerator_.accelerate(rotations_before_, rotations_after_, accelerated_))
-    for (int f = 0; f < own_features_; ++f)
-      if (rotations_before_.middleRows<3>(3L * f) != rotations_after_.middleRows<3>(3L * f))
-        rotations[f] = nearest_rotation(accelerated_.middleRows<3>(3L * f));
-  return change;
+// One step towards the equilibrium of the features. Returns the change of a rotation in degrees.
+double MeshEditor::update_rotations(ShapeEstimate& estimate) {
+  std::vector<int> body = rotations_.bodies(prescribed_, own_features_, estimate);
+  if (!equilibrium_ || equilibrium_->body() != body)
+    equilibrium_ = std::make_unique<FeatureEquilibrium>(*deformer_, std::move(body));
+  return equilibrium_->rotate_features(*deformer_, estimate);
 }
 
 const Points& MeshEditor::solve_to_equilibrium() {
@@ -221,19 +203,19 @@ const Points& MeshEditor::solve_to_equilibrium() {
   return shape_;
 }
 
-// Iterates, because features rotate like the adjacent sheet, which they bend themselves.
+// Iterates, because the moments on features are not linear in their rotations.
 void MeshEditor::converge_rotations(const DeformEdit& edit,
                                     std::optional<ShapeEstimate>& estimate) {
   estimate ? deformer_->deform(edit, *estimate) : deformer_->deform(edit);
   if (estimate && !given_ && options_.rotation_mode == RotationMode::Estimated &&
       own_features_ > 0) {
     constexpr int max_iterations = 100;
-    accelerator_.reset();  // the result does not depend on earlier solutions
+    if (equilibrium_) equilibrium_->reset();  // the result does not depend on earlier solutions
     double change = 2 * kConvergedDegrees;
     for (statistics_.iterations = 1;
          statistics_.iterations < max_iterations && change > kExactDegrees;
          ++statistics_.iterations) {
-      change = update_rotations(edit, deformer_->positions(), *estimate);
+      change = update_rotations(*estimate);
       deformer_->deform(edit, *estimate);
     }
     statistics_.converged = change < kConvergedDegrees;

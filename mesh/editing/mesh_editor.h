@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "batten/core/anderson_accelerator.h"
 #include "batten/mesh/attached/attached_nodes.h"
+#include "batten/mesh/editing/feature_equilibrium.h"
 #include "batten/mesh/editing/feature_rotation_estimator.h"
 
 namespace batten {
@@ -47,9 +47,10 @@ struct MeshEditStatistics {
 /// kinds of solution:
 ///
 ///     solve_preview()          costs two pairs of triangular solves and O(n) work, for positions and
-///                              for the rotation field. Features rotate like the adjacent faces in
-///                              the previous solution, with Anderson acceleration over successive
-///                              calls. Repeated calls with the same edit converge; see is_at_rest()
+///                              for the rotation field. Features rotate by one step towards the
+///                              equilibrium of their moments (FeatureEquilibrium), with Anderson
+///                              acceleration over successive calls. Repeated calls with the same
+///                              edit converge; see is_at_rest()
 ///     solve_to_equilibrium()   iterates, with Anderson acceleration, until the rotations change by
 ///                              less than 1e-9 degrees, at most 100 times, and corrects rounding
 ///                              errors. The shape is therefore a smooth function of the edit (in
@@ -126,7 +127,7 @@ class MeshEditor {
   std::vector<char> related_features() const;
   void fix_centres(const Points& unscaled);
   std::optional<ShapeEstimate> estimate();
-  double update_rotations(const DeformEdit& edit, const Points& positions, ShapeEstimate& estimate);
+  double update_rotations(ShapeEstimate& estimate);
   void converge_rotations(const DeformEdit& edit, std::optional<ShapeEstimate>& estimate);
 
   const TriangleMesh mesh_;
@@ -138,12 +139,8 @@ class MeshEditor {
   int own_features_ = 0;  // number of features without connections
   size_t own_rows_ = 0;   // number of linear constraints without those of centres
   FeatureRotationEstimator rotations_;
-  // Rotations couple all features, so that many differences are independent of each other.
-  static constexpr int kDepth = 30;
-  static constexpr double kIndependence = 0.05;
-  AndersonAccelerator accelerator_{kIndependence, kDepth};
-  Points rotations_before_, rotations_after_, accelerated_;
   std::unique_ptr<FormFeatureDeformer> deformer_;
+  std::unique_ptr<FeatureEquilibrium> equilibrium_;  // of deformer_; null: not computed
   bool centres_kept_ = false;  // deformer_ has constraints on the features' centres
   Points shape_;
   MeshEditStatistics statistics_;

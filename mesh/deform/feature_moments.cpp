@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "batten/mesh/deform/feature_moments.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "batten/core/containers.h"
+#include "batten/core/geometry.h"
+#include "batten/core/parallel.h"
+#include "batten/mesh/deform/form_feature_data.h"
+
+namespace batten {
+namespace {
+
+constexpr int kProbes = 256;      // largest number of groups of bodies that rotate in turn
+constexpr int kProbesAtOnce = 9;  // right-hand sides of one solve: three per probe
+
+/// A sum of vectors at few of many indices.
+class SparseSum {
+ public:
+  explicit SparseSum(long size) : at_(size, -1) {}
+  void add(long index, const Vec3& value) {
+    if (at_[index] < 0) {
+      at_[index] = isize(entries_);
+      entries_.emplace_back(index, Vec3::Zero());
+    }
+    entries_[at_[index]].second += value;
+  }
+  /// The indices with their sums, ascending; the sum is empty afterwards.
+  std::vector<std::pair<long, Vec3>> take() {
+    for (const auto& [index, value] : entries_) at_[index] = -1;
+    std::sort(entries_.begin(), entries_.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    return std::exchange(entries_, {});
+  }
+
+ private:
+  std::vector<int> at_;
+  std::vector<std::pair<long, Vec3>> entries_;
+};
+
+}  // namespace
+
+FeatureMoments::FeatureMoments(const FormFeatureData& data)
+    : of_rows_(data.problem.features.size()),
+      of_equations_(data.problem.features.size()),
+      tensors_(Points::Zero(3L * isize(data.problem.features), 3)) {
+  const DeformSystem& system = data.system;
+  std::vector<std::vector<long>> values(of_rows_.size());  // right-hand sides of each feature
+  for (size_t k = 0; k < system.values.size(); ++k)
+    if (system.values[k].kind == DeformSystem::Value::Kind::Feature)
+      values[system.values[k].source].push_back(static_cast<long>(k));
+  const SparseMatrix columns = system.A;
+  const SparseMatrix& particular = data.positions.rhs_to_particular();
+  SparseSum displacements(columns.cols()), rows(columns.rows());
+  std::vector<Vec3> displacement(columns.cols(), Vec3::Zero());
+  for (size_t f = 0; f < values.size(); ++f) {
+    for (const long k : values[f]) {
+      const auto& value = system.values[k];
+      const Vec3 arm =
+          (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose();
+      for (SparseMatrix::InnerIterator t(particular, k); t; ++t)
+        displacements.add(t.row(), t.value() * arm);
+    }
+    const auto moved = displacements.take();
+    for (const auto& [dof, arm] : moved) {
+      displacement[dof] = arm;
+      for (SparseMatrix::InnerIterator a(columns, dof); a; ++a) rows.add(a.row(), a.value() * arm);
+    }
+    for (const auto& [row, arm] : rows.take()) of_rows_[f].push_back({row, arm});
+    for (size_t e = 0; e < data.constraint_of_equation.size(); ++e) {
+      Vec3 arm = Vec3::Zero();
+      for (const auto& entry :
+           data.problem.point_constraints[data.constraint_of_equation[e]].point.entries)
+        arm += entry.coefficient * displacement[system.dof[entry.vertex]];
+      if (!arm.isZero(0)) of_equations_[f].push_back({static_cast<long>(e), arm});
+    }
+    for (const auto& [dof, arm] : moved) displacement[dof].setZero();
+  }
+}
+
+const Points& FeatureMoments::evaluate(const FormFeatureData& d) {
+  parallel_for_each<8>(isize(of_rows_), [&](int f) {
+    Mat3 sum = Mat3::Zero();
+    for (const auto& [row, arm] : of_rows_[f]) {
+      Vec3 force = -d.b.row(row).transpose();
+      for (RowMatrix::InnerIterator a(d.system.A, row); a; ++a)
+        force += a.value() * d.x.row(a.col()).transpose();
+      sum += arm * force.transpose();
+    }
+    for (const auto& [equation, arm] : of_equations_[f])
+      sum += arm * (d.multipliers[equation] * d.equation_directions[equation]).transpose();
+    const Vec3 log = d.last_valid_q.row(d.system.feature_dof[f]).transpose();
+    tensors_.middleRows<3>(3L * f) = d.scale_of(d.last, f) * rotation_matrix(log) * sum;
+  });
+  return tensors_;
+}
+
+// The residuals r_h of the rows if body h rotates by ω are Σ_j r_hj (ω × e_j), with the residuals r_hj
+// of three right-hand sides: the lever c_h and the base times the weight of h in the rotation field,
+// both times e_j.
+MatX FeatureMoments::stiffness(FormFeatureData& d, std::span<const int> body) const {
+  const int bodies =
+      body.empty() ? 0 : std::max(0, 1 + *std::max_element(body.begin(), body.end()));
+  const bool full = bodies <= kProbes;
+  const int probes = std::min(bodies, kProbes);
+  MatX S = MatX::Zero(3L * bodies, full ? 3L * bodies : 3);
+  for (int first = 0; first < probes; first += kProbesAtOnce) {
+    const int count = std::min(kProbesAtOnce, probes - first);
+    const RowMajor r = residuals(d, body, first, count);
+    for (size_t f = 0; f < body.size(); ++f)
+      for (int k = 0; k < count && body[f] >= 0; ++k) {
+        if (!full && body[f] % kProbes != first + k) continue;  // the probe rotates other bodies
+        auto block = S.block<3, 3>(3L * body[f], full ? 3L * (first + k) : 0);
+        for (const auto& [row, arm] : of_rows_[f]) block += arm * r.row(row).segment<3>(3L * k);
+      }
+  }
+  return S;
+}
+
+FeatureMoments::RowMajor FeatureMoments::residuals(FormFeatureData& d, std::span<const int> body,
+                                                   int first, int count) const {
+  const auto probe = [&](int f) { return body[f] < 0 ? -1 : body[f] % kProbes - first; };
+  const long rows = d.system.A.rows();
+  RowMajor r = RowMajor::Zero(rows, 3L * count);
+  std::vector<std::pair<int, Vec3>> rotations;
+  for (int p = 0; p < count; p += 3) {  // a rotation vector is the weight of three probes
+    rotations.clear();
+    for (const int f : d.rotated_features)
+      rotations.emplace_back(d.system.feature_dof[f], probe(f) >= p && probe(f) < p + 3
+                                                          ? Vec3(Vec3::Unit(probe(f) - p))
+                                                          : Vec3(Vec3::Zero()));
+    Points weights = Points::Zero(isize(d.system.vertex), 3);
+    d.rotations.prescribe(d.system, d.mesh, rotations, weights);
+    parallel_chunks(rows, [&](long begin, long end) {
+      for (long i = begin; i < end; ++i)
+        if (const int dof = d.system.rotates_with[i]; dof >= 0)
+          for (int k = p; k < std::min(p + 3, count); ++k)
+            r.row(i).segment<3>(3L * k) = -weights(dof, k - p) * d.system.base.row(i);
+    });
+  }
+  for (int f = 0; f < isize(body); ++f)
+    if (const int k = probe(f); k >= 0 && k < count)
+      for (const auto& [row, arm] : of_rows_[f]) r.row(row).segment<3>(3L * k) += arm.transpose();
+  if (d.positions.free_count() == 0) return r;
+  MatX y = d.B.transpose() * r;
+  d.factor.solve_in_place(y);
+  r -= d.B * y;
+  return r;
+}
+
+}  // namespace batten
