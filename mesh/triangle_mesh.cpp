@@ -301,34 +301,51 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return {va / sum, vb / sum, vc / sum};
 }
 
-BoxTree<3> triangle_boxes(const TriangleMesh& mesh) {
+}  // namespace
+
+std::vector<TriangleTree::Corners> TriangleTree::corners_of(const TriangleMesh& mesh) {
+  std::vector<Corners> corners;
+  corners.reserve(mesh.triangles().size());
+  for (const auto& [a, b, c] : mesh.triangles())
+    corners.push_back({mesh.point(a), mesh.point(b), mesh.point(c)});
+  return corners;
+}
+
+BoxTree<3> TriangleTree::boxes_of(const std::vector<Corners>& triangles) {
   std::vector<Box3> boxes;
   std::vector<Vec3> centroids;
-  for (const auto& [a, b, c] : mesh.triangles()) {
-    const std::array<Vec3, 3> corners = {mesh.point(a), mesh.point(b), mesh.point(c)};
+  for (const Corners& corners : triangles) {
     boxes.push_back(bounding_box(corners));
     centroids.push_back((corners[0] + corners[1] + corners[2]) / 3);
   }
   return BoxTree<3>(boxes, centroids);
 }
 
-}  // namespace
-
-TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(mesh), tree_(triangle_boxes(mesh)) {}
+TriangleTree::TriangleTree(const TriangleMesh& mesh)
+    : corners_(corners_of(mesh)), tree_(boxes_of(corners_)) {}
 
 std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest(
     const Vec3& p, const std::optional<Vec3>& normal) const {
-  if (!normal) return nearest_among(p, [](int) { return true; });
-  return nearest_among(p, [&](int t) { return mesh_.area_vector(t).dot(*normal) > 0; });
+  if (!normal) return search(p, [](int) { return true; });
+  return search(p, [&](int t) {
+    const auto& [a, b, c] = corners_[t];
+    return (b - a).cross(c - a).dot(*normal) > 0;
+  });
 }
 
 std::optional<TriangleTree::ClosestPoint> TriangleTree::nearest_among(
     const Vec3& p, const std::function<bool(int triangle)>& accepts) const {
+  return search(p, accepts);
+}
+
+template <class Accepts>
+std::optional<TriangleTree::ClosestPoint> TriangleTree::search(const Vec3& p,
+                                                               const Accepts& accepts) const {
   Vec3 at, weights;
   const auto distance2_of = [&](int t) {
-    const auto& [a, b, c] = mesh_.triangles()[t];
-    weights = nearest_in_triangle(p, mesh_.point(a), mesh_.point(b), mesh_.point(c));
-    at = weights[0] * mesh_.point(a) + weights[1] * mesh_.point(b) + weights[2] * mesh_.point(c);
+    const auto& [a, b, c] = corners_[t];
+    weights = nearest_in_triangle(p, a, b, c);
+    at = weights[0] * a + weights[1] * b + weights[2] * c;
     return (at - p).squaredNorm();
   };
   double best = kInfinity;  // of the accepted triangles: most of them are farther, which is cheaper

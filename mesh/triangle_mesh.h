@@ -181,7 +181,13 @@ class TriangleTree {
                                             const std::function<bool(int triangle)>& accepts) const;
 
  private:
-  TriangleMesh mesh_;
+  using Corners = std::array<Vec3, 3>;
+  static std::vector<Corners> corners_of(const TriangleMesh& mesh);
+  static BoxTree<3> boxes_of(const std::vector<Corners>& triangles);
+  template <class Accepts>
+  std::optional<ClosestPoint> search(const Vec3& p, const Accepts& accepts) const;
+
+  std::vector<Corners> corners_;  // per triangle, contiguous: queries read many of them
   BoxTree<3> tree_;
 };
 

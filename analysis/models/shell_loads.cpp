@@ -184,7 +184,7 @@ Points line_force(const ModelLayout& model, const Points& shape, const std::stri
 }
 
 Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
-                  double per_length, const std::optional<Box3>& box) {
+                  const LineIntensity& per_length, const std::optional<Box3>& box) {
   const ModelLine& found = model.model_line(line);
   const LineSide& only = found.sides[0];
   const std::optional<bool> left = face_is_left(*model.regions()[only.region], only);
@@ -199,9 +199,16 @@ Points edge_force(const ModelLayout& model, const Points& shape, const std::stri
     if (!(across.norm() > 0))
       throw InputError("the surface is singular along '" + line +
                        "': it has no tangent plane there");
-    add_force(side, f, (*left ? -1 : 1) * dl * per_length * across.normalized(), F);
+    const double force = dl * per_length(point_on_line(side, shape, f));
+    add_force(side, f, (*left ? -1 : 1) * force * across.normalized(), F);
   });
   return F;
+}
+
+Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  double per_length, const std::optional<Box3>& box) {
+  return edge_force(model, shape, line, LineIntensity([&](const Vec3&) { return per_length; }),
+                    box);
 }
 
 Points spread_load(const ModelLayout& model, const Points& shape,
@@ -237,14 +244,20 @@ Points spread_load(const ModelLayout& model, const Points& shape,
 }
 
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
-                   double per_length, const std::optional<Box3>& box) {
+                   const LineIntensity& per_length, const std::optional<Box3>& box) {
   Points F = Points::Zero(shape.rows(), 3);
   along_line(model, shape, line, box, [&](const JoinEdge& side, double f, double dl) {
     CoupledEntries row;
-    LineRotation(side, shape).at_fraction(f, per_length * dl, row);
+    LineRotation(side, shape).at_fraction(f, per_length(point_on_line(side, shape, f)) * dl, row);
     for (const auto& e : row) F.row(e.dof) += e.coefficient.transpose();
   });
   return F;
+}
+
+Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
+                   double per_length, const std::optional<Box3>& box) {
+  return line_moment(model, shape, line, LineIntensity([&](const Vec3&) { return per_length; }),
+                     box);
 }
 
 ShellLocation nearest_location(const ModelLayout& model, const Points& shape, const Vec3& p) {

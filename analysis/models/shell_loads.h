@@ -68,9 +68,15 @@ Points line_force(const ModelLayout& model, const Points& shape, const std::stri
 Points line_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   const Vec3& per_length, const std::optional<Box3>& box = {});
 
+/// Intensity per length at a point x of a curve.
+using LineIntensity = std::function<double(const Vec3& x)>;
+
 /// Load vector of a force per length on an edge of the shell, in the tangent plane and perpendicular
 /// to the edge; positive values pull, away from the face. Throws the same exceptions as
 /// line_force(), and InputError for a curve that is not the edge of exactly one face.
+Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
+                  const LineIntensity& per_length, const std::optional<Box3>& box = {});
+/// edge_force() of a constant force per length.
 Points edge_force(const ModelLayout& model, const Points& shape, const std::string& line,
                   double per_length, const std::optional<Box3>& box = {});
 
@@ -87,6 +93,9 @@ Points spread_load(const ModelLayout& model, const Points& shape,
 
 /// Load vector of a moment per length about the tangent of a curve, right-handed. On a curve shared
 /// by several regions, it is applied to the first one. Throws the same exceptions as line_force().
+Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
+                   const LineIntensity& per_length, const std::optional<Box3>& box = {});
+/// line_moment() of a constant moment per length.
 Points line_moment(const ModelLayout& model, const Points& shape, const std::string& line,
                    double per_length, const std::optional<Box3>& box = {});
 

@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -189,6 +190,33 @@ Vec3 TomlTable::direction(const std::string& key) const {
 bool TomlTable::is_array(const std::string& key) const {
   const toml::node* value = table_->get(key);
   return value && value->is_array();
+}
+
+bool TomlTable::is_text(const std::string& key) const {
+  const toml::node* value = table_->get(key);
+  return value && value->is_string();
+}
+
+std::vector<std::string> TomlTable::mixed_texts(const std::string& key,
+                                                const std::string& shape) const {
+  const toml::node* value = table_->get(key);
+  const auto* array = value ? value->as_array() : nullptr;
+  if (!array || std::none_of(array->begin(), array->end(),
+                             [](const toml::node& item) { return item.is_string(); }))
+    return {};
+  const std::string expected = "[" + shape + "] for '" + key + "'";
+  if (isize(*array) != count_names(shape)) fail_node(*value, describe(*value), expected);
+  std::vector<std::string> texts;
+  for (const toml::node& item : *array) {
+    char digits[32];
+    texts.push_back(
+        item.is_string()
+            ? item.as_string()->get()
+            : std::string(digits, std::to_chars(digits, digits + sizeof digits,
+                                                finite(item, "a number or a formula, " + expected))
+                                      .ptr));
+  }
+  return texts;
 }
 
 std::vector<VecX> TomlTable::rows(const std::string& key, const std::string& shape) const {

@@ -83,6 +83,10 @@ class TomlTable {
   /// The value of a key that must be a non-zero vector; the result has length 1.
   Vec3 direction(const std::string& key) const;
   bool is_array(const std::string& key) const;
+  bool is_text(const std::string& key) const;
+  /// The values of a key that must be a list of numbers and texts in quotes, with at least one text,
+  /// as texts; empty if the key is missing or a list without a text. `shape`: as of numbers().
+  std::vector<std::string> mixed_texts(const std::string& key, const std::string& shape) const;
   std::vector<Vec3> points(const std::string& key) const;
   /// The value of a key that must be a list of lists of finite numbers. `shape`: names of the
   /// numbers in each inner list ("t, value"), which also determine the length of the inner lists.

@@ -211,6 +211,22 @@ SceneStress::Support read_support(const TomlTable& t) {
   return support;
 }
 
+Formula formula(const TomlTable& t, const std::string& key, const std::string& text) {
+  try {
+    return Formula(text);
+  } catch (const InputError& e) {
+    throw InputError(t.at(key) + e.what());
+  }
+}
+
+/// A pressure that is a number or a formula.
+void read_pressure(const TomlTable& t, SceneStress::Load& load) {
+  if (t.is_text("pressure"))
+    load.formulas = {formula(t, "pressure", t.text("pressure"))};
+  else
+    load.value = t.number("pressure");
+}
+
 SceneStress::Load read_load(const TomlTable& t) {
   using Type = SceneStress::Load::Type;
   SceneStress::Load load;
@@ -271,14 +287,20 @@ SceneStress::Load read_load(const TomlTable& t) {
                 : kind == "moment"     ? Type::LineMoment
                 : kind == "edge_force" ? Type::EdgeForce
                                        : Type::Hydrostatic;
-    load.value = t.number(kind);
+    if (kind != "hydrostatic" && t.is_text(kind))
+      load.formulas = {formula(t, kind, t.text(kind))};
+    else
+      load.value = t.number(kind);
     load.level = t.number("level", 0);
   } else {
     load.type = kind == "gravity"    ? Type::Gravity
                 : kind == "traction" ? Type::AreaForce
                 : at_point           ? Type::Point
                                      : Type::LineForce;
-    load.vector = t.vector(kind);
+    const bool varies = kind == "traction" || (kind == "force" && !at_point);
+    const auto texts = varies ? t.mixed_texts(kind, "x, y, z") : std::vector<std::string>();
+    for (const std::string& text : texts) load.formulas.push_back(formula(t, kind, text));
+    if (texts.empty()) load.vector = t.vector(kind);
   }
   return load;
 }
@@ -309,11 +331,11 @@ void read_short_loads(const TomlTable& table, SceneStress& stress) {
     return stress.loads.back();
   };
   if (table.has("pressure"))
-    add(Load::Type::Pressure, table.location("pressure")).value = table.number("pressure");
+    read_pressure(table, add(Load::Type::Pressure, table.location("pressure")));
   for (const TomlTable& t : table.tables("pressures", {"face", "pressure"})) {
     Load& load = add(Load::Type::Pressure, t.location());
     load.region = {t.text("face"), t.location("face")};
-    load.value = t.number("pressure");
+    read_pressure(t, load);
   }
   if (table.has("gravity"))
     add(Load::Type::Gravity, table.location("gravity")).vector = table.vector("gravity");

@@ -9,6 +9,7 @@
 
 #include "batten/core/geometry.h"
 #include "batten/io/files/toml_table.h"
+#include "batten/io/scene/formula.h"
 #include "batten/sculpting/loads/loads.h"
 
 namespace batten {
@@ -74,15 +75,15 @@ struct SceneStress {
   /// A load on the shell in one load case.
   struct Load {
     enum class Type {
-      Pressure,     ///< pressure (Load::value), a force per unit area along the normal
-      AreaForce,    ///< surface traction (Load::vector), a force per unit area
+      Pressure,     ///< pressure (value_at()), a force per unit area along the normal
+      AreaForce,    ///< surface traction (vector_at()), a force per unit area
       Gravity,      ///< acceleration Load::vector
       Hydrostatic,  ///< pressure Load::value · (Load::level − z) at points below z = Load::level
       Point,        ///< concentrated force Load::vector
-      LineForce,    ///< force Load::vector per unit length of the curve
-      /// Moment Load::value per unit length of the curve, about its tangent (right-handed).
+      LineForce,    ///< force vector_at() per unit length of the curve
+      /// Moment value_at() per unit length of the curve, about its tangent (right-handed).
       LineMoment,
-      /// Force Load::value per unit length of an edge, in the tangent plane, away from the face.
+      /// Force value_at() per unit length of an edge, in the tangent plane, away from the face.
       EdgeForce,
       Total,  ///< force Load::vector and moment Load::moment, spread over a curve, face or part
       Spin    ///< centrifugal force of the angular velocity Load::value about an axis
@@ -95,8 +96,15 @@ struct SceneStress {
     Vec3 point = Vec3::Zero();  ///< loads of type Point: point of application
     double value = 0, level = 0;
     Vec3 vector = Vec3::Zero(), moment = Vec3::Zero();
+    /// The value, or the components of the vector, as formulas of the position; empty: constant.
+    std::vector<Formula> formulas;
     Vec3 axis = Vec3::UnitZ(), origin = Vec3::Zero();  ///< Spin: axis of rotation
     SourceLocation location;
+    /// Value or vector at the point x, for the types that may vary.
+    double value_at(const Vec3& x) const { return formulas.empty() ? value : formulas[0](x); }
+    Vec3 vector_at(const Vec3& x) const {
+      return formulas.empty() ? vector : Vec3(formulas[0](x), formulas[1](x), formulas[2](x));
+    }
   };
   /// A linear combination of load cases.
   struct Combination {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -13,8 +14,6 @@
 
 namespace batten {
 namespace {
-
-constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
 
 /// Region specification of a patch; empty for patches without a border, or with a line that occurs
 /// twice in it. The region search handles these.
@@ -35,20 +34,29 @@ std::optional<RegionSpec> spec_of(const FeaturePatch& patch, const std::vector<S
   return spec;
 }
 
+/// The edge between two vertices; edges are sorted by their vertices.
+int edge_between(int low, int high, const MeshTopology& topology) {
+  const auto& edges = topology.edges();
+  const auto at = std::lower_bound(
+      edges.begin(), edges.end(), std::pair(low, high),
+      [](const auto& edge, const auto& wanted) { return std::pair(edge.low, edge.high) < wanted; });
+  return static_cast<int>(at - edges.begin());
+}
+
 /// The edges between nodes of a set, if they are a chain: no node has more than two of them.
+/// `nodes`: ascending.
 std::vector<int> chain_of(const std::vector<int>& nodes, const MeshTopology& topology) {
   std::vector<int> edges;
   std::map<int, int> count;
-  for (int e = 0; e < isize(topology.edges()); ++e) {
-    const auto& edge = topology.edges()[e];
-    const int low = topology.node_of(edge.low), high = topology.node_of(edge.high);
-    if (!std::binary_search(nodes.begin(), nodes.end(), low) ||
-        !std::binary_search(nodes.begin(), nodes.end(), high))
-      continue;
-    if (++count[low] > 2 || ++count[high] > 2) return {};
-    edges.push_back(e);
-  }
-  return count.size() == nodes.size() ? edges : std::vector<int>();
+  for (const int node : nodes)
+    for (const int low : topology.coincident_vertices(node))
+      for (const int high : topology.neighbours(low)) {
+        const int other = topology.node_of(high);
+        if (high < low || !std::binary_search(nodes.begin(), nodes.end(), other)) continue;
+        if (++count[node] > 2 || ++count[other] > 2) return {};
+        edges.push_back(edge_between(low, high, topology));
+      }
+  return count.size() == nodes.size() ? sorted_unique(std::move(edges)) : std::vector<int>();
 }
 
 /// Names of lines and faces, from the sets of the mesh.
@@ -93,7 +101,7 @@ SceneLine line_of(const FeatureLine& feature, const TriangleMesh& mesh) {
 void add_mesh_lines(Scene& scene, const PreparedMesh& prepared, const std::vector<MeshSet>& sets) {
   const TriangleMesh& mesh = prepared.mesh;
   const MeshTopology& topology = mesh.topology();
-  scene.network.tolerance = kMeet * mesh.size();
+  scene.network.tolerance = kExactLineTolerance * mesh.size();
   FeatureLineOptions options;
   for (const MeshSet& set : sets) {
     const std::vector<int> edges = chain_of(set.nodes, topology);

@@ -10,6 +10,9 @@
 
 namespace batten {
 
+/// Gap tolerance of lines that meet exactly, relative to the size of the model: they need no repair.
+constexpr double kExactLineTolerance = 1e-5;
+
 /// Adds the feature lines of a mesh to a network scene, and the faces that they enclose. Sets the gap
 /// tolerance, because these lines meet exactly.
 ///

@@ -549,13 +549,11 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
 
 namespace {
 
-constexpr double kMeet = 1e-5;  // relative to the size: exact lines need no repair
-
 /// Adds a region for each face of a CAD file, except faces with a line that occurs twice. The
 /// region search handles these.
 void add_cad_regions(Scene& scene, const std::filesystem::path& file) {
   const CadFaceTopology found = cad_plugin().read_cad_loops(file, unit_in_metres(scene.unit));
-  scene.network.tolerance = std::max(kMeet * found.size, 1.1 * found.gap);
+  scene.network.tolerance = std::max(kExactLineTolerance * found.size, 1.1 * found.gap);
   constexpr double smooth = 0.5;  // degrees; faces with a larger angle belong to separate surfaces
   for (const CadSharedEdge& join : found.joins)
     if (join.angle_deg > smooth)

@@ -142,6 +142,7 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
   const ShellPart part = part_of(scene, layout, load.region, load.box);
   const Vec3 v = load.vector;
   const double value = load.value, level = load.level;
+  const LineIntensity intensity = [&](const Vec3& x) { return load.value_at(x); };
   const auto along_lines = [&](const auto& one) {
     Points sum = Points::Zero(shape.rows(), 3);
     for (const std::string& line : find_lines(layout, scene, load.line)) sum += one(line);
@@ -150,10 +151,11 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
   switch (load.type) {
     case Type::Pressure:
       return surface_traction(
-          layout, shape, [=](const Vec3&, const Vec3& n) -> Vec3 { return value * n; }, part);
+          layout, shape, [&](const Vec3& x, const Vec3& n) -> Vec3 { return load.value_at(x) * n; },
+          part);
     case Type::AreaForce:
       return surface_traction(
-          layout, shape, [=](const Vec3&, const Vec3&) { return v; }, part);
+          layout, shape, [&](const Vec3& x, const Vec3&) { return load.vector_at(x); }, part);
     case Type::Hydrostatic:
       return surface_traction(
           layout, shape,
@@ -166,15 +168,17 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
     case Type::Point:
       return point_force(layout, place_of(scene, layout, shape, load.point, load.location), v);
     case Type::LineForce:
-      return along_lines(
-          [&](const std::string& line) { return line_force(layout, shape, line, v, load.box); });
+      return along_lines([&](const std::string& line) {
+        return line_force(layout, shape, line,
+                          LineTraction([&](const Vec3& x) { return load.vector_at(x); }), load.box);
+      });
     case Type::LineMoment:
       return along_lines([&](const std::string& line) {
-        return line_moment(layout, shape, line, value, load.box);
+        return line_moment(layout, shape, line, intensity, load.box);
       });
     case Type::EdgeForce:
       return along_lines([&](const std::string& line) {
-        return edge_force(layout, shape, line, value, load.box);
+        return edge_force(layout, shape, line, intensity, load.box);
       });
     case Type::Total:
       return spread_load(
@@ -265,19 +269,28 @@ void add(const ShellLoadCase& load_case, double factor, ShellLoadCase& sum) {
     sum.follower += factor * load_case.follower;
 }
 
+// A pressure and its gradient; of a formula, by central differences.
+PressureAt pressure_at(const SceneStress::Load& load, const Vec3& x, double step) {
+  PressureAt at{load.value_at(x), Vec3::Zero()};
+  if (load.formulas.empty()) return at;
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 h = step * Vec3::Unit(c);
+    at.gradient[c] = (load.value_at(x + h) - load.value_at(x - h)) / (2 * step);
+  }
+  return at;
+}
+
 // The stiffness of a pressure that follows the surface; empty for other loads.
 SparseMatrix follower_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                          const SceneStress::Load& load) {
   using Type = SceneStress::Load::Type;
   const double value = load.value, level = load.level;
   const ShellPart part = part_of(scene, layout, load.region, load.box);
+  constexpr double of_size = 1e-5;  // step of differences
+  const double step = of_size * layout.size();
   if (load.type == Type::Pressure)
     return follower_stiffness(
-        layout, shape,
-        [=](const Vec3&) {
-          return PressureAt{value, Vec3::Zero()};
-        },
-        part);
+        layout, shape, [&](const Vec3& x) { return pressure_at(load, x, step); }, part);
   if (load.type == Type::Hydrostatic)
     return follower_stiffness(
         layout, shape,
@@ -463,8 +476,8 @@ class DeckOfScene {
     };
     switch (load.type) {
       case Load::Type::Pressure:
-        if (load.box)
-          add_area([value](const Vec3&, const Vec3& n) -> Vec3 { return value * n; });
+        if (load.box || !load.formulas.empty())
+          add_area([load](const Vec3& x, const Vec3& n) -> Vec3 { return load.value_at(x) * n; });
         else if (load.region.text.empty())
           deck_.pressure += value;
         else
@@ -474,7 +487,7 @@ class DeckOfScene {
         deck_.gravity += v;
         return;
       case Load::Type::AreaForce:
-        return add_area([v](const Vec3&, const Vec3&) { return v; });
+        return add_area([load](const Vec3& x, const Vec3&) { return load.vector_at(x); });
       case Load::Type::Hydrostatic:
         return add_area([value, level](const Vec3& x, const Vec3& n) -> Vec3 {
           return value * std::max(0.0, level - x.z()) * n;
@@ -483,6 +496,7 @@ class DeckOfScene {
         deck_.point_forces.push_back({load.point, v});
         return;
       case Load::Type::LineForce:
+        if (!load.formulas.empty()) refuse(load.location, "a force that varies along a curve");
         for (const std::string& name : lines_of(load.line))
           deck_.line_forces.push_back({name, v, load.box});
         return;

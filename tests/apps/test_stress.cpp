@@ -434,3 +434,43 @@ TEST_CASE("an accuracy applies to the stress at a hole, and stresses that have n
   const auto clamped = at("clamped");
   CHECK(clamped["warnings"].dump().find("grows with each refinement") != std::string::npos);
 }
+
+TEST_CASE("loads that vary with the position", "[apps][stress]") {
+  const CliCase c("stress_varying");
+  const auto solved = [&](const std::string& load, const std::string& supports) {
+    const auto found = stress_of(c, plate(kSteel + supports + "loads = [" + load + "]\n"));
+    return found["cases"][0];
+  };
+  const auto number = [](const nlohmann::json& value) { return value.get<double>(); };
+  const auto force = [&](const std::string& load) {
+    const auto f = solved(load, kClamped)["force"];
+    return Vec3(number(f[0]), number(f[1]), number(f[2]));
+  };
+  // Simply supported, sin sin: w = q a⁴ / (4 π⁴ D).
+  const std::string pinned =
+      "supports = [{curve = \"a\", type = \"pinned\"}, {curve = \"b\", type = \"pinned\"}, "
+      "{curve = \"c\", type = \"pinned\"}, {curve = \"d\", type = \"pinned\"}]\n";
+  const auto wave = solved("{pressure = \"1e-3 * sin(pi*x/100) * sin(pi*y/100)\"}", pinned);
+  const double D = 210000.0 / (12 * 0.91), pi = std::acos(-1.0);
+  CHECK(number(wave["max_displacement"]) ==
+        Approx(1e-3 * 1e8 / (4 * std::pow(pi, 4) * D)).epsilon(5e-3));
+  CHECK(number(wave["force"][2]) == Approx(1e-3 * 4e4 / (pi * pi)).epsilon(1e-6));
+  // The same load in two ways.
+  const auto depth = solved("{hydrostatic = 1e-6, level = 20}", kClamped);
+  const auto formula = solved("{pressure = \"1e-6 * max(0, 20 - z)\"}", kClamped);
+  CHECK(number(formula["max_displacement"]) ==
+        Approx(number(depth["max_displacement"])).epsilon(1e-12));
+  CHECK(force("{traction = [\"1e-6*x\", 0, \"-2e-6*y\"]}").isApprox(Vec3(0.5, 0, -1), 1e-9));
+  CHECK(force("{curve = \"c\", force = [0, 0, \"1e-4*x\"]}").isApprox(Vec3(0, 0, 0.5), 1e-9));
+  CHECK(force("{curve = \"c\", edge_force = \"1e-4*x\"}").isApprox(Vec3(0, 0.5, 0), 1e-9));
+  const auto moment = solved("{curve = \"c\", moment = \"1e-2 * x\"}", kClamped);
+  CHECK(number(moment["reactions"][0]["moment"][0]) == Approx(50).epsilon(1e-6));
+
+  refused(c, kSteel + kClamped + "loads = [{pressure = \"1e-3 * w\"}]", 1,
+          {"s.toml:19:", "found 'w' in the formula '1e-3 * w'"});
+  refused(c, kSteel + kClamped + "loads = [{traction = [0, \"sin(\", 1]}]", 1,
+          {"s.toml:19:", "'sin('"});
+  refused(c, kSteel + kClamped + "pressure = \"sqrt(-1 - x)\"", 1,
+          {"s.toml:19:", "no finite value at ("});
+  refused(c, kSteel + kClamped + "loads = [{gravity = [0, 0, \"x\"]}]", 1, {"gravity"});
+}
