@@ -96,33 +96,64 @@ const Points& FeatureMoments::evaluate(const FormFeatureData& d) {
   return tensors_;
 }
 
-// The residuals r_h of the rows if body h rotates by ω are Σ_j r_hj (ω × e_j), with the residuals r_hj
-// of three right-hand sides: the lever c_h and the base times the weight of h in the rotation field,
-// both times e_j.
-MatX FeatureMoments::stiffness(FormFeatureData& d, std::span<const int> body) const {
+namespace {
+
+/// The inverse of the compliance of the point constraints: forces that move their points by units.
+MatX stiffness_of_constraints(const FormFeatureData& d) {
+  MatX H(d.g.size(), d.g.size());
+  for (long k = 0; k < H.cols(); ++k) {
+    MatX y = MatX::Zero(d.positions.free_count(), 3);
+    d.coupling.apply(y, -VecX::Unit(H.cols(), k));
+    VecX forces = VecX::Zero(H.rows());
+    d.coupling.add_multipliers(forces);
+    H.col(k) = forces;
+  }
+  return H;
+}
+
+}  // namespace
+
+FeatureStiffness FeatureMoments::stiffness(FormFeatureData& d, std::span<const int> body) const {
   const int bodies =
       body.empty() ? 0 : std::max(0, 1 + *std::max_element(body.begin(), body.end()));
   const bool full = bodies <= kProbes;
   const int probes = std::min(bodies, kProbes);
-  MatX S = MatX::Zero(3L * bodies, full ? 3L * bodies : 3);
+  const long equations = d.g.size();
+  FeatureStiffness result{MatX::Zero(3L * bodies, full ? 3L * bodies : 3),
+                          MatX::Zero(3L * bodies, equations), stiffness_of_constraints(d),
+                          d.equation_directions};
+  for (size_t f = 0; f < body.size(); ++f)
+    for (const auto& [equation, arm] : of_equations_[f])
+      if (body[f] >= 0) result.v.block<3, 1>(3L * body[f], equation) += arm;
   for (int first = 0; first < probes; first += kProbesAtOnce) {
     const int count = std::min(kProbesAtOnce, probes - first);
-    const RowMajor r = residuals(d, body, first, count);
+    const Response found = response(d, body, first, count);
     for (size_t f = 0; f < body.size(); ++f)
       for (int k = 0; k < count && body[f] >= 0; ++k) {
         if (!full && body[f] % kProbes != first + k) continue;  // the probe rotates other bodies
-        auto block = S.block<3, 3>(3L * body[f], full ? 3L * (first + k) : 0);
-        for (const auto& [row, arm] : of_rows_[f]) block += arm * r.row(row).segment<3>(3L * k);
+        auto block = result.S.block<3, 3>(3L * body[f], full ? 3L * (first + k) : 0);
+        for (const auto& [row, arm] : of_rows_[f])
+          block += arm * found.residuals.row(row).segment<3>(3L * k);
       }
+    for (int b = 0; b < bodies; ++b)
+      if (const int k = b % kProbes - first; k >= 0 && k < count)
+        for (long e = 0; e < equations; ++e)
+          result.v.block<3, 1>(3L * b, e) +=
+              found.points.block<1, 3>(d.constraint_of_equation[e], 3L * k).transpose();
   }
-  return S;
+  return result;
 }
 
-FeatureMoments::RowMajor FeatureMoments::residuals(FormFeatureData& d, std::span<const int> body,
-                                                   int first, int count) const {
+// The residuals of the rows if body h rotates by ω are Σ_j r_hj (ω × e_j), with the residuals r_hj of
+// three right-hand sides: the lever c_h and the base times the weight of h in the rotation field,
+// both times e_j. So are the movements of the constrained points.
+FeatureMoments::Response FeatureMoments::response(FormFeatureData& d, std::span<const int> body,
+                                                  int first, int count) const {
   const auto probe = [&](int f) { return body[f] < 0 ? -1 : body[f] % kProbes - first; };
   const long rows = d.system.A.rows();
-  RowMajor r = RowMajor::Zero(rows, 3L * count);
+  Response result{RowMajor::Zero(rows, 3L * count),
+                  MatX::Zero(d.constrained_points.cols(), 3L * count)};
+  RowMajor& r = result.residuals;
   std::vector<std::pair<int, Vec3>> rotations;
   for (int p = 0; p < count; p += 3) {  // a rotation vector is the weight of three probes
     rotations.clear();
@@ -142,11 +173,12 @@ FeatureMoments::RowMajor FeatureMoments::residuals(FormFeatureData& d, std::span
   for (int f = 0; f < isize(body); ++f)
     if (const int k = probe(f); k >= 0 && k < count)
       for (const auto& [row, arm] : of_rows_[f]) r.row(row).segment<3>(3L * k) += arm.transpose();
-  if (d.positions.free_count() == 0) return r;
+  if (d.positions.free_count() == 0) return result;
   MatX y = d.B.transpose() * r;
   d.factor.solve_in_place(y);
   r -= d.B * y;
-  return r;
+  if (d.constrained_points.cols() > 0) result.points = -(d.constrained_points.transpose() * y);
+  return result;
 }
 
 }  // namespace batten

@@ -9,6 +9,7 @@
 
 namespace batten {
 
+struct FeatureStiffness;
 struct FormFeatureData;
 
 /// Moments of the forces that the surface exerts on the rigid features, see
@@ -19,12 +20,16 @@ class FeatureMoments {
   explicit FeatureMoments(const FormFeatureData& data);
   /// The first moments in the last solution of the same data. Does not allocate.
   const Points& evaluate(const FormFeatureData& data);
-  MatX stiffness(FormFeatureData& data, std::span<const int> body) const;
+  FeatureStiffness stiffness(FormFeatureData& data, std::span<const int> body) const;
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// A p - b for the rotations of `count` groups of bodies, three columns each.
-  RowMajor residuals(FormFeatureData& data, std::span<const int> body, int first, int count) const;
+  /// Responses to rotations of groups of bodies, three columns each.
+  struct Response {
+    RowMajor residuals;  // A p - b
+    MatX points;         // movements of the points of point constraints, by the free unknowns only
+  };
+  Response response(FormFeatureData& data, std::span<const int> body, int first, int count) const;
 
   struct Lever {
     long row;  // of A, or a point equation

@@ -100,8 +100,8 @@ void FormFeatureData::couple_point_constraints() {
   if (!coupled.empty()) {
     SparseMatrix U(dofs, static_cast<long>(problem.point_constraints.size()));
     U.setFromTriplets(combination.begin(), combination.end());
-    SparseMatrix reduced = SparseMatrix(positions.D().transpose()) * U;
-    coupling = SchurComplementConstraints(factor, reduced.pruned(), coupled);
+    constrained_points = (SparseMatrix(positions.D().transpose()) * U).pruned();
+    coupling = SchurComplementConstraints(factor, constrained_points, coupled);
   }
 }
 

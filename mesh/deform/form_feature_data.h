@@ -2,14 +2,12 @@
 // Linear system, right-hand sides and solution of a FormFeatureDeformer.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "batten/constraints/affine_reduction.h"
 #include "batten/constraints/schur_complement_constraints.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/deform/feature_moments.h"
 #include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/rotation_field.h"
 
@@ -66,6 +64,7 @@ struct FormFeatureData {
   RowMatrix A_constrained_columns;  // columns of A where d0 may be nonzero
   SparseCholesky factor;
   SchurComplementConstraints coupling;
+  SparseMatrix constrained_points;          // free unknowns × point constraints: Dᵀ U
   std::vector<Vec3> equation_directions;    // direction of each point equation
   std::vector<int> constraint_of_equation;  // point constraint of each point equation
   double size;
@@ -78,11 +77,10 @@ struct FormFeatureData {
   MatX y, y_rest, load, x;
   Points result;
   DeformEdit last;
-  bool solved = false;                    // result is the solution for `last`
-  bool is_estimated = false;              // guided by an estimate
-  bool can_correct = false;               // and y, b, d0 belong to it
-  std::vector<int> rotated_features;      // features whose rotations the last estimate prescribed
-  std::optional<FeatureMoments> moments;  // created by the first feature_moments()
+  bool solved = false;                // result is the solution for `last`
+  bool is_estimated = false;          // guided by an estimate
+  bool can_correct = false;           // and y, b, d0 belong to it
+  std::vector<int> rotated_features;  // features whose rotations the last estimate prescribed
 };
 
 }  // namespace batten

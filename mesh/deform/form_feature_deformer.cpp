@@ -9,6 +9,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
+#include "batten/mesh/deform/feature_moments.h"
 #include "batten/mesh/deform/form_feature_data.h"
 #include "batten/mesh/rotation_fitting.h"
 
@@ -64,14 +65,18 @@ double FormFeatureDeformer::correct() {
   return (d.result - before).cwiseAbs().maxCoeff() / d.size;
 }
 
+FeatureMoments& FormFeatureDeformer::moments() {
+  if (!moments_) moments_ = std::make_unique<FeatureMoments>(*data_);
+  return *moments_;
+}
+
 const Points& FormFeatureDeformer::feature_moments() {
   FormFeatureData& d = *data_;
   if (!d.can_correct) throw InputError("moments without an edit: call deform() first");
-  if (!d.moments) d.moments.emplace(d);
-  return d.moments->evaluate(d);
+  return moments().evaluate(d);
 }
 
-MatX FormFeatureDeformer::feature_stiffness(std::span<const int> body) {
+FeatureStiffness FormFeatureDeformer::feature_stiffness(std::span<const int> body) {
   FormFeatureData& d = *data_;
   if (!d.can_correct || !d.is_estimated)
     throw InputError(
@@ -79,8 +84,7 @@ MatX FormFeatureDeformer::feature_stiffness(std::span<const int> body) {
   if (body.size() != d.problem.features.size())
     throw InputError("found " + std::to_string(body.size()) + " bodies of features, expected " +
                      std::to_string(d.problem.features.size()));
-  if (!d.moments) d.moments.emplace(d);
-  return d.moments->stiffness(d, body);
+  return moments().stiffness(d, body);
 }
 
 const Points& FormFeatureDeformer::positions() const { return data_->result; }

@@ -35,7 +35,24 @@ struct ShapeEstimate {
   std::vector<std::optional<Mat3>> feature_rotations;
 };
 
+/// Stiffness of rigid bodies of features against rotations, in the undeformed shape. If body h rotates
+/// by ω, the moment on body f changes by K_fh ω, with
+///
+///     K_fh = tr(S_fh) I - S_fhᵀ + Σ_kl (v_kf × n_k) H_kl (v_lh × n_l)ᵀ,   S_fh = Σ_i c_f,i r_h,iᵀ
+///
+/// Column j of r_h contains the residuals A p - b if each lever and each target that rotates with h
+/// changes by its component j in a fixed direction, and column j of v_kh the movement of the point of
+/// equation k of the point constraints, without these constraints. H is the inverse of the compliance
+/// of the point constraints, n_k their directions.
+struct FeatureStiffness {
+  MatX S;  ///< up to 256 bodies: 3m×3m; more: the diagonal blocks only, approximately, 3m×3
+  MatX v;  ///< 3m×q for q equations of point constraints
+  MatX H;  ///< q×q
+  std::vector<Vec3> n;
+};
+
 struct FormFeatureData;
+class FeatureMoments;
 
 /// Form-feature preserving deformation [Masuda2006]. The mean-curvature vectors δ_i = L(p_i⁰) of
 /// the undeformed mesh are kept in the least-squares sense and rotate with a smooth rotation field.
@@ -118,19 +135,11 @@ class FormFeatureDeformer {
   /// feature are in equilibrium. Throws InputError if no call of deform() has succeeded before. Cost:
   /// O(vertices next to features); allocates memory in the first call only.
   const Points& feature_moments();
-  /// Derivatives of feature_moments() in the undeformed shape if bodies of features rotate. `body`:
-  /// per feature, the body to which it belongs, 0 … m-1; -1: the feature does not rotate. The result
-  /// consists of the blocks
-  ///
-  ///     S_fh = Σ_i c_f,i r_h,iᵀ
-  ///
-  /// where column j of r_h is g if every rotated lever and target b of the body h changes by its
-  /// component j in a fixed direction, and the rotation field follows the features that the last
-  /// estimate prescribed. The moment on f due to a rotation ω of h is (tr(S_fh) I - S_fhᵀ) ω. Up to 256
-  /// bodies: 3m×3m. More bodies: the diagonal blocks only, approximately, 3m×3. Point constraints are
-  /// neglected. Cost: a solve with 3 right-hand sides per body, at most 256. Throws InputError if the
-  /// last deform() had no estimate, or `body` has a wrong size.
-  MatX feature_stiffness(std::span<const int> body);
+  /// Derivatives of feature_moments() in the undeformed shape if bodies of features rotate, as far as
+  /// the last estimate prescribed their rotations. `body`: per feature, the body to which it belongs,
+  /// 0 … m-1; -1: the feature does not rotate. Cost: a solve with 3 right-hand sides per body, at most
+  /// 256. Throws InputError if the last deform() had no estimate, or `body` has a wrong size.
+  FeatureStiffness feature_stiffness(std::span<const int> body);
 
   const Points& positions() const;
   /// Rotation field of the last edit: one rotation vector (unit axis times angle in radians) per
@@ -174,7 +183,9 @@ class FormFeatureDeformer {
   ProblemMatrices problem_matrices(const DeformEdit& edit);
 
  private:
+  FeatureMoments& moments();
   std::unique_ptr<FormFeatureData> data_;
+  std::unique_ptr<FeatureMoments> moments_;  // created by the first feature_moments()
 };
 
 /// Largest violation of the hard constraints of a problem at the vertex positions p (n×3), relative

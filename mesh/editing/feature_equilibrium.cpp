@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -40,7 +41,9 @@ FeatureEquilibrium::FeatureEquilibrium(FormFeatureDeformer& deformer, std::vecto
   member_.resize(bodies);
   for (int f = isize(body_) - 1; f >= 0; --f)
     if (body_[f] >= 0) member_[body_[f]] = f;
-  S_ = K_ = deformer.feature_stiffness(body_);
+  stiffness_ = deformer.feature_stiffness(body_);
+  K_ = stiffness_.S;
+  constraint_moments_ = stiffness_.v;
   rotated_directions_.resize(bodies);
   find_free_directions();
   step_.resize(3L * bodies);
@@ -50,7 +53,7 @@ FeatureEquilibrium::FeatureEquilibrium(FormFeatureDeformer& deformer, std::vecto
 
 void FeatureEquilibrium::find_free_directions() {
   const auto own_stiffness = [&](long f) {
-    return symmetric(stiffness(S_.block<3, 3>(3 * f, is_coupled() ? 3 * f : 0)));
+    return symmetric(stiffness(stiffness_.S.block<3, 3>(3 * f, is_coupled() ? 3 * f : 0)));
   };
   double stiffest = 0;
   for (long f = 0; f < isize(member_); ++f)
@@ -79,23 +82,57 @@ void FeatureEquilibrium::linearize(FormFeatureDeformer& deformer, const ShapeEst
     step_.segment<3>(3 * f) = -rotated_directions_[f] * axial(moments_.middleRows<3>(3 * f));
   }
   for (long f = 0; f < isize(member_); ++f)
-    for (long k = 0; k < S_.cols() / 3; ++k) {
+    for (long k = 0; k < K_.cols() / 3; ++k) {
       const long h = is_coupled() ? k : f;
       K_.block<3, 3>(3 * f, 3 * k) =
           rotated_directions_[f] *
-          stiffness(rotation(estimate, f) * S_.block<3, 3>(3 * f, 3 * k) *
+          stiffness(rotation(estimate, f) * stiffness_.S.block<3, 3>(3 * f, 3 * k) *
                     rotation(estimate, h).transpose()) *
           rotated_directions_[h];
       if (h == f)
         K_.block<3, 3>(3 * f, 3 * k) +=
             mean_stiffness_[f] * (Mat3::Identity() - rotated_directions_[f]);
     }
+  if (!stiffness_.n.empty()) add_point_constraints(estimate);
+}
+
+void FeatureEquilibrium::add_point_constraints(const ShapeEstimate& estimate) {
+  for (size_t k = 0; k < stiffness_.n.size(); ++k)
+    for (long f = 0; f < isize(member_); ++f)
+      constraint_moments_.block<3, 1>(3 * f, static_cast<long>(k)) =
+          rotated_directions_[f] *
+          (rotation(estimate, f) * stiffness_.v.block<3, 1>(3 * f, static_cast<long>(k)))
+              .cross(stiffness_.n[k]);
+  if (is_coupled()) {
+    K_ += constraint_moments_ * stiffness_.H * constraint_moments_.transpose();
+    return;
+  }
+  for (long f = 0; f < isize(member_); ++f)
+    K_.middleRows<3>(3 * f) += constraint_moments_.middleRows<3>(3 * f) * stiffness_.H *
+                               constraint_moments_.middleRows<3>(3 * f).transpose();
 }
 
 void FeatureEquilibrium::add_moments(long body, double sign) {
   const Mat3 T = moments_.middleRows<3>(3 * body);
   const Mat3& free = rotated_directions_[body];
   diagonal_block(body) += sign * free * (T - T.trace() * Mat3::Identity()) * free;
+}
+
+// Richardson's iteration with the factored symmetric part as the preconditioner.
+void FeatureEquilibrium::solve_unsymmetric(const Eigen::Ref<const MatX>& K, Eigen::Ref<VecX> step) {
+  constexpr int most = 10;
+  constexpr double enough = 1e-3;  // relative: Newton's method is not more accurate
+  const VecX load = step;
+  VecX residual = load;
+  step.setZero();
+  double before = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most; ++k) {
+    const double size = residual.norm();
+    if (!(size > enough * load.norm()) || !(size < before)) break;
+    before = size;
+    step += factor_.solve(residual);
+    residual = load - K * step;
+  }
 }
 
 // The first matrix of these that is positive definite is factored: K; K without first moments; that
@@ -112,7 +149,10 @@ void FeatureEquilibrium::solve(long first, long count) {
       symmetric_.diagonal().segment<3>(3 * f).array() += shift * mean_stiffness_[first + f];
     factor_.compute(symmetric_);
     if (factor_.info() == Eigen::Success) {
-      factor_.solveInPlace(step);
+      if (has_moments)
+        solve_unsymmetric(K, step);
+      else
+        factor_.solveInPlace(step);
       return;
     }
     if (has_moments)

@@ -16,21 +16,22 @@ namespace batten {
 /// (FormFeatureDeformer::feature_moments()). A feature then rotates like a rigid part that is welded
 /// into an elastic sheet.
 ///
-/// Newton's method for the rotations R_f. With the blocks S_fh of
+/// Newton's method for the rotations R_f. With S, v, H and n of
 /// FormFeatureDeformer::feature_stiffness() and the first moments T_f of the forces,
 ///
 ///     K ω = -M,   R_f ← exp(ω_f) R_f
-///     K_fh = tr(Q) I - Qᵀ + δ_fh (T_f - tr(T_f) I),   Q = R_f S_fh R_hᵀ
+///     K_fh = tr(Q) I - Qᵀ + δ_fh (T_f - tr(T_f) I) + Σ_kl (R_f v_kf × n_k) H_kl (R_h v_lh × n_l)ᵀ
+///     Q    = R_f S_fh R_hᵀ
 ///
-/// The symmetric part of K is factored; it is close to the derivative of M, so that the error
-/// decreases by a factor of about 30 per step. Where it is not positive definite, the terms of T_f are
-/// left out, so that the steps descend towards a stable equilibrium. Directions without stiffness,
+/// K differs from the derivative of M by terms of the order of the curvature of the rotation field:
+/// the error decreases by a factor of about 100 per step. If the symmetric part of K is not positive
+/// definite, the terms of T_f are left out, and only that part is used, so that the steps descend towards a stable equilibrium. Directions without stiffness,
 /// such as the axis of vertices on a straight line, are left as they are. If there are more bodies
 /// than feature_stiffness() couples, K is block diagonal, the steps are damped, and Anderson
 /// acceleration couples them.
 class FeatureEquilibrium {
  public:
-  /// Computes the blocks S_fh. `deformer`: its last deform() had an estimate with rotations of the
+  /// Computes the stiffness. `deformer`: its last deform() had an estimate with rotations of the
   /// features. `body`: see FormFeatureDeformer::feature_stiffness(). Cost: that of
   /// feature_stiffness().
   FeatureEquilibrium(FormFeatureDeformer& deformer, std::vector<int> body);
@@ -48,18 +49,21 @@ class FeatureEquilibrium {
   void find_free_directions();
   /// Replaces -M of `count` coupled bodies by their step.
   void solve(long first, long count);
+  void solve_unsymmetric(const Eigen::Ref<const MatX>& K, Eigen::Ref<VecX> step);
   void add_moments(long body, double sign);
   auto diagonal_block(long body) { return K_.block<3, 3>(3 * body, is_coupled() ? 3 * body : 0); }
   const Mat3& rotation(const ShapeEstimate& estimate, long body) const {
     return *estimate.feature_rotations[member_[body]];
   }
-  bool is_coupled() const { return S_.cols() == S_.rows(); }
+  bool is_coupled() const { return stiffness_.S.cols() == stiffness_.S.rows(); }
+  void add_point_constraints(const ShapeEstimate& estimate);
 
   std::vector<int> body_;    // per feature, or -1
   std::vector<int> member_;  // the first feature of each body
-  MatX S_, K_;
-  Points moments_;  // first moments of the bodies, stacked
-  VecX step_;       // -M, then ω
+  FeatureStiffness stiffness_;
+  MatX K_, constraint_moments_;  // columns R v_k × n_k
+  Points moments_;               // first moments of the bodies, stacked
+  VecX step_;                    // -M, then ω
   // Per body: the projection onto the axes with stiffness, in the undeformed shape and in the current
   // one, and the mean stiffness.
   std::vector<Mat3> free_directions_, rotated_directions_;
