@@ -88,6 +88,7 @@ MeshEditor::~MeshEditor() = default;
 void MeshEditor::set_up() {
   const auto start = Clock::now();
   equilibrium_.reset();
+  live_.reset();
   deformer_ = std::make_unique<FormFeatureDeformer>(mesh_, problem_);
   centres_kept_ = false;
   setup_seconds_ += elapsed_seconds(start);
@@ -151,12 +152,16 @@ std::optional<ShapeEstimate> MeshEditor::estimate() {
 
 const Points& MeshEditor::solve_preview() {
   at_rest_ = true;
-  if (live_ && !given_ && options_.rotation_mode == RotationMode::Estimated) {
-    at_rest_ = update_rotations(*live_) < kConvergedDegrees;
-  } else {
-    live_ = estimate();
+  try {
+    if (live_ && !given_ && options_.rotation_mode == RotationMode::Estimated)
+      at_rest_ = update_rotations(*live_) < kConvergedDegrees;
+    else
+      live_ = estimate();
+    shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
+  } catch (...) {
+    live_.reset();  // it belongs to no solution
+    throw;
   }
-  shape_ = live_ ? deformer_->deform(edit_, *live_) : deformer_->deform(edit_);
   return shape_;
 }
 

@@ -47,13 +47,11 @@ struct MeshEditStatistics {
 /// kinds of solution:
 ///
 ///     solve_preview()          costs two pairs of triangular solves and O(n) work, for positions and
-///                              for the rotation field. Features rotate by one step towards the
-///                              equilibrium of their moments (FeatureEquilibrium), with Anderson
-///                              acceleration over successive calls. Repeated calls with the same
-///                              edit converge; see is_at_rest()
-///     solve_to_equilibrium()   iterates, with Anderson acceleration, until the rotations change by
-///                              less than 1e-9 degrees, at most 100 times, and corrects rounding
-///                              errors. The shape is therefore a smooth function of the edit (in
+///                              for the rotation field. Features rotate by one step of Newton's
+///                              method towards the equilibrium of their moments (FeatureEquilibrium).
+///                              Repeated calls with the same edit converge; see is_at_rest()
+///     solve_to_equilibrium()   takes such steps until the rotations change by less than 1e-9
+///                              degrees, at most 100, and corrects rounding errors. The shape is therefore a smooth function of the edit (in
 ///                              the rotation modes Dual and Nonlinear, up to their tolerance)
 ///
 /// The result of solve_to_equilibrium() does not depend on previous solutions.

@@ -97,10 +97,10 @@ TEST_CASE("letters lean with the wall, or stay level where this is prescribed", 
              nonlinear = rotation_angles(wall.run("nonlinear")),
              bent = rotation_angles(wall.run("bent"));
   REQUIRE(level.size() == 3);
-  // The chord of the lifted part rises by 25.6 degrees.
+  // The chord of the lifted part rises by 25.6 degrees, a clamped cubic by up to 36.
   for (size_t k = 0; k < 3; ++k) {
     CHECK(level[k] < 1e-6);
-    CHECK(found[k] == Approx(28).margin(5));
+    CHECK(found[k] == Approx(30).margin(5));
     CHECK(nonlinear[k] == Approx(28).margin(5));
     CHECK(bent[k] == Approx(45 + 26 * (k - 1.0)).margin(5));
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/editing/feature_relation.h"
 #include "batten/mesh/rotation_fitting.h"
@@ -199,6 +200,37 @@ TEST_CASE("previews converge to the equilibrium, which does not depend on them",
   CHECK(at_rest);
   CHECK(distance(editor.shape(), alone) < 1e-2 * plate.prepared.mesh.size());
   CHECK(editor.solve_to_equilibrium() == alone);
+}
+
+TEST_CASE("previews go on after an edit that fails, and after one that scales features",
+          "[mesh][deform]") {
+  EditedPlate plate;
+  const auto centre = VertexCombination::mean_of(plate.problem.features[2].vertices);
+  const Vec3 at = centre.at(plate.prepared.mesh.points());
+  plate.problem.point_constraints = {{"low", centre, PointConstraint::Kind::OnPlane, {0, 0, 1}},
+                                     {"high", centre, PointConstraint::Kind::OnPlane, {0, 0, 1}}};
+  MeshEditor editor(plate.prepared, plate.prepared.mesh.points(), plate.problem);
+  DeformEdit possible = lifted_and_rotated();
+  possible.constraint_origins = {at, at};
+  const auto previewed = [&] {
+    for (int i = 0; i < 30; ++i) editor.solve_preview();
+    return editor.shape();
+  };
+  editor.set(possible);
+  const Points expected = previewed();
+  DeformEdit impossible = possible;
+  impossible.constraint_origins[1].z() += 1;
+  editor.set(impossible);
+  CHECK_THROWS_AS(editor.solve_preview(), ConflictError);
+  CHECK(editor.shape() == expected);
+  editor.set(possible);
+  CHECK(distance(previewed(), expected) < 1e-9);
+  DeformEdit scaled = possible;
+  scaled.feature_scales = {1.2, 1, 1, 1, 1};
+  editor.set(scaled);
+  editor.solve_to_equilibrium();  // keeps the centres
+  editor.set(possible);
+  CHECK(distance(previewed(), expected) < 1e-9);
 }
 
 TEST_CASE("the shape is a smooth function of the edit", "[mesh][deform]") {
