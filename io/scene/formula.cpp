@@ -30,31 +30,54 @@ const std::vector<std::string>& known_names() {
 bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
 bool in_name(char c) { return starts_name(c) || std::isdigit(static_cast<unsigned char>(c)); }
 
-/// Refuses names that are no coordinate or function, and symbols of statements: ExprTk is a language
-/// with loops and assignments.
-void check_symbols(const std::string& text) {
-  const std::string permitted = "0123456789.+-*/%^(), <>=!?:\t";
-  for (size_t i = 0; i < text.size();) {
-    const bool of_number =
-        i > 0 && (std::isdigit(static_cast<unsigned char>(text[i - 1])) || text[i - 1] == '.');
-    if ((text[i] == 'e' || text[i] == 'E') && of_number) {  // an exponent
-      ++i;
-    } else if (starts_name(text[i])) {
-      size_t end = i;
-      while (end < text.size() && in_name(text[end])) ++end;
-      const std::string name = text.substr(i, end - i);
-      const auto& known = known_names();
-      if (std::find(known.begin(), known.end(), name) == known.end())
-        throw InputError("found '" + name + "' in the formula '" + text + "', " +
-                         expected_one_of(name, known));
-      i = end;
-    } else if (permitted.find(text[i]) == std::string::npos || text.compare(i, 2, ":=") == 0) {
-      throw InputError("found '" + text.substr(i, 1) + "' in the formula '" + text +
-                       "', expected numbers, x, y, z, operators and functions");
-    } else {
-      ++i;
-    }
+/// The end of the number, name or symbol that begins at text[i].
+size_t end_of_token(const std::string& text, size_t i) {
+  const auto is_digit = [&](size_t k) {
+    return k < text.size() && std::isdigit(static_cast<unsigned char>(text[k]));
+  };
+  size_t end = i + 1;
+  if (starts_name(text[i])) {
+    while (end < text.size() && in_name(text[end])) ++end;
+  } else if (is_digit(i) || text[i] == '.') {
+    while (is_digit(end) || (end < text.size() && text[end] == '.')) ++end;
+    const size_t sign = end + 1 < text.size() && (text[end + 1] == '+' || text[end + 1] == '-');
+    if (end < text.size() && (text[end] == 'e' || text[end] == 'E') && is_digit(end + 1 + sign))
+      for (end += 1 + sign; is_digit(end);) ++end;
   }
+  return end;
+}
+
+/// The formula as the parser reads it, which ignores spaces. Refuses names that are no coordinate or
+/// function, operands without an operator between them, and symbols of statements: ExprTk is a
+/// language with loops and assignments.
+std::string checked(const std::string& text) {
+  const std::string symbols = "+-*/%^(),<>=!?: \t";
+  std::string result;
+  bool after_operand = false;
+  for (size_t i = 0; i < text.size();) {
+    const size_t end = end_of_token(text, i);
+    const std::string token = text.substr(i, end - i);
+    const bool is_name = starts_name(text[i]);
+    const bool is_operand =
+        is_name || std::isdigit(static_cast<unsigned char>(text[i])) || text[i] == '.';
+    const auto& known = known_names();
+    if (is_name && std::find(known.begin(), known.end(), token) == known.end())
+      throw InputError("found '" + token + "' in the formula '" + text + "', expected " +
+                       expected_one_of(token, known));
+    if ((!is_operand && symbols.find(text[i]) == std::string::npos) ||
+        text.compare(i, 2, ":=") == 0)
+      throw InputError("found '" + token + "' in the formula '" + text +
+                       "', expected numbers, x, y, z, operators and functions");
+    i = end;
+    if (token == " " || token == "\t") continue;
+    const bool joins = token == "and" || token == "or";
+    if (is_operand && !joins && after_operand)
+      throw InputError("found '" + token + "' in the formula '" + text +
+                       "', expected an operator before it, such as '*'");
+    result += token == "and" ? "&" : token == "or" ? "|" : token;
+    after_operand = (is_operand && !joins && token != "not") || token == ")";
+  }
+  return result;
 }
 
 /// The first message of the parser without its codes.
@@ -69,13 +92,13 @@ std::string reason_of(std::string message) {
 
 class Formula::Parser {
  public:
-  explicit Parser(const std::string& text) {
+  Parser(const std::string& text, const std::string& without_spaces) {
     for (const char* name : {"x", "y", "z"}) parser_->SetScalarVariableValue(name, 0);
     parser_->SetScalarVariableValue("pi", std::numbers::pi);
     parser_->SetReplaceInvalidValues(1);
     parser_->SetReplacementValue(std::numeric_limits<double>::quiet_NaN());
     VtkMessageCapture messages;
-    parser_->SetFunction(text.c_str());
+    parser_->SetFunction(without_spaces.c_str());
     if (!parser_->IsScalarResult())
       throw InputError("found the formula '" + text + "', expected a formula of x, y, z" +
                        reason_of(messages.first_error()));
@@ -90,8 +113,7 @@ class Formula::Parser {
 };
 
 Formula::Formula(const std::string& text) : text_(text) {
-  check_symbols(text);
-  parser_ = std::make_shared<Parser>(text);
+  parser_ = std::make_shared<Parser>(text, checked(text));
 }
 
 double Formula::operator()(const Vec3& x) const {

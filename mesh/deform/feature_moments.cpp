@@ -54,13 +54,25 @@ FeatureMoments::FeatureMoments(const FormFeatureData& data)
   const SparseMatrix& particular = data.positions.rhs_to_particular();
   SparseSum displacements(columns.cols()), rows(columns.rows());
   std::vector<Vec3> displacement(columns.cols(), Vec3::Zero());
+  std::vector<int> unknown(columns.cols(), -1);
+  for (int c = 0; c < data.positions.free_count(); ++c) unknown[data.positions.free_dofs()[c]] = c;
+  const SparseMatrix& D = data.positions.D();
   for (size_t f = 0; f < values.size(); ++f) {
+    Vec3 sum = Vec3::Zero();
     for (const long k : values[f]) {
       const auto& value = system.values[k];
       const Vec3 arm =
           (system.rest.row(value.vertex) - system.rest.row(value.reference)).transpose();
+      sum += arm;
       for (SparseMatrix::InnerIterator t(particular, k); t; ++t)
         displacements.add(t.row(), t.value() * arm);
+    }
+    // Rotations about the mean of the vertices: forces of stiff springs at it have no lever, whose
+    // rounding errors would be large.
+    if (const int c = unknown[system.feature_dof[f]]; c >= 0 && !values[f].empty()) {
+      const Vec3 mean = sum / static_cast<double>(values[f].size() + 1);
+      for (SparseMatrix::InnerIterator t(D, c); t; ++t)
+        displacements.add(t.row(), -t.value() * mean);
     }
     const auto moved = displacements.take();
     for (const auto& [dof, arm] : moved) {
@@ -120,11 +132,17 @@ FeatureStiffness FeatureMoments::stiffness(FormFeatureData& d, std::span<const i
   const int probes = std::min(bodies, kProbes);
   const long equations = d.g.size();
   FeatureStiffness result{MatX::Zero(3L * bodies, full ? 3L * bodies : 3),
-                          MatX::Zero(3L * bodies, equations), stiffness_of_constraints(d),
+                          MatX::Zero(3L * bodies, equations),
+                          {},
+                          stiffness_of_constraints(d),
                           d.equation_directions};
   for (size_t f = 0; f < body.size(); ++f)
     for (const auto& [equation, arm] : of_equations_[f])
-      if (body[f] >= 0) result.v.block<3, 1>(3L * body[f], equation) += arm;
+      if (body[f] >= 0)
+        result.v.block<3, 1>(3L * body[f], equation) +=
+            d.scale_of(d.last, static_cast<int>(f)) * arm;
+  result.w = result.v;
+  add_forces(d, body, result.w);
   for (int first = 0; first < probes; first += kProbesAtOnce) {
     const int count = std::min(kProbesAtOnce, probes - first);
     const Response found = response(d, body, first, count);
@@ -132,8 +150,9 @@ FeatureStiffness FeatureMoments::stiffness(FormFeatureData& d, std::span<const i
       for (int k = 0; k < count && body[f] >= 0; ++k) {
         if (!full && body[f] % kProbes != first + k) continue;  // the probe rotates other bodies
         auto block = result.S.block<3, 3>(3L * body[f], full ? 3L * (first + k) : 0);
+        const double scale = d.scale_of(d.last, static_cast<int>(f));
         for (const auto& [row, arm] : of_rows_[f])
-          block += arm * found.residuals.row(row).segment<3>(3L * k);
+          block += scale * arm * found.residuals.row(row).segment<3>(3L * k);
       }
     for (int b = 0; b < bodies; ++b)
       if (const int k = b % kProbes - first; k >= 0 && k < count)
@@ -142,6 +161,21 @@ FeatureStiffness FeatureMoments::stiffness(FormFeatureData& d, std::span<const i
               found.points.block<1, 3>(d.constraint_of_equation[e], 3L * k).transpose();
   }
   return result;
+}
+
+// Unit forces at the constrained points move the free unknowns by -N⁻¹ Dᵀ U.
+void FeatureMoments::add_forces(FormFeatureData& d, std::span<const int> body, MatX& w) const {
+  if (d.constrained_points.cols() == 0) return;
+  MatX y = d.constrained_points;
+  d.factor.solve_in_place(y);
+  const MatX residuals = d.B * y;
+  for (size_t f = 0; f < body.size(); ++f)
+    for (long e = 0; e < w.cols() && body[f] >= 0; ++e) {
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [row, arm] : of_rows_[f])
+        sum += residuals(row, d.constraint_of_equation[e]) * arm;
+      w.block<3, 1>(3L * body[f], e) -= d.scale_of(d.last, static_cast<int>(f)) * sum;
+    }
 }
 
 // The residuals of the rows if body h rotates by ω are Σ_j r_hj (ω × e_j), with the residuals r_hj of
@@ -167,12 +201,15 @@ FeatureMoments::Response FeatureMoments::response(FormFeatureData& d, std::span<
       for (long i = begin; i < end; ++i)
         if (const int dof = d.system.rotates_with[i]; dof >= 0)
           for (int k = p; k < std::min(p + 3, count); ++k)
-            r.row(i).segment<3>(3L * k) = -weights(dof, k - p) * d.system.base.row(i);
+            r.row(i).segment<3>(3L * k) = -weights(dof, k - p) *
+                                          d.scale_of(d.last, d.system.scaled_by[i]) *
+                                          d.system.base.row(i);
     });
   }
   for (int f = 0; f < isize(body); ++f)
     if (const int k = probe(f); k >= 0 && k < count)
-      for (const auto& [row, arm] : of_rows_[f]) r.row(row).segment<3>(3L * k) += arm.transpose();
+      for (const auto& [row, arm] : of_rows_[f])
+        r.row(row).segment<3>(3L * k) += d.scale_of(d.last, f) * arm.transpose();
   if (d.positions.free_count() == 0) return result;
   MatX y = d.B.transpose() * r;
   d.factor.solve_in_place(y);

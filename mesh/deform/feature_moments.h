@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/mesh/deform/feature_stiffness.h"
 
 namespace batten {
 
-struct FeatureStiffness;
 struct FormFeatureData;
 
 /// Moments of the forces that the surface exerts on the rigid features, see
@@ -30,6 +30,8 @@ class FeatureMoments {
     MatX points;         // movements of the points of point constraints, by the free unknowns only
   };
   Response response(FormFeatureData& data, std::span<const int> body, int first, int count) const;
+
+  void add_forces(FormFeatureData& data, std::span<const int> body, MatX& w) const;
 
   struct Lever {
     long row;  // of A, or a point equation

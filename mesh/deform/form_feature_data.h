@@ -8,8 +8,8 @@
 #include "batten/constraints/schur_complement_constraints.h"
 #include "batten/core/solvers/sparse_cholesky.h"
 #include "batten/mesh/deform/deform_system.h"
-#include "batten/mesh/deform/form_feature_deformer.h"
 #include "batten/mesh/deform/rotation_field.h"
+#include "batten/mesh/deform/shape_estimate.h"
 
 namespace batten {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,45 +10,10 @@
 #include "batten/constraints/constraint_set.h"
 #include "batten/core/eigen.h"
 #include "batten/mesh/deform/deform_problem.h"
+#include "batten/mesh/deform/feature_stiffness.h"
+#include "batten/mesh/deform/shape_estimate.h"
 
 namespace batten {
-
-// Estimate of the deformed shape that guides a FormFeatureDeformer.
-
-/// Estimate of the deformed shape, computed by another deformer for the same edit without features.
-/// It provides surface rotations that cannot be interpolated from the handle rotations, such as
-/// those caused by translating a handle.
-struct ShapeEstimate {
-  Points positions;         ///< estimated vertex positions, n×3
-  std::vector<char> known;  ///< per vertex: nonzero if the position is valid; empty: all are valid
-  enum class Use {
-    /// Only the feature rotations of the estimate are used. The rotation field interpolates the
-    /// rotations of features, handles and fixed vertices harmonically, and rotates the curvature of
-    /// the undeformed mesh.
-    Rotations,
-    Shape  ///< the curvature of the estimate is kept; without features the result is the estimate
-  } use = Use::Rotations;
-  /// Rotation of each feature; empty entry: the rotation is interpolated harmonically. Features
-  /// that share vertices must have the same rotation. The entry is ignored for features of kind
-  /// TranslationOnly, and for features that contain handle vertices or fixed vertices.
-  std::vector<std::optional<Mat3>> feature_rotations;
-};
-
-/// Stiffness of rigid bodies of features against rotations, in the undeformed shape. If body h rotates
-/// by ω, the moment on body f changes by K_fh ω, with
-///
-///     K_fh = tr(S_fh) I - S_fhᵀ + Σ_kl (v_kf × n_k) H_kl (v_lh × n_l)ᵀ,   S_fh = Σ_i c_f,i r_h,iᵀ
-///
-/// Column j of r_h contains the residuals A p - b if each lever and each target that rotates with h
-/// changes by its component j in a fixed direction, and column j of v_kh the movement of the point of
-/// equation k of the point constraints, without these constraints. H is the inverse of the compliance
-/// of the point constraints, n_k their directions.
-struct FeatureStiffness {
-  MatX S;  ///< up to 256 bodies: 3m×3m; more: the diagonal blocks only, approximately, 3m×3
-  MatX v;  ///< 3m×q for q equations of point constraints
-  MatX H;  ///< q×q
-  std::vector<Vec3> n;
-};
 
 struct FormFeatureData;
 class FeatureMoments;

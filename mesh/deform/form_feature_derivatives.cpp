@@ -8,6 +8,7 @@
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/deform/form_feature_data.h"
+#include "batten/mesh/deform/form_feature_deformer.h"
 
 namespace batten {
 namespace {

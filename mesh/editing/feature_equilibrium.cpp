@@ -43,7 +43,7 @@ FeatureEquilibrium::FeatureEquilibrium(FormFeatureDeformer& deformer, std::vecto
     if (body_[f] >= 0) member_[body_[f]] = f;
   stiffness_ = deformer.feature_stiffness(body_);
   K_ = stiffness_.S;
-  constraint_moments_ = stiffness_.v;
+  movements_ = constraint_moments_ = stiffness_.v;
   rotated_directions_.resize(bodies);
   find_free_directions();
   step_.resize(3L * bodies);
@@ -97,19 +97,22 @@ void FeatureEquilibrium::linearize(FormFeatureDeformer& deformer, const ShapeEst
 }
 
 void FeatureEquilibrium::add_point_constraints(const ShapeEstimate& estimate) {
-  for (size_t k = 0; k < stiffness_.n.size(); ++k)
-    for (long f = 0; f < isize(member_); ++f)
-      constraint_moments_.block<3, 1>(3 * f, static_cast<long>(k)) =
-          rotated_directions_[f] *
-          (rotation(estimate, f) * stiffness_.v.block<3, 1>(3 * f, static_cast<long>(k)))
-              .cross(stiffness_.n[k]);
+  const auto set_moments = [&](const MatX& arms, MatX& moments) {
+    for (long k = 0; k < arms.cols(); ++k)
+      for (long f = 0; f < isize(member_); ++f) {
+        const Vec3 arm = rotation(estimate, f) * arms.block<3, 1>(3 * f, k);
+        moments.block<3, 1>(3 * f, k) = rotated_directions_[f] * arm.cross(stiffness_.n[k]);
+      }
+  };
+  set_moments(stiffness_.v, movements_);
+  set_moments(stiffness_.w, constraint_moments_);
   if (is_coupled()) {
-    K_ += constraint_moments_ * stiffness_.H * constraint_moments_.transpose();
+    K_ += constraint_moments_ * stiffness_.H * movements_.transpose();
     return;
   }
   for (long f = 0; f < isize(member_); ++f)
     K_.middleRows<3>(3 * f) += constraint_moments_.middleRows<3>(3 * f) * stiffness_.H *
-                               constraint_moments_.middleRows<3>(3 * f).transpose();
+                               movements_.middleRows<3>(3 * f).transpose();
 }
 
 void FeatureEquilibrium::add_moments(long body, double sign) {

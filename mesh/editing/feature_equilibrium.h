@@ -16,11 +16,11 @@ namespace batten {
 /// (FormFeatureDeformer::feature_moments()). A feature then rotates like a rigid part that is welded
 /// into an elastic sheet.
 ///
-/// Newton's method for the rotations R_f. With S, v, H and n of
+/// Newton's method for the rotations R_f. With S, v, w, H and n of
 /// FormFeatureDeformer::feature_stiffness() and the first moments T_f of the forces,
 ///
 ///     K ω = -M,   R_f ← exp(ω_f) R_f
-///     K_fh = tr(Q) I - Qᵀ + δ_fh (T_f - tr(T_f) I) + Σ_kl (R_f v_kf × n_k) H_kl (R_h v_lh × n_l)ᵀ
+///     K_fh = tr(Q) I - Qᵀ + δ_fh (T_f - tr(T_f) I) + Σ_kl (R_f w_kf × n_k) H_kl (R_h v_lh × n_l)ᵀ
 ///     Q    = R_f S_fh R_hᵀ
 ///
 /// K differs from the derivative of M by terms of the order of the curvature of the rotation field:
@@ -61,9 +61,9 @@ class FeatureEquilibrium {
   std::vector<int> body_;    // per feature, or -1
   std::vector<int> member_;  // the first feature of each body
   FeatureStiffness stiffness_;
-  MatX K_, constraint_moments_;  // columns R v_k × n_k
-  Points moments_;               // first moments of the bodies, stacked
-  VecX step_;                    // -M, then ω
+  MatX K_, movements_, constraint_moments_;  // columns R v_k × n_k and R w_k × n_k
+  Points moments_;                           // first moments of the bodies, stacked
+  VecX step_;                                // -M, then ω
   // Per body: the projection onto the axes with stiffness, in the undeformed shape and in the current
   // one, and the mean stiffness.
   std::vector<Mat3> free_directions_, rotated_directions_;

@@ -95,9 +95,10 @@ void MeshEditor::set_up() {
 }
 
 void MeshEditor::set(DeformEdit edit, std::vector<PrescribedRotation> prescribed) {
+  if (edit.feature_scales != edit_.feature_scales) equilibrium_.reset();
+  if (equilibrium_) equilibrium_->reset();
   edit_ = std::move(edit);
   prescribed_ = std::move(prescribed);
-  if (equilibrium_) equilibrium_->reset();
   if (!centres_kept_) return;
   problem_.rows.erase(problem_.rows.begin() + static_cast<long>(own_rows_), problem_.rows.end());
   set_up();

@@ -188,6 +188,35 @@ TEST_CASE("in equilibrium there are no moments on features, after a few steps", 
   }
 }
 
+TEST_CASE("equilibrium with point constraints, springs and scaled features", "[mesh][deform]") {
+  Sheet sheet(plate_with_holes());
+  const TriangleMesh& mesh = sheet.prepared.mesh;
+  const auto centre = [&](int f) {
+    return VertexCombination::mean_of(sheet.problem.features[f].vertices);
+  };
+  sheet.problem.point_constraints = {
+      {"level", centre(2), PointConstraint::Kind::OnPlane, {0, 0, 1}}};
+  sheet.problem.rows = {{.name = "stiff",
+                         .combination = centre(1),
+                         .target = centre(1).at(mesh.points()),
+                         .weight = 1e4}};
+  sheet.edit.handles[0].translation = {-40, 0, 110};
+  sheet.edit.handles[0].rotation_vector = {0, -1.3, 0};
+  sheet.edit.constraint_origins = {centre(2).at(mesh.points()) + Vec3(0, 0, 50)};
+  sheet.edit.feature_scales = {1.1, 1, 1, 0.9, 1};
+  FormFeatureDeformer deformer(mesh, sheet.problem);
+  ShapeEstimate estimate = sheet.unrotated();
+  deformer.deform(sheet.edit, estimate);
+  FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
+  double change = 1;
+  int steps = 0;
+  for (; change > 1e-9 && steps < 12; ++steps) {
+    change = equilibrium.rotate_features(deformer, estimate);
+    deformer.deform(sheet.edit, estimate);
+  }
+  CHECK(steps < 12);
+}
+
 TEST_CASE("a sheet that is stretched in its plane stays flat", "[mesh][deform]") {
   const Sheet sheet(plate_with_holes());
   DeformEdit edit = sheet.edit;

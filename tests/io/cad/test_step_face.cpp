@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Formula = std::function<SurfaceJet(const Vec2&)>;
+using JetFormula = std::function<SurfaceJet(const Vec2&)>;
 
 SurfaceJet wavy(const Vec2& p) {
   const double u = p.x(), v = p.y();
@@ -64,7 +64,7 @@ SurfaceJet cylinder(const Vec2& p) {
   return j;
 }
 
-Formula placed(const Formula& f, double scale, const Vec3& at = Vec3::Zero()) {
+JetFormula placed(const JetFormula& f, double scale, const Vec3& at = Vec3::Zero()) {
   return [=](const Vec2& p) {
     SurfaceJet j = f(p);
     j.x = scale * j.x + at;
@@ -75,7 +75,7 @@ Formula placed(const Formula& f, double scale, const Vec3& at = Vec3::Zero()) {
 }
 
 /// X(t) = x(c(t)) with the nodes of c.
-HermiteCurve lifted(const HermiteCurve& pcurve, const Formula& f) {
+HermiteCurve lifted(const HermiteCurve& pcurve, const JetFormula& f) {
   Points dofs(pcurve.dofs().rows(), 3);
   for (int i = 0; i < pcurve.node_count(); ++i) {
     const SurfaceJet j = f(pcurve.position(i).head<2>());
@@ -99,7 +99,7 @@ double size_of(const SkinnedRegion& region) {
 const Vec2 hole_at(0.25, -0.1);
 
 /// A disc of radius 0.5 with an eccentric hole, over squares that are not aligned with either.
-SkinnedRegion disc(const Formula& f, int n, int segments = 48,
+SkinnedRegion disc(const JetFormula& f, int n, int segments = 48,
                    TriangleElement kind = TriangleElement::HCT) {
   const HermiteCurve outline = circle({0, 0}, 0.5, segments),
                      hole = circle(hole_at, 0.12, segments / 2, true);
@@ -144,7 +144,7 @@ EdgeAlignedLine edge_aligned_line(const Surface& surface, const std::vector<int>
 
 /// The unit square with its four sides as mesh-aligned curves, one of them against the direction of
 /// the loop.
-SkinnedRegion square(const Formula& f, int n) {
+SkinnedRegion square(const JetFormula& f, int n) {
   const auto mesh = std::make_shared<ParametricMesh>(perturbed_square(n, 1));
   SkinnedRegion region{"square", interpolated(mesh, TriangleElement::HCT, f), {}, 1, {}, {}};
   std::vector<int> side[4];
@@ -375,7 +375,7 @@ TEST_CASE("A disc with a hole is one face within each tolerance", "[io][step]") 
 
 TEST_CASE("Outside of the trim the face is calm", "[io][step]") {
   // Viewers use the bounding box of the poles as that of the part.
-  const Formula ripples = [](const Vec2& p) {
+  const JetFormula ripples = [](const Vec2& p) {
     SurfaceJet j = wavy(p);
     const double phase = 18 * p.x() + 6 * p.y();
     j.x.z() += 0.03 * std::sin(phase);
@@ -405,7 +405,7 @@ TEST_CASE("A square of four runs is one face with four edges", "[io][step]") {
   const fs::path folder = scratch("step_face");
   const struct {
     const char* name;
-    Formula f;
+    JetFormula f;
   } shapes[] = {{"paraboloid", paraboloid}, {"cylinder", cylinder}, {"wavy", wavy}};
   for (const auto& shape : shapes) {
     CAPTURE(shape.name);
@@ -428,7 +428,7 @@ TEST_CASE("A calm face of few triangles has few poles, more triangles are looked
   };
   CHECK(poles(square(paraboloid, 3)) == 5 * 5);
   // A ripple with a wavelength of three triangles: between the samples of 2 × 2 cells.
-  const Formula ripple = [](const Vec2& p) {
+  const JetFormula ripple = [](const Vec2& p) {
     const double k = 8 * pi, c = std::cos(k * p.x()) * 0.02 * k;
     SurfaceJet j{};
     j.x = {p.x(), p.y(), 0.02 * std::sin(k * p.x())};
@@ -591,7 +591,7 @@ TEST_CASE("An annulus is one face that closes in u, with a seam, holes beside it
   // A wavy tube with a waist; its boundaries start at different angles.
   const int n = 24, m = 12;
   const double period = 3, speed = 2 * pi / period;
-  const Formula tube = [=](const Vec2& p) {
+  const JetFormula tube = [=](const Vec2& p) {
     const double c = std::cos(speed * p.x()), s = std::sin(speed * p.x()), v = p.y();
     const double r = 0.5 + 0.1 * v * v, r_v = 0.2 * v;
     SurfaceJet j{};

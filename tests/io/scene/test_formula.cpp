@@ -28,6 +28,8 @@ TEST_CASE("formulas of the coordinates", "[io][scene]") {
   CHECK(value_of("sin(pi*x/6) * hypot(x, y)", x) == Approx(std::sqrt(13)));
   CHECK(value_of("atan2(y, x)", x) == Approx(std::atan2(-2, 3)));
   CHECK(value_of("x > 2 and y < 0 ? 1 : 5", x) == 1);
+  CHECK(value_of("x > 4 or y > 0 ? 1 : 5", x) == 5);
+  CHECK(value_of("if(not(x > 4), 7, 8)", x) == 7);
   CHECK(value_of("if(x < 2, 1, 5)", x) == 5);
   const Formula formula("x*y");
   const Formula copy = formula;
@@ -43,7 +45,10 @@ TEST_CASE("formulas that cannot be are refused by what is wrong", "[io][scene]")
   CHECK_THAT(refusal("2 * sine(x)"), Contains("did you mean 'sin'"));
   CHECK_THAT(refusal("2 * (x"), Contains("Mismatched brackets"));
   CHECK_THAT(refusal("x *"), Contains("found the formula 'x *', expected a formula of x, y, z"));
-  CHECK_THAT(refusal("x y"), Contains("formula"));
+  for (const char* text : {"x y", "10 000 * x", "2x"}) {
+    INFO(text);
+    CHECK_THAT(refusal(text), Contains("expected an operator"));
+  }
   // Statements of the parser's language, which might not end.
   for (const char* text : {"while(true) {1}", "x := 3", "repeat 1 until(0)", "[x, y, z]",
                            "for(var i := 0; i < 9; i += 1) {x}", "x; y", "x = 3; 1"}) {
