@@ -136,13 +136,29 @@ void add_support(const Scene& scene, const ModelLayout& layout, const Points& sh
                                 support.rotation, support.box});
 }
 
+/// The values of a load at a point; errors of its formulas get its place in the scene.
+template <class Value>
+auto at_load(const Scene& scene, const SceneStress::Load& load, const Value& value) {
+  try {
+    return value();
+  } catch (const InputError& e) {
+    throw InputError(scene.at(load.location) + e.what());
+  }
+}
+double value_of(const Scene& scene, const SceneStress::Load& load, const Vec3& x) {
+  return at_load(scene, load, [&] { return load.value_at(x); });
+}
+Vec3 vector_of(const Scene& scene, const SceneStress::Load& load, const Vec3& x) {
+  return at_load(scene, load, [&] { return load.vector_at(x); });
+}
+
 Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                const ShellDefinition& definition, const SceneStress::Load& load) {
   using Type = SceneStress::Load::Type;
   const ShellPart part = part_of(scene, layout, load.region, load.box);
   const Vec3 v = load.vector;
   const double value = load.value, level = load.level;
-  const LineIntensity intensity = [&](const Vec3& x) { return load.value_at(x); };
+  const LineIntensity intensity = [&](const Vec3& x) { return value_of(scene, load, x); };
   const auto along_lines = [&](const auto& one) {
     Points sum = Points::Zero(shape.rows(), 3);
     for (const std::string& line : find_lines(layout, scene, load.line)) sum += one(line);
@@ -151,11 +167,12 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
   switch (load.type) {
     case Type::Pressure:
       return surface_traction(
-          layout, shape, [&](const Vec3& x, const Vec3& n) -> Vec3 { return load.value_at(x) * n; },
-          part);
+          layout, shape,
+          [&](const Vec3& x, const Vec3& n) -> Vec3 { return value_of(scene, load, x) * n; }, part);
     case Type::AreaForce:
       return surface_traction(
-          layout, shape, [&](const Vec3& x, const Vec3&) { return load.vector_at(x); }, part);
+          layout, shape, [&](const Vec3& x, const Vec3&) { return vector_of(scene, load, x); },
+          part);
     case Type::Hydrostatic:
       return surface_traction(
           layout, shape,
@@ -170,7 +187,8 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
     case Type::LineForce:
       return along_lines([&](const std::string& line) {
         return line_force(layout, shape, line,
-                          LineTraction([&](const Vec3& x) { return load.vector_at(x); }), load.box);
+                          LineTraction([&](const Vec3& x) { return vector_of(scene, load, x); }),
+                          load.box);
       });
     case Type::LineMoment:
       return along_lines([&](const std::string& line) {
@@ -270,12 +288,13 @@ void add(const ShellLoadCase& load_case, double factor, ShellLoadCase& sum) {
 }
 
 // A pressure and its gradient; of a formula, by central differences.
-PressureAt pressure_at(const SceneStress::Load& load, const Vec3& x, double step) {
-  PressureAt at{load.value_at(x), Vec3::Zero()};
+PressureAt pressure_at(const Scene& scene, const SceneStress::Load& load, const Vec3& x,
+                       double step) {
+  PressureAt at{value_of(scene, load, x), Vec3::Zero()};
   if (load.formulas.empty()) return at;
   for (int c = 0; c < 3; ++c) {
     const Vec3 h = step * Vec3::Unit(c);
-    at.gradient[c] = (load.value_at(x + h) - load.value_at(x - h)) / (2 * step);
+    at.gradient[c] = (value_of(scene, load, x + h) - value_of(scene, load, x - h)) / (2 * step);
   }
   return at;
 }
@@ -290,7 +309,7 @@ SparseMatrix follower_of(const Scene& scene, const ModelLayout& layout, const Po
   const double step = of_size * layout.size();
   if (load.type == Type::Pressure)
     return follower_stiffness(
-        layout, shape, [&](const Vec3& x) { return pressure_at(load, x, step); }, part);
+        layout, shape, [&](const Vec3& x) { return pressure_at(scene, load, x, step); }, part);
   if (load.type == Type::Hydrostatic)
     return follower_stiffness(
         layout, shape,
@@ -477,7 +496,9 @@ class DeckOfScene {
     switch (load.type) {
       case Load::Type::Pressure:
         if (load.box || !load.formulas.empty())
-          add_area([load](const Vec3& x, const Vec3& n) -> Vec3 { return load.value_at(x) * n; });
+          add_area([load, &scene = scene_](const Vec3& x, const Vec3& n) -> Vec3 {
+            return value_of(scene, load, x) * n;
+          });
         else if (load.region.text.empty())
           deck_.pressure += value;
         else
@@ -487,7 +508,9 @@ class DeckOfScene {
         deck_.gravity += v;
         return;
       case Load::Type::AreaForce:
-        return add_area([load](const Vec3& x, const Vec3&) { return load.vector_at(x); });
+        return add_area([load, &scene = scene_](const Vec3& x, const Vec3&) {
+          return vector_of(scene, load, x);
+        });
       case Load::Type::Hydrostatic:
         return add_area([value, level](const Vec3& x, const Vec3& n) -> Vec3 {
           return value * std::max(0.0, level - x.z()) * n;
