@@ -25,10 +25,10 @@ namespace batten {
 ///
 /// K differs from the derivative of M by terms of the order of the curvature of the rotation field:
 /// the error decreases by a factor of about 100 per step. If the symmetric part of K is not positive
-/// definite, the terms of T_f are left out, and only that part is used, so that the steps descend towards a stable equilibrium. Directions without stiffness,
-/// such as the axis of vertices on a straight line, are left as they are. If there are more bodies
-/// than feature_stiffness() couples, K is block diagonal, the steps are damped, and Anderson
-/// acceleration couples them.
+/// definite, the terms of T_f are left out, and only that part is used, so that the steps descend
+/// towards a stable equilibrium. Directions without stiffness, such as the axis of vertices on a
+/// straight line, are left as they are. If there are more bodies than feature_stiffness() couples, K
+/// is block diagonal, the steps are damped, and Anderson acceleration couples them.
 class FeatureEquilibrium {
  public:
   /// Computes the stiffness. `deformer`: its last deform() had an estimate with rotations of the

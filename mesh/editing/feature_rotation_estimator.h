@@ -15,7 +15,8 @@ namespace batten {
 
 /// How the rotations of features and of the surface are determined if no handle prescribes them.
 enum class RotationMode {
-  /// Features rotate like the surface around them in a shape computed without features.
+  /// Features rotate like the surface around them in a shape computed without features. MeshEditor
+  /// then rotates them into equilibrium (FeatureEquilibrium).
   Estimated,
   Dual,  ///< rotations of a preliminary shape that DualLaplacianDeformer computes
   /// Rotations of a preliminary as-rigid-as-possible (ARAP) shape [SorkineAlexa2007]; for large
@@ -57,8 +58,8 @@ class FeatureRotationEstimator {
   /// Estimates the deformed shape and the rotation of each feature. The result is empty if no
   /// rotation is prescribed and nothing must be estimated: for RotationMode::Harmonic, or if nothing
   /// moves. `pulled`: constraints of the edit move the mesh, even if no handle does
-  /// (RotationMode::Estimated then begins with unrotated features). If several rotations are prescribed for features with a common rotation, the
-  /// last one applies. Throws InputError if a feature index is out of range, and the exceptions of
+  /// (RotationMode::Estimated then begins with unrotated features). If several rotations are
+  /// prescribed for features with a common rotation, the last one applies. Throws InputError if a feature index is out of range, and the exceptions of
   /// the deformer that computes the preliminary shape.
   std::optional<ShapeEstimate> estimate(const DeformEdit& edit,
                                         std::span<const PrescribedRotation> prescribed = {},
