@@ -380,9 +380,10 @@ derivatives of the shape, and two stiffness matrices per parameter. Raises Input
 stress(model, …) returns a Stress. `material`: a name such as "steel", or {"young": …, "poisson": …,
 "density": …}. `supports`: names of curves (clamped), or dicts such as {"curve": "rim", "type":
 "pinned"}. `loads`: dicts such as {"pressure": 0.01}, {"pressure": "0.01 * x"} (a formula) or
-{"force": [x, y, z], "point": [x, y, z]}. All keys: docs/stress.md. `settings`: further keys of [stress] as TOML text. These arguments replace the
-[stress] of the model; without them, its own [stress] is used. `modes`, `buckling`: numbers of
-natural frequencies, and of buckling factors per load case. `values`: parameters of the model.
+{"force": [x, y, z], "point": [x, y, z]}. All keys: docs/stress.md. `settings`: further keys of
+[stress] as TOML text. These arguments replace the [stress] of the model; without them, its own
+[stress] is used. `modes`, `buckling`: numbers of natural frequencies, and of buckling factors per
+load case. `values`: parameters of the model.
 
 stress(path, out) writes the files of `batten stress` into a folder and returns the report.
 

@@ -83,6 +83,18 @@ std::vector<int> all_bodies(const Sheet& sheet) {
   return body;
 }
 
+/// Takes steps until rotations change by less than 1e-9 degrees, at most `most`; returns their number.
+int steps_to_equilibrium(const Sheet& sheet, FormFeatureDeformer& deformer, ShapeEstimate& estimate,
+                         int most) {
+  FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
+  int steps = 0;
+  for (double change = 1; change > 1e-9 && steps < most; ++steps) {
+    change = equilibrium.rotate_features(deformer, estimate);
+    deformer.deform(sheet.edit, estimate);
+  }
+  return steps;
+}
+
 Points solved(const Sheet& sheet, const DeformEdit& edit) {
   MeshEditor editor(sheet.prepared, sheet.prepared.mesh.points(), sheet.problem);
   editor.set(edit);
@@ -176,14 +188,7 @@ TEST_CASE("in equilibrium there are no moments on features, after a few steps", 
     ShapeEstimate estimate = sheet.unrotated();
     deformer.deform(sheet.edit, estimate);
     const double before = largest_moment(deformer.feature_moments());
-    FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
-    double change = 1;
-    int steps = 0;
-    for (; change > 1e-9 && steps < 14; ++steps) {
-      change = equilibrium.rotate_features(deformer, estimate);
-      deformer.deform(sheet.edit, estimate);
-    }
-    CHECK(steps < 14);
+    CHECK(steps_to_equilibrium(sheet, deformer, estimate, 14) < 14);
     CHECK(largest_moment(deformer.feature_moments()) < 1e-8 * before);
   }
 }
@@ -207,14 +212,7 @@ TEST_CASE("equilibrium with point constraints, springs and scaled features", "[m
   FormFeatureDeformer deformer(mesh, sheet.problem);
   ShapeEstimate estimate = sheet.unrotated();
   deformer.deform(sheet.edit, estimate);
-  FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
-  double change = 1;
-  int steps = 0;
-  for (; change > 1e-9 && steps < 12; ++steps) {
-    change = equilibrium.rotate_features(deformer, estimate);
-    deformer.deform(sheet.edit, estimate);
-  }
-  CHECK(steps < 12);
+  CHECK(steps_to_equilibrium(sheet, deformer, estimate, 12) < 12);
 }
 
 TEST_CASE("a sheet that is stretched in its plane stays flat", "[mesh][deform]") {
@@ -276,11 +274,7 @@ TEST_CASE("more features than the stiffness couples", "[mesh][deform]") {
   deformer.deform(sheet.edit, estimate);
   const double before = largest_moment(deformer.feature_moments());
   CHECK(deformer.feature_stiffness(all_bodies(sheet)).S.cols() == 3);
-  FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
-  for (int step = 0; step < 60; ++step) {
-    equilibrium.rotate_features(deformer, estimate);
-    deformer.deform(sheet.edit, estimate);
-  }
+  steps_to_equilibrium(sheet, deformer, estimate, 60);
   CHECK(largest_moment(deformer.feature_moments()) < 1e-2 * before);
 }
 
@@ -294,13 +288,7 @@ TEST_CASE("vertices on a line keep their rotation about it", "[mesh][deform]") {
   FormFeatureDeformer deformer(sheet.prepared.mesh, sheet.problem);
   ShapeEstimate estimate = sheet.unrotated();
   deformer.deform(sheet.edit, estimate);
-  FeatureEquilibrium equilibrium(deformer, all_bodies(sheet));
-  double change = 1;
-  for (int step = 0; step < 20 && change > 1e-8; ++step) {
-    change = equilibrium.rotate_features(deformer, estimate);
-    deformer.deform(sheet.edit, estimate);
-  }
-  CHECK(change < 1e-8);
+  CHECK(steps_to_equilibrium(sheet, deformer, estimate, 20) < 20);
   CHECK(estimate.feature_rotations[0]->isIdentity(0));
   for (const int f : {1, 2}) {
     const Vec3 vector = to_rotation_vector(*estimate.feature_rotations[f]);
