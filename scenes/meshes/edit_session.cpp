@@ -470,13 +470,16 @@ Points EditSession::shape_on_targets() {
     plain_ = std::make_unique<MeshEditor>(prepared_, before, std::move(problem),
                                           MeshEditorOptions{RotationMode::Harmonic, false, {}, 0});
   // Iterated Tikhonov regularization: each stage preserves the curvature that the previous one found.
+  // All but the last one may be less accurate.
   constexpr int stages = 3;
+  constexpr double coarse = 4;
   Points shape = before;
   plain_->set_estimate(std::nullopt);
   for (int stage = 0; stage < stages; ++stage) {
     if (stage > 0) plain_->set_estimate(shape);
+    const double enough = stage + 1 < stages ? coarse * rest : rest;
     double change = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < most_iterations && change > rest; ++k) {
+    for (int k = 0; k < most_iterations && change > enough; ++k) {
       move_springs(shape);
       DeformEdit edit = current_edit();
       edit.feature_scales.clear();
