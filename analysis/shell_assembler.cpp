@@ -9,6 +9,7 @@
 
 #include "batten/core/cancellation.h"
 #include "batten/core/errors.h"
+#include "batten/core/parallel.h"
 #include "batten/core/solvers/supernodal_kernels.h"
 #include "batten/elements/c1_triangle.h"
 
@@ -103,11 +104,31 @@ Eigen::Matrix<double, kElementDofs, kElementDofs> negative_product(
 
 }  // namespace
 
-// K = B Bᵀ with six columns of B per point: ε Lᵀ √(w t) and κ Lᵀ √(w t³/12), with Q = L Lᵀ and the
-// area w of the point. One matrix product is several times as fast as summing the terms one by one.
+namespace {
+
+// The Cholesky factor [L11 0; L21 L22] of [A B; B D], see SectionIntegrals.
+struct SectionFactor {
+  explicit SectionFactor(const ShellSection& section) : offset(section.offset) {
+    const SectionIntegrals of = section.integrals();
+    L11 = Eigen::LLT<Mat3>(of.A).matrixL();
+    L21 = L11.triangularView<Eigen::Lower>().solve(of.B).transpose();
+    L22 = Eigen::LLT<Mat3>(of.D - L21 * L21.transpose()).matrixL();
+    is_coupled = offset != 0 || !L21.isZero(0);
+    L21 += offset * L11;  // of strains on the reference surface
+  }
+  double offset;
+  Mat3 L11, L21, L22;
+  bool is_coupled;
+};
+
+}  // namespace
+
+// K = B Bᵀ with six columns of B per point, (ε L11 + t κ (L21 + o L11), t κ L22) √(w t), with the
+// factor L of the section, its offset o and the area w of the point. One matrix product is several
+// times as fast as summing the terms one by one.
 void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, ElementMatrix& K) const {
   const ShellSection& s = section(t);
-  const Mat3 root = Eigen::LLT<Mat3>(s.material.Q).matrixL();
+  const SectionFactor root(s);
   Eigen::Matrix<double, kElementDofs, kColumns> B;
   int columns = 0;
   double sign = 1;  // rules of cut triangles may have negative weights
@@ -120,19 +141,21 @@ void ShellAssembler::add(int t, const TabulatedRule& rule, double factor, Elemen
                    if ((area < 0) != (sign < 0) || columns == kColumns) add_columns();
                    sign = area < 0 ? -1 : 1;
                    const double thickness = s.thickness_at(L),
-                                membrane = std::sqrt(sign * factor * area * thickness),
-                                bending = membrane * thickness / std::sqrt(12.0);
-                   const Mat3 M = membrane * root;
+                                membrane = std::sqrt(sign * factor * area * thickness);
+                   const Mat3 M = membrane * root.L11;
                    const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
                                f2 = at.along_axes(1, N.col(kU), N.col(kV));
-                   const Eigen::Matrix<double, 12, 3> curved =
-                       -bending * at.bending_matrix(N).transpose() * root;
+                   using Columns = Eigen::Matrix<double, 12, 3>;
+                   const Columns bending = -membrane * thickness * at.bending_matrix(N).transpose();
+                   const Columns curved = bending * root.L22;
                    // The strains of coordinate c are e1[c] f1, e2[c] f2 and e1[c] f2 + e2[c] f1.
                    for (int c = 0; c < 3; ++c) {
                      const double e1 = at.e1()[c], e2 = at.e2()[c];
                      for (int k = 0; k < 3; ++k)
                        B.block<12, 1>(12 * c, columns + k) =
                            (e1 * M(0, k) + e2 * M(2, k)) * f1 + (e2 * M(1, k) + e1 * M(2, k)) * f2;
+                     if (root.is_coupled)
+                       B.block<12, 3>(12 * c, columns) += at.normal()[c] * bending * root.L21;
                      B.block<12, 3>(12 * c, columns + 3) = at.normal()[c] * curved;
                    }
                    columns += kColumnsPerPoint;
@@ -162,11 +185,61 @@ void ShellAssembler::for_each_quadrature_point(int t, const TabulatedRule& whole
   }
 }
 
+TemperatureAt ShellAssembler::temperature_at(const ShellTemperature& temperature, int triangle,
+                                             const Vec3& L) const {
+  if (temperature.empty()) return {};
+  TemperatureAt at;
+  for (int i = 0; i < 3; ++i) {
+    const int v = surface_.mesh().triangles()[triangle][i];
+    at.middle += L[i] * temperature.middle[v];
+    at.difference += L[i] * temperature.difference[v];
+  }
+  return at;
+}
+
 ShellAssembler::Resultants ShellAssembler::resultants(int triangle, const Vec3& L,
-                                                      const ShellStrain& s) const {
+                                                      const ShellStrain& s,
+                                                      const TemperatureAt& temperature) const {
   const ShellSection& of = section(triangle);
+  const SectionIntegrals sum = of.integrals();
   const double t = of.thickness_at(L);
-  return {t * of.material.Q * s.membrane, t * t * t / 12 * of.material.Q * s.curvature};
+  const Vec3 bending = t * s.curvature, membrane = s.membrane + of.offset * bending;
+  const auto& [a0, a1, a2] = sum.thermal;
+  Resultants result;
+  result.forces = t * (sum.A * membrane + sum.B * bending - temperature.middle * a0 -
+                       temperature.difference * a1);
+  result.moments = t * t *
+                       (sum.B * membrane + sum.D * bending - temperature.middle * a1 -
+                        temperature.difference * a2) +
+                   of.offset * t * result.forces;
+  return result;
+}
+
+Points ShellAssembler::thermal_load(const ShellTemperature& temperature) const {
+  const int vertices = surface_.mesh().vertex_count();
+  if (temperature.middle.size() != vertices || temperature.difference.size() != vertices)
+    throw InputError("found temperatures of " + std::to_string(temperature.middle.size()) +
+                     " vertices, expected " + std::to_string(vertices) + " of the shell");
+  std::vector<Eigen::Matrix<double, 12, 3>> parts(
+      static_cast<size_t>(surface_.mesh().triangle_count()), Eigen::Matrix<double, 12, 3>::Zero());
+  parallel_for_each<64>(isize(parts), [&](int t) {
+    std::optional<Mat12> pull_back;
+    for_each_quadrature_point(t, [&](const ShellTriangle& triangle,
+                                     const ReferenceTabulation& functions, const ShellPoint& at,
+                                     const Vec3& L, double area) {
+      if (!pull_back) pull_back = triangle.pull_back_matrix();
+      const Resultants r = resultants(t, L, {}, temperature_at(temperature, t, L));
+      parts[static_cast<size_t>(t)] -=
+          area * nodal_forces(triangle.functions(*pull_back, functions), at, r.forces, r.moments);
+    });
+  });
+  Points load = Points::Zero(surface_.dof_map().count(), 3);
+  for (int t = 0; t < isize(parts); ++t) {
+    const auto dofs = surface_.dof_map().triangle(surface_.mesh(), t);
+    for (int a = 0; a < isize(dofs); ++a)
+      load.row(dofs[static_cast<size_t>(a)]) += parts[static_cast<size_t>(t)].row(a);
+  }
+  return load;
 }
 
 SparseMatrix ShellAssembler::stiffness() const {
@@ -217,20 +290,23 @@ SparseMatrix ShellAssembler::integrate_inside(
 SparseMatrix ShellAssembler::mass() const {
   return integrate_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& M) {
     const ShellSection& s = section(t);
-    for_each_point(
-        t, rule, [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
-          M += area * s.material.density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
-        });
+    const double density = s.density();
+    for_each_point(t, rule,
+                   [&](const Tabulation& N, const ShellPoint&, const Vec3& L, double area) {
+                     M += area * density * s.thickness_at(L) * N.col(kW) * N.col(kW).transpose();
+                   });
   });
 }
 
-SparseMatrix ShellAssembler::geometric_stiffness(const Points& q) const {
+SparseMatrix ShellAssembler::geometric_stiffness(const Points& q,
+                                                 const ShellTemperature& temperature) const {
   return integrate_inside([&](int t, const TabulatedRule& rule, ScalarMatrix& G) {
     const Eigen::Matrix<double, 12, 3> local = dofs_on(q, t);
     for_each_point(
         t, rule, [&](const Tabulation& N, const ShellPoint& at, const Vec3& L, double area) {
-          const Vec3 force =
-              area * resultants(t, L, at.strain(local.transpose().lazyProduct(N))).forces;
+          const Vec3 force = area * resultants(t, L, at.strain(local.transpose().lazyProduct(N)),
+                                               temperature_at(temperature, t, L))
+                                        .forces;
           const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
                       f2 = at.along_axes(1, N.col(kU), N.col(kV));
           G += f1 * (force[0] * f1 + force[2] * f2).transpose() +
@@ -260,12 +336,29 @@ ShellStrain ShellAssembler::strain(const Points& q, const Location& where) const
 
 Vec3 ShellAssembler::stress(const Points& q, const Location& where, double z) const {
   const ShellStrain s = strain(q, where);
-  return section(where.triangle).material.Q * (s.membrane + z * s.curvature);
+  const ShellSection& of = section(where.triangle);
+  const Vec3 at = s.membrane + (z + of.offset * of.thickness_at(where.L)) * s.curvature;
+  const double height = z / of.thickness_at(where.L);
+  int k = 0;
+  while (k + 1 < of.ply_count() && of.ply(k).top < height) ++k;
+  const Mat3 T = strain_rotation(of.ply(k).angle);
+  return T.transpose() * of.ply(k).material.Q * T * at;
 }
 
-ShellAssembler::Resultants ShellAssembler::resultants(const Points& q,
-                                                      const Location& where) const {
-  return resultants(where.triangle, where.L, strain(q, where));
+ShellAssembler::Resultants ShellAssembler::resultants(const Points& q, const Location& where,
+                                                      const ShellTemperature& temperature) const {
+  return resultants(where.triangle, where.L, strain(q, where),
+                    temperature_at(temperature, where.triangle, where.L));
+}
+
+Eigen::Matrix<double, 12, 3> nodal_forces(const Tabulation& N, const ShellPoint& at,
+                                          const Vec3& forces, const Vec3& moments) {
+  const Vec12 f1 = at.along_axes(0, N.col(kU), N.col(kV)),
+              f2 = at.along_axes(1, N.col(kU), N.col(kV)),
+              curved = at.bending_matrix(N).transpose() * moments;
+  return f1 * (forces[0] * at.e1() + forces[2] * at.e2()).transpose() +
+         f2 * (forces[1] * at.e2() + forces[2] * at.e1()).transpose() -
+         curved * at.normal().transpose();
 }
 
 ShellPoint::ShellPoint(const SurfaceJet& jet, const Vec3& along) {

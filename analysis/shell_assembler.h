@@ -16,8 +16,8 @@ namespace batten {
 
 // Local axes and strains at one point of a Kirchhoff-Love shell.
 
-/// Membrane strains and curvature changes of the middle surface of a shell in the local axes e1, e2
-/// of a ShellPoint, each as (11, 22, 2·12). At height z above the middle surface, along its normal,
+/// Membrane strains and curvature changes of the reference surface of a shell in the local axes e1, e2
+/// of a ShellPoint, each as (11, 22, 2·12). At height z above this surface, along its normal,
 /// the strain is membrane + z · curvature.
 struct ShellStrain {
   Vec3 membrane = Vec3::Zero(), curvature = Vec3::Zero();
@@ -66,6 +66,16 @@ class ShellPoint {
   Eigen::Matrix<double, 2, 2> gradient_;     // (f,1; f,2) = gradient · (f,u; f,v)
   Eigen::Matrix<double, 3, 2> christoffel_;  // Γ^u, Γ^v of uu, uv, vv
   Mat3 voigt_;                               // (11, 22, 2·12) from (uu, uv, vv)
+};
+
+/// Element load vector (12×3) of stress resultants per area: its work with a displacement is that of
+/// `forces` (N11, N22, N12) and `moments` (M11, M22, M12) with its strains. `N`: shape functions.
+Eigen::Matrix<double, 12, 3> nodal_forces(const Tabulation& N, const ShellPoint& at,
+                                          const Vec3& forces, const Vec3& moments);
+
+/// Change of temperature at a point: in the middle of the shell, and from bottom to top.
+struct TemperatureAt {
+  double middle = 0, difference = 0;
 };
 
 // Fast evaluation of one shell triangle at many points.
@@ -125,10 +135,10 @@ class ShellTriangle {
 /// Kirchhoff-Love shell on a C1 surface. Displacements use the shape functions of the surface
 /// itself, U = Σ N_m q_m, so the design mesh is also the analysis mesh.
 ///
-///     K = ∬ (t εᵀ Q ε + t³/12 κᵀ Q κ) J du dv         K q = F,  F = ∬ N f J du dv
+///     K = ∬ (t εᵀ A ε + 2 t² εᵀ B κ + t³ κᵀ D κ) J du dv         K q = F,  F = ∬ N f J du dv
 ///
-/// t: thickness; Q: stiffness of the material; ε, κ: membrane strain and curvature change; J: area
-/// per area of (u, v). K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n
+/// t: thickness; A, B, D: SectionIntegrals, for one material A = Q, B = 0, D = Q/12; ε, κ: membrane
+/// strain in the middle of the shell and curvature change; J: area per area of (u, v). K couples x, y and z: it is 3n×3n over the stacked dofs [x; y; z], with n
 /// dofs per coordinate. Loads of SurfaceAssembler can be used: point_load(), area_load() (force per
 /// area), pressure_load() (pressure along the normal). Supports are a ConstraintSet of
 /// Kind::Coupled for ConstrainedSolver. With a trim, the part of the mesh inside it counts fully,
@@ -155,29 +165,39 @@ class ShellAssembler {
 
   /// Mass matrix ∬ ρ t N Nᵀ dA of one coordinate (lower triangle, n×n), valid for each of x, y and
   /// z, with the density ρ, thickness t and shape functions N. On a trimmed surface, only the part
-  /// inside the trim counts. Rotary inertia is neglected, as usual for thin shells.
+  /// inside the trim counts. Rotary inertia is neglected, as usual for thin shells, and so is the
+  /// distance of the mass from the reference surface.
   SparseMatrix mass() const;
   /// Geometric stiffness G = ∬ (N11 N,1 N,1ᵀ + N22 N,2 N,2ᵀ + N12 (N,1 N,2ᵀ + N,2 N,1ᵀ)) dA of one
   /// coordinate, with the membrane forces N11, N22, N12 of a displacement q (n×3) and the
   /// derivatives N,1, N,2 of the shape functions along the local axes. ½ uᵀ G u is the energy that
   /// these forces add when the shell is displaced further by u (negative if they release energy).
-  /// Throws InputError if q has the wrong number of dofs.
-  SparseMatrix geometric_stiffness(const Points& q) const;
+  /// `temperature`: that of q's load case. Throws InputError if q has the wrong number of dofs.
+  SparseMatrix geometric_stiffness(const Points& q, const ShellTemperature& temperature = {}) const;
+  /// Load vector (n×3) of a change of temperature: F = ∬ (εᵀ N_T + κᵀ M_T) dA, with the resultants N_T
+  /// and M_T of the stresses that would prevent the expansion. Throws InputError unless there is one
+  /// temperature per vertex of the mesh.
+  Points thermal_load(const ShellTemperature& temperature) const;
 
   /// Strains in local axes that a displacement q (n×3) causes at one point. Throws InputError if q
   /// has the wrong number of dofs.
   ShellStrain strain(const Points& q, const Location& where) const;
   /// Stress (σ11, σ22, σ12) in local axes caused by a displacement q (n×3), at height z above the
-  /// middle surface; z from -t/2 to t/2 for the thickness t.
+  /// middle of the shell; z from -t/2 to t/2 for the thickness t.
   Vec3 stress(const Points& q, const Location& where, double z) const;
-  /// Stress resultants: membrane forces (N11, N22, N12) and moments (M11, M22, M12) per length, in
-  /// local axes.
+  /// Stress resultants: membrane forces (N11, N22, N12) and moments (M11, M22, M12) about the
+  /// reference surface, per length, in local axes.
   struct Resultants {
     Vec3 forces, moments;
   };
-  Resultants resultants(const Points& q, const Location& where) const;
+  Resultants resultants(const Points& q, const Location& where,
+                        const ShellTemperature& temperature = {}) const;
   /// Stress resultants for a given strain at the barycentric coordinates L of a triangle.
-  Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain) const;
+  Resultants resultants(int triangle, const Vec3& L, const ShellStrain& strain,
+                        const TemperatureAt& temperature = {}) const;
+  /// Temperature at the barycentric coordinates L of a triangle; 0 without a temperature.
+  TemperatureAt temperature_at(const ShellTemperature& temperature, int triangle,
+                               const Vec3& L) const;
   /// Geometry of the shell at a location, with the local axes to which strains, stresses and
   /// resultants refer.
   ShellPoint point(const Location& where) const;

@@ -1,54 +1,80 @@
 // SPDX-License-Identifier: MPL-2.0
-// Shell sections: material and thickness, and parts of a shell surface.
+// Shell sections: material or plies, and thickness; parts of a shell surface.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "batten/analysis/laminate.h"
 #include "batten/core/eigen.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 
 namespace batten {
 
-/// Linear elastic material in plane stress:
-///
-///     (σ11, σ22, σ12) = Q (ε11, ε22, 2ε12)      in two perpendicular directions 1 and 2.
-///
-/// Units are those of the model: with mm and N, moduli and stresses are in MPa and density in
-/// t/mm³.
-struct ShellMaterial {
-  Mat3 Q = Mat3::Zero();
-  double density = 0;
-
-  /// Isotropic material with Young's modulus E and Poisson's ratio ν: Q = E/(1-ν²) [1 ν 0; ν 1 0; 0
-  /// 0 (1-ν)/2]. Throws InputError unless E > 0 and -1 < ν < 1/2.
-  static ShellMaterial isotropic(double E, double nu, double density = 0);
-  /// Orthotropic material: moduli E1, E2 along the directions 1 and 2, Poisson's ratio ν12 =
-  /// -ε22/ε11 under stress along direction 1, shear modulus G12. Q11 = E1/(1-ν12 ν21), Q22 =
-  /// E2/(1-ν12 ν21), Q12 = ν12 Q22, Q33 = G12, ν21 = ν12 E2/E1. Throws InputError unless all moduli
-  /// are positive and ν12² < E1/E2.
-  static ShellMaterial orthotropic(double E1, double E2, double nu12, double G12,
-                                   double density = 0);
-};
-
-/// Material and thickness of a shell.
+/// Section of a shell: one material, or a laminate, and the thickness.
 struct ShellSection {
-  ShellMaterial material;
+  ShellMaterial material;  ///< not used if there is a laminate
   double thickness = 0;
-  /// Vector whose projection onto the surface is direction 1 of the material. If it is zero or
+  /// Vector whose projection onto the surface is direction 1 of the section. If it is zero or
   /// perpendicular to the surface, direction 1 is the derivative of the surface by u.
   Vec3 along = Vec3::Zero();
-  /// Offsets added to `thickness` at the three vertices of a triangle, linear in between.
+  /// Offsets added to `thickness` at the three vertices of a triangle, linear in between. Plies
+  /// become thicker or thinner in proportion.
   Vec3 thickness_offset = Vec3::Zero();
+  /// Plies, with the sum of their thicknesses in `thickness`; null: homogeneous.
+  std::shared_ptr<const Laminate> laminate = {};
+  /// Height of the middle of the shell above its reference surface (the surface of the model), divided
+  /// by the thickness: 0.5 if the surface is the bottom of the shell, -0.5 if it is the top.
+  double offset = 0;
+
+  /// A section of plies.
+  static ShellSection of_plies(std::vector<Ply> plies, const Vec3& along);
 
   /// Thickness at the barycentric coordinates L of the triangle.
   double thickness_at(const Vec3& L) const { return thickness + thickness_offset.dot(L); }
+
+  SectionIntegrals integrals() const {
+    return laminate ? laminate->integrals() : SectionIntegrals::homogeneous(material);
+  }
+  /// See SectionIntegrals::compliance().
+  Eigen::Matrix<double, 6, 6> compliance() const {
+    return laminate ? laminate->compliance() : integrals().compliance();
+  }
+  double density() const { return laminate ? laminate->integrals().density : material.density; }
+  /// Membrane stiffness A11 t and bending stiffness D11 t³ along direction 1, per length.
+  double membrane_stiffness() const {
+    return (laminate ? laminate->integrals().A(0, 0) : material.Q(0, 0)) * thickness;
+  }
+  double bending_stiffness() const {
+    return (laminate ? laminate->integrals().D(0, 0) : material.Q(0, 0) / 12) * thickness *
+           thickness * thickness;
+  }
+
+  /// A ply of the section; a homogeneous section is one ply.
+  struct PlyView {
+    const ShellMaterial& material;
+    double bottom, top;  ///< heights above the middle, relative to the thickness: -1/2 … 1/2
+    double angle;        ///< Ply::angle
+  };
+  int ply_count() const { return laminate ? static_cast<int>(laminate->plies().size()) : 1; }
+  PlyView ply(int k) const;
+  /// True if a material of the section has strengths.
+  bool has_strength() const;
 };
 
-/// Throws InputError unless the thickness is above 0 everywhere and material.Q symmetric positive
-/// definite.
+/// Throws InputError unless the thickness is above 0 everywhere and the material valid
+/// (require_material()).
 void require_section(const ShellSection& section);
+
+/// Change of the temperature of a shell from its stress-free state, at the vertices of its mesh, linear
+/// in between.
+struct ShellTemperature {
+  VecX middle;      ///< degrees; empty: no change
+  VecX difference;  ///< top minus bottom, linear through the thickness
+  bool empty() const { return middle.size() == 0; }
+};
 
 // Parts of a shell surface.
 

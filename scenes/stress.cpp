@@ -45,7 +45,8 @@ const ShellStresses& StressData::made_stresses(size_t load_case) const {
     assembler_ = std::make_unique<const ShellAssembler>(
         model->shape.layout->surface(model->shape.dofs), sections);
   if (!of.stresses)
-    of.stresses = std::make_unique<const ShellStresses>(*assembler_, displacements[load_case]);
+    of.stresses = std::make_unique<const ShellStresses>(*assembler_, displacements[load_case],
+                                                        temperatures[load_case]);
   return *of.stresses;
 }
 
@@ -85,9 +86,7 @@ const std::vector<double>& StressData::von_mises(size_t load_case) const {
   Fields& of = fields(load_case);
   if (!of.von_mises)
     of.von_mises = std::make_unique<const std::vector<double>>(
-        made_values(load_case, [](const ShellStress& at) {
-          return std::max(batten::von_mises(at.at(1)), batten::von_mises(at.at(-1)));
-        }));
+        made_values(load_case, [](const ShellStress& at) { return at.largest_von_mises().value; }));
   return *of.von_mises;
 }
 
@@ -163,6 +162,7 @@ StressPoint StressData::at(const Vec3& p, size_t load_case) const {
   point.von_mises_bottom = batten::von_mises(stress.at(-1));
   point.forces = stress.forces;
   point.moments = stress.moments;
+  stress.for_each_ply_face([&](const PlyStress& at) { point.ply_stresses.push_back(at.stress); });
   return point;
 }
 
@@ -243,6 +243,7 @@ class StressCollector : public StressVisitor {
   void visit_case(const StressReport::Case&, const ShellCaseResult& result,
                   const ShellStresses&) override {
     data_.displacements.push_back(result.displacement);
+    data_.temperatures.push_back(result.temperature);
     data_.buckling_shapes.emplace_back();
   }
   void visit_buckling(const StressReport::Case&, const std::vector<Points>& shapes) override {
@@ -272,6 +273,8 @@ StressCase stress_case(const StressReport::Case& c) {
   result.stress_side = c.side;
   result.stress_spread = c.spread;
   result.near_singularity = c.near_singularity;
+  result.stress_ply = c.ply;
+  for (const auto& r : c.reserves) result.reserve_factors[r.criterion] = r.factor;
   result.safety_factor = c.safety;
   result.strain_energy = c.energy;
   result.error_estimate = c.error;
@@ -451,6 +454,8 @@ std::string load_text(const ShellLoad& load, const std::string& label) {
       .add("total_force", load.total_force)
       .add("total_moment", load.total_moment)
       .add("angular_velocity", load.angular_velocity)
+      .add("temperature", load.temperature)
+      .add("temperature_difference", load.temperature_difference)
       .add("axis", load.axis)
       .add("origin", load.origin)
       .add("level", load.level)

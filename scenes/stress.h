@@ -2,6 +2,7 @@
 // Stress analysis of a model in memory: a thin shell, its supports and its loads.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,8 +42,8 @@ struct ShellSupport {
   double foundation = 0;  ///< stiffness per area along the normal, above 0; 0: none
 };
 
-/// A load on a shell, with the keys of `loads` in docs/stress.md. Set one of the first nine members
-/// (or both totals), and the place that it needs.
+/// A load on a shell, with the keys of `loads` in docs/stress.md. Set one value (or both totals, or
+/// both temperatures), and the place that it needs.
 struct ShellLoad {
   std::optional<double> pressure = {};  ///< force per area along the normal
   std::optional<Vec3> traction = {};    ///< force per area
@@ -56,8 +57,11 @@ struct ShellLoad {
   /// Force and moment about the centroid, spread over `curve`, `face`, `box` or the whole surface.
   std::optional<Vec3> total_force = {}, total_moment = {};
   std::optional<double> angular_velocity = {};  ///< rad/time about `axis`; needs a density
-  std::optional<Vec3> axis = {};                ///< direction
-  std::optional<Vec3> origin = {};              ///< a point of the axis; empty: [0, 0, 0]
+  /// Change of the temperature in the middle of the shell, and difference between top and bottom;
+  /// needs a thermal expansion.
+  std::optional<double> temperature = {}, temperature_difference = {};
+  std::optional<Vec3> axis = {};    ///< direction
+  std::optional<Vec3> origin = {};  ///< a point of the axis; empty: [0, 0, 0]
   std::optional<double> level = {};
   std::optional<Vec3> point = {};  ///< the force acts at the nearest point of the surface
   std::string curve = {};
@@ -107,7 +111,12 @@ struct StressCase {
   /// Largest difference between `max_von_mises` and the stresses of the surrounding elements.
   double stress_spread = 0;
   bool near_singularity = false;  ///< whether the maximum is next to a point load or support
-  double safety_factor = 0;       ///< yield_stress / max_von_mises; 0: no yield stress
+  int stress_ply =
+      0;  ///< ply of a laminate with the largest stress, from 1, from the bottom; 0: none
+  /// Smallest factors by which the stresses of the plies can grow until they fail, by the name of the
+  /// criterion: "Tsai-Hill", "Hoffman"; empty: no material has strengths.
+  std::map<std::string, double> reserve_factors;
+  double safety_factor = 0;  ///< yield_stress / max_von_mises; 0: no yield stress
   double strain_energy = 0;
   double error_estimate = 0;  ///< estimated relative error in the energy norm
   /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same
@@ -127,6 +136,9 @@ struct StressPoint {
   /// Membrane forces and bending moments per length, as symmetric tensors in the tangent plane, in
   /// space coordinates. A positive moment causes tension at the top.
   Mat3 forces = Mat3::Zero(), moments = Mat3::Zero();
+  /// Stresses (σ1, σ2, τ12) at the bottom and top of each ply, from the bottom, in the directions of its
+  /// material; of a shell without plies, at its bottom and top.
+  std::vector<Vec3> ply_stresses;
 };
 
 /// The result of stress(). Immutable: copies share their data. All functions may be called by

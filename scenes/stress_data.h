@@ -54,6 +54,7 @@ struct StressData {
   size_t governing = 0;
   std::vector<ShellSection> sections;                ///< one, or one per triangle
   std::vector<Points> displacements;                 ///< dofs of each case, n×3
+  std::vector<ShellTemperature> temperatures;        ///< of each case
   std::vector<std::vector<Points>> buckling_shapes;  ///< of each case
   std::vector<Points> mode_shapes;
 

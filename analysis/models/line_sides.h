@@ -111,10 +111,9 @@ struct SpringStiffness {
     constexpr double alpha = 1000;
     const double area = model.mesh().shape(triangle).area *
                         model.jet({triangle, Vec3::Constant(1.0 / 3)}).area_vector().norm();
-    const double t = section.thickness;
     edge = std::sqrt(2 * area);
-    displacement = alpha * section.material.Q(0, 0) * t / edge;
-    rotation = displacement * t * t / 12;
+    displacement = alpha * section.membrane_stiffness() / edge;
+    rotation = alpha * section.bending_stiffness() / edge;
   }
 };
 

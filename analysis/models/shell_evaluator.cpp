@@ -51,9 +51,11 @@ Points ShellEvaluator::solve(const ShellLoadCase& load_case, size_t index) {
 }
 
 std::unique_ptr<const ShellEvaluator::Solved> ShellEvaluator::recovered(
-    const std::string& name, const Points& displacement) const {
-  auto solved = std::make_unique<Solved>(Solved{name, displacement, nullptr});
-  solved->stresses = std::make_unique<const ShellStresses>(assembler(), solved->displacement);
+    const std::string& name, const Points& displacement,
+    const ShellTemperature& temperature) const {
+  auto solved = std::make_unique<Solved>(Solved{name, displacement, temperature, nullptr});
+  solved->stresses =
+      std::make_unique<const ShellStresses>(assembler(), solved->displacement, solved->temperature);
   return solved;
 }
 
@@ -80,7 +82,7 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
     const Surface moved = shell_->layout().surface(displacement);
     largest.displacement =
         std::max(largest.displacement, max_displacement(assembler().surface(), moved).value);
-    auto solved = recovered(cases[i].name, displacement);
+    auto solved = recovered(cases[i].name, displacement, cases[i].temperature);
     const double peak = solved->stresses->peak().value;
     if (governing_ && !(peak > largest.von_mises)) continue;
     largest.von_mises = peak;
@@ -106,8 +108,7 @@ ShellEvaluator::Field ShellEvaluator::field(const std::vector<Location>& locatio
   parallel_for_each<256>(isize(locations), [&](int i) {
     const auto at = static_cast<size_t>(i);
     const ShellStress stress = governing_->stresses->at(locations[at]);
-    field.von_mises[at] =
-        static_cast<float>(std::max(von_mises(stress.at(1)), von_mises(stress.at(-1))));
+    field.von_mises[at] = static_cast<float>(stress.largest_von_mises().value);
     const Vec3 u = moved.position(locations[at]);
     for (size_t c = 0; c < 3; ++c)
       field.displacement[3 * at + c] = static_cast<float>(u[static_cast<long>(c)]);
@@ -123,7 +124,7 @@ ShellEvaluator::ModeShapes ShellEvaluator::mode_shapes(const std::vector<Locatio
     // The stresses refer to the similar system.
     const auto before = std::move(governing_);
     factor();
-    governing_ = recovered(before->name, before->displacement);
+    governing_ = recovered(before->name, before->displacement, before->temperature);
   }
   const ShellModes modes = natural_modes(*shell_, std::min(count, shell_->unknowns() / 2 - 1));
   ModeShapes mode_shapes;

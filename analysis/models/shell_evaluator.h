@@ -71,13 +71,14 @@ class ShellEvaluator {
   struct Solved {
     std::string name;
     Points displacement;
+    ShellTemperature temperature;
     std::unique_ptr<const ShellStresses> stresses;
   };
   void update(const ModelLayout& layout, const Points& shape);
   Points solve(const ShellLoadCase& load_case, size_t index);
   void factor();
-  std::unique_ptr<const Solved> recovered(const std::string& name,
-                                          const Points& displacement) const;
+  std::unique_ptr<const Solved> recovered(const std::string& name, const Points& displacement,
+                                          const ShellTemperature& temperature) const;
   const ShellAssembler& assembler() const {
     return similar_ ? similar_->assembler : shell_->assembler();
   }

@@ -159,7 +159,7 @@ Points body_load(const ModelLayout& model, const Points& shape,
                  const std::vector<ShellSection>& sections, const AccelerationField& acceleration) {
   return integrate_over_area(model, shape, {}, [&](const PartPoint& position) -> Vec3 {
     const ShellSection& s = sections[sections.size() == 1 ? 0 : position.where.triangle];
-    return position.area.norm() * s.material.density * s.thickness_at(position.where.L) *
+    return position.area.norm() * s.density() * s.thickness_at(position.where.L) *
            acceleration(position.x);
   });
 }

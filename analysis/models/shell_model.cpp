@@ -65,8 +65,7 @@ double strain_energy(const SparseMatrix& K, const ShellSprings& springs, const P
 
 // Roughly (2π f)² of bending waves as long as the shell.
 double shift_of(const ShellSection& section, double size) {
-  const ShellMaterial& m = section.material;
-  return m.Q(0, 0) * std::pow(section.thickness, 2) / (12 * m.density * std::pow(size, 4));
+  return section.bending_stiffness() / (section.density() * section.thickness * std::pow(size, 4));
 }
 
 }  // namespace

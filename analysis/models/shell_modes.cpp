@@ -104,7 +104,7 @@ std::optional<EigenPairs> largest_eigenpairs(const ConstrainedSolver& solver, co
 
 ShellModes natural_modes(const ShellModel& shell, int count) {
   for (int r = 0; r < shell.layout().region_count(); ++r)
-    if (const double density = shell.section(r).material.density; !(density > 0))
+    if (const double density = shell.section(r).density(); !(density > 0))
       throw InputError("natural frequencies need a density, found " + format_number(density));
   const SparseMatrix M = shell.assembler().mass();
   const auto found = largest_eigenpairs(shell.solver(), M, {},
@@ -145,7 +145,7 @@ double largest_displacement(const VecX& positions, const Points& q) {
 bool has_membrane_forces(const ShellModel& shell, const Points& q, const SparseMatrix& G) {
   double stiffest = 0;
   for (int r = 0; r < shell.layout().region_count(); ++r)
-    stiffest = std::max(stiffest, shell.section(r).material.Q(0, 0) * shell.section(r).thickness);
+    stiffest = std::max(stiffest, shell.section(r).membrane_stiffness());
   double force = 0;
   for (long k = 0; k < G.nonZeros(); ++k) force = std::max(force, std::abs(G.valuePtr()[k]));
   constexpr double rounding = 1e-12;  // strains of plates: 1e-15 of the slopes
@@ -157,8 +157,8 @@ bool has_membrane_forces(const ShellModel& shell, const Points& q, const SparseM
 }  // namespace
 
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
-                       const SparseMatrix& follower) {
-  const SparseMatrix G = -shell.assembler().geometric_stiffness(q);
+                       const SparseMatrix& follower, const ShellTemperature& temperature) {
+  const SparseMatrix G = -shell.assembler().geometric_stiffness(q, temperature);
   if (!has_membrane_forces(shell, q, G)) return {};
   // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors, and the iteration does
   // not converge. All eigenvalues that are not near 0 are then negative, which the search by

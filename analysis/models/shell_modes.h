@@ -45,10 +45,10 @@ struct ShellBuckling {
 /// Bending prestress and displacements before buckling are neglected.
 ///
 /// `q`: displacement dofs, n×3, model units. `count`: number of load factors. `follower`:
-/// follower_stiffness() of the load F; empty: dead loads. Throws InputError for an invalid count,
+/// follower_stiffness() of the load F; empty: dead loads. `temperature`: that of the load case. Throws InputError for an invalid count,
 /// and NoSolutionError, as natural_modes() does. Cost: as natural_modes(); twice as much if no
 /// positive load factor exists.
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
-                       const SparseMatrix& follower = {});
+                       const SparseMatrix& follower = {}, const ShellTemperature& temperature = {});
 
 }  // namespace batten

@@ -83,8 +83,12 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
   const Surface& surface = shell.assembler().surface();
   const ShellStresses::Peak peak = stresses.peak();
   result.max_stress = peak;
-  result.max_stress_point = peak.at + 0.5 * peak.height * stresses.at(peak.where).thickness *
+  const double middle = shell.assembler().section(peak.where.triangle).offset;
+  result.max_stress_point = peak.at + (middle + 0.5 * peak.height) *
+                                          stresses.at(peak.where).thickness *
                                           surface.jet(peak.where).normal();
+  result.tsai_hill = stresses.smallest_reserve_factor(FailureCriterion::TsaiHill);
+  result.hoffman = stresses.smallest_reserve_factor(FailureCriterion::Hoffman);
   result.energy_norm_error = stresses.energy_norm_error();
   constexpr double near = 3;  // in edge lengths
   const double reach = near * edge_length(surface, peak.where.triangle);
@@ -126,12 +130,14 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
     progress.update("stress of " + one.name, 0);
     ShellCaseResult& result = results.emplace_back();
     result.name = one.name;
+    result.temperature = one.temperature;
     result.displacement = shell.solve(one.load);
     if (relief) result.displacement = relief->without_rigid_motion(result.displacement);
     measure_balance(shell, one.load, result);
     result.max_displacement =
         max_displacement(shell.assembler().surface(), shell.layout().surface(result.displacement));
-    const ShellStresses stresses(shell, result.displacement);
+    const ShellStresses stresses(shell, result.displacement, one.temperature);
+    if (!one.temperature.empty()) result.energy = stresses.energy();
     estimate_displacement_error(shell, stresses, result.max_displacement, error_indicators);
     measure_stress(shell, one.singular_points, stresses, result);
     if (visit) visit(result, stresses);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct ShellLoadCase {
   std::vector<Vec3> singular_points = {};
   /// Stiffness of loads that follow the surface (follower_stiffness()), for buckling; empty: none.
   SparseMatrix follower = {};
+  /// Change of the temperature, whose load (ShellAssembler::thermal_load()) `load` contains.
+  ShellTemperature temperature = {};
 };
 
 /// A shell whose shape or mesh changes: its definition and its loads as functions of the shape.
@@ -50,16 +53,19 @@ struct MaxDisplacement {
 struct ShellCaseResult {
   std::string name;
   Points displacement;  ///< displacement dofs of the model, n×3
+  ShellTemperature temperature;
   Resultant load;
   std::vector<SupportReaction> reactions;
   /// Larger one of |Σ forces| / Σ |force| and |Σ moments| / Σ |moment| over all nodal forces of
   /// loads and supports, with moments about centre() (ForceMagnitudes).
   double equilibrium_residual = 0;
-  double energy = 0;             ///< strain energy (ShellModel::energy())
+  double energy = 0;             ///< strain energy, without that of springs
   double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;
   ShellStresses::Peak max_stress;        ///< largest von Mises stress
   Vec3 max_stress_point = Vec3::Zero();  ///< point of `max_stress` on the top or bottom side
+  /// Smallest reserve factors by Tsai-Hill and Hoffman; empty: no material has strengths.
+  std::optional<ShellStresses::Reserve> tsai_hill = {}, hoffman = {};
   /// True if `max_stress` lies within three element lengths of a point force or point support.
   bool near_singularity = false;
 };

@@ -9,10 +9,10 @@
 namespace batten {
 namespace {
 
-const Points& load_named(const std::vector<ShellLoadCase>& cases, const std::string& name) {
+const ShellLoadCase& case_named(const std::vector<ShellLoadCase>& cases, const std::string& name) {
   const auto found = std::find_if(cases.begin(), cases.end(),
                                   [&](const ShellLoadCase& one) { return one.name == name; });
-  if (found != cases.end()) return found->load;
+  if (found != cases.end()) return *found;
   std::vector<std::string> names;
   for (const ShellLoadCase& one : cases) names.push_back(one.name);
   throw InputError("found no load case '" + name + "'" + did_you_mean(name, names));
@@ -34,14 +34,16 @@ ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& 
                        "': found a direction of length 0, expected one above 0");
     SolvedGoal solved;
     solved.load_case = goal.load_case;
-    solved.F = load_named(cases, goal.load_case);
+    const ShellLoadCase& load_case = case_named(cases, goal.load_case);
+    solved.F = load_case.load;
     solved.u = shell_.solve(solved.F);
     solved.G =
         point_force(layout, nearest_location(layout, shape, goal.at), goal.direction.normalized());
     solved.adjoint_of_G = shell_.adjoint(solved.G);
     solved.adjoint_of_F = shell_.adjoint(solved.F);
     if (norm_exponent) {
-      solved.norm = von_mises_norm(shell_.assembler(), solved.u, *norm_exponent);
+      solved.norm =
+          von_mises_norm(shell_.assembler(), solved.u, *norm_exponent, load_case.temperature);
       solved.adjoint_of_norm = shell_.adjoint(solved.norm.gradient);
     }
     goals_.push_back(std::move(solved));
@@ -81,7 +83,8 @@ std::array<ShellSensitivities::Change, 2> ShellSensitivities::changes_along(
 
 ShellSensitivities::Quantities ShellSensitivities::changes(const SolvedGoal& g,
                                                            const Change& change) const {
-  const Points& load = load_named(change.cases, g.load_case);
+  const ShellLoadCase& load_case = case_named(change.cases, g.load_case);
+  const Points& load = load_case.load;
   const auto goal_change = [&](const Points& a, const Points& G) {
     return shell_.goal_change(g.u, g.F, a, G, change.system, load);
   };
@@ -89,9 +92,10 @@ ShellSensitivities::Quantities ShellSensitivities::changes(const SolvedGoal& g,
   // Of the work Fᵀu itself: its load is the goal, and varies too.
   changes.compliance += (load - g.F).cwiseProduct(g.u).sum();
   if (norm_exponent_)
-    changes.von_mises_norm = goal_change(g.adjoint_of_norm, g.norm.gradient) +
-                             von_mises_norm(change.system.assembler, g.u, *norm_exponent_).value -
-                             g.norm.value;
+    changes.von_mises_norm =
+        goal_change(g.adjoint_of_norm, g.norm.gradient) +
+        von_mises_norm(change.system.assembler, g.u, *norm_exponent_, load_case.temperature).value -
+        g.norm.value;
   return changes;
 }
 

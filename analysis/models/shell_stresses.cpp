@@ -39,24 +39,21 @@ Vec3 in_axes(const Mat3& s, const ShellPoint& at) {
   return {at.e1().dot(s * at.e1()), at.e2().dot(s * at.e2()), at.e1().dot(s * at.e2())};
 }
 
+const ShellTemperature kNoTemperature;
+
 }  // namespace
-
-double von_mises(const Mat3& stress) {
-  const auto [a, b] = principal(stress);
-  return std::sqrt(std::max(0.0, a * a - a * b + b * b));
-}
-
-std::array<double, 2> principal(const Mat3& stress) {
-  const double mean = 0.5 * stress.trace();
-  const double radius =
-      std::sqrt(std::max(0.0, 0.5 * stress.cwiseProduct(stress).sum() - mean * mean));
-  return {mean + radius, mean - radius};
-}
 
 ShellStresses::ShellStresses(const ShellModel& shell, const Points& q)
     : ShellStresses(shell.assembler(), q) {}
+ShellStresses::ShellStresses(const ShellModel& shell, const Points& q,
+                             const ShellTemperature& temperature)
+    : ShellStresses(shell.assembler(), q, temperature) {}
+ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q)
+    : ShellStresses(shell, q, kNoTemperature) {}
 
-ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q) : shell_(shell), q_(q) {
+ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q,
+                             const ShellTemperature& temperature)
+    : shell_(shell), q_(q), temperature_(temperature) {
   update_progress("stresses", 0);
   take_samples();
   update_progress("stresses", 0.5);
@@ -67,10 +64,12 @@ ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q) : she
 }
 
 ShellStress ShellStresses::raw(const Location& where) const {
-  const auto of = shell_.resultants(q_, where);
+  const auto of = shell_.resultants(q_, where, temperature_);
   const ShellPoint at = shell_.point(where);
-  return {in_space(of.forces, at), in_space(of.moments, at),
-          shell_.section(where.triangle).thickness_at(where.L)};
+  const ShellSection& section = shell_.section(where.triangle);
+  return {
+      in_space(of.forces, at), in_space(of.moments, at), section, section.thickness_at(where.L), at,
+      temperature_at(where)};
 }
 
 // Samples are at the centroids of sub-triangles; in a cut triangle, at points of its inside.
@@ -89,7 +88,7 @@ void ShellStresses::take_samples() {
         [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
             const ShellPoint& at, const Vec3& L, double area) {
           if (!q) q = triangle.reference(shell.dofs_on(q_, t));
-          const auto own = shell.resultants(t, L, at.strain(triangle.jet(*q, functions)));
+          const auto own = resultants(at, t, L, triangle.jet(*q, functions));
           Sample sample{{t, L}, area, Parts::Zero()};
           sample.parts << packed(in_space(own.forces, at)), packed(in_space(own.moments, at));
           samples_[t].push_back(sample);
@@ -155,18 +154,23 @@ void ShellStresses::fit() {
   });
 }
 
-ShellStress ShellStresses::stress_of(const Parts& parts, const Vec3& normal,
-                                     double thickness) const {
-  const Mat3 flat = Mat3::Identity() - normal * normal.transpose();
-  return {flat * unpacked(parts.head<6>()) * flat, flat * unpacked(parts.tail<6>()) * flat,
-          thickness};
+ShellStress ShellStresses::stress_of(const Parts& parts, const Location& where,
+                                     const ShellPoint& point) const {
+  const ShellSection& section = shell_.section(where.triangle);
+  const Mat3 flat = Mat3::Identity() - point.normal() * point.normal().transpose();
+  return {flat * unpacked(parts.head<6>()) * flat,
+          flat * unpacked(parts.tail<6>()) * flat,
+          section,
+          section.thickness_at(where.L),
+          point,
+          temperature_at(where)};
 }
 
 ShellStress ShellStresses::at(const Location& where) const {
-  return at(where, shell_.surface().jet(where).normal());
+  return at(where, shell_.point(where));
 }
 
-ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
+ShellStress ShellStresses::at(const Location& where, const ShellPoint& point) const {
   const ParametricMesh& mesh = shell_.surface().mesh();
   const TriangleShape shape = mesh.shape(where.triangle);
   Parts parts = Parts::Zero();
@@ -179,7 +183,7 @@ ShellStress ShellStresses::at(const Location& where, const Vec3& normal) const {
     sum += where.L[i];
   }
   if (sum > 0) parts /= sum;
-  return stress_of(parts, normal, shell_.section(where.triangle).thickness_at(where.L));
+  return stress_of(parts, where, point);
 }
 
 namespace {
@@ -199,10 +203,12 @@ Six six_of(const ShellAssembler::Resultants& r) {
   return six;
 }
 
-// Work per area of stresses a on the strains of b.
-double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
-  return a.head<3>().dot(compliance * b.head<3>()) / t +
-         a.tail<3>().dot(compliance * b.tail<3>()) * 12 / (t * t * t);
+// (N/t, M/t²) with the moments about the middle of the shell.
+Six about_middle(Six six, double offset, double t) {
+  six.tail<3>() -= offset * t * six.head<3>();
+  six.head<3>() /= t;
+  six.tail<3>() /= t * t;
+  return six;
 }
 
 }  // namespace
@@ -213,30 +219,38 @@ double work(const Six& a, const Six& b, const Mat3& compliance, double t) {
 ShellStresses::Energies ShellStresses::energies(const ShellStresses& adjoint) const {
   const ShellAssembler& shell = shell_;
   const int count = shell.surface().mesh().triangle_count();
-  Eigen::Matrix<double, Eigen::Dynamic, 2> of_triangles(count, 2);
+  Eigen::Matrix<double, Eigen::Dynamic, 3> of_triangles(count, 3);
   parallel_for_each<64>(count, [&](int t) {
     of_triangles.row(t).setZero();
-    const Mat3 compliance = shell.section(t).material.Q.inverse();
+    const ShellSection& section = shell.section(t);
+    const Eigen::Matrix<double, 6, 6> compliance = section.compliance();
     std::optional<ShellTriangle::Dofs> here, there;
     shell.for_each_quadrature_point(
         t, [&](const ShellTriangle& triangle, const ReferenceTabulation& functions,
                const ShellPoint& point, const Vec3& L, double area) {
           if (!here) here = triangle.reference(shell.dofs_on(q_, t));
-          const auto own_of = [&](const ShellTriangle::Dofs& q) {
-            return six_of(shell.resultants(t, L, point.strain(triangle.jet(q, functions))));
+          const auto own_of = [&](const ShellStresses& of, const ShellTriangle::Dofs& q) {
+            return six_of(of.resultants(point, t, L, triangle.jet(q, functions)));
           };
-          const double thickness = shell.section(t).thickness_at(L);
-          const Six own = own_of(*here), jump = in_axes(at({t, L}, point.normal()), point) - own;
+          const double thickness = section.thickness_at(L);
+          const auto work = [&](const Six& a, const Six& b) {
+            return thickness * about_middle(a, section.offset, thickness)
+                                   .dot(compliance * about_middle(b, section.offset, thickness));
+          };
+          const Six own = own_of(*this, *here), jump = in_axes(at({t, L}, point), point) - own;
           Six other = jump;
           if (&adjoint != this) {
             if (!there) there = triangle.reference(shell.dofs_on(adjoint.q_, t));
-            other = in_axes(adjoint.at({t, L}, point.normal()), point) - own_of(*there);
+            other = in_axes(adjoint.at({t, L}, point), point) - own_of(adjoint, *there);
           }
-          of_triangles(t, 0) += area * work(jump, other, compliance, thickness);
-          of_triangles(t, 1) += area * work(own, own, compliance, thickness);
+          of_triangles(t, 0) += area * work(jump, other);
+          of_triangles(t, 1) += area * work(own, own);
+          if (temperature_.empty()) return;
+          const Six prevented = six_of(shell.resultants(t, L, {}, temperature_at({t, L})));
+          of_triangles(t, 2) += area * work(prevented, prevented);
         });
   });
-  return {of_triangles.col(0), of_triangles.col(1)};
+  return {of_triangles.col(0), of_triangles.col(1), of_triangles.col(2)};
 }
 
 VecX ShellStresses::goal_error_per_triangle(const ShellStresses& adjoint) const {
@@ -250,41 +264,59 @@ double ShellStresses::goal_error(const ShellStresses& adjoint) const {
 double ShellStresses::energy_norm_error() const {
   const Energies e = energies(*this);
   const double all = e.all.sum();
-  return all > 0 ? std::sqrt(e.goal_error.sum() / all) : 0;
+  constexpr double rounding = 1e-16;  // of shells that expand freely
+  return all > rounding * e.thermal.sum() ? std::sqrt(e.goal_error.sum() / all) : 0;
+}
+
+double ShellStresses::energy() const { return 0.5 * energies(*this).all.sum(); }
+
+template <class Visit>
+void ShellStresses::for_each_sample_location(const Visit& visit) const {
+  const Trim* trim = shell_.surface().trim().get();
+  for (int t = 0; t < isize(samples_); ++t) {
+    poll_every<1024>(t);
+    if (samples_[t].empty()) continue;
+    if (!trim || trim->side(t) != Trim::Side::Cut) {
+      for (int i = 0; i < 3; ++i) visit(Location{t, Vec3::Unit(i)});
+      continue;
+    }
+    for (const Sample& s : samples_[t]) visit(s.where);
+    for (const Vec3& L : trim->boundary_points(t)) visit(Location{t, L});
+  }
 }
 
 void ShellStresses::find_peak() {
   const Surface& surface = shell_.surface();
   const Trim* trim = surface.trim().get();
-  const auto is_cut = [&](int t) { return trim && trim->side(t) == Trim::Side::Cut; };
   const auto largest_at = [&](const Location& where) {
-    const ShellStress stress = at(where);
-    return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
+    return at(where).largest_von_mises().value;
   };
   LargestSamples largest;
-  const auto take = [&](const Location& where) { largest.take(where, largest_at(where)); };
-  for (int t = 0; t < isize(samples_); ++t) {
-    poll_every<1024>(t);
-    if (samples_[t].empty()) continue;
-    for (int i = 0; i < 3 && !is_cut(t); ++i) take({t, Vec3::Unit(i)});
-    if (!is_cut(t)) continue;
-    for (const Sample& s : samples_[t]) take(s.where);
-    for (const Vec3& L : trim->boundary_points(t)) take({t, L});
-  }
+  for_each_sample_location([&](const Location& where) { largest.take(where, largest_at(where)); });
   if (largest.empty()) return;
   constexpr double accuracy = 1e-2;
-  const Location where = largest.climb(accuracy, largest_at, [&](int t) { return !is_cut(t); });
-  const ShellStress stress = at(where);
-  for (const double height : {1.0, -1.0})
-    if (const double value = von_mises(stress.at(height)); value > peak_.value)
-      peak_ = {value, height, 0, where, Vec3::Zero()};
-  peak_.at = surface.position(peak_.where);
+  const Location where = largest.climb(
+      accuracy, largest_at, [&](int t) { return !trim || trim->side(t) != Trim::Side::Cut; });
+  const ShellStress::Largest found = at(where).largest_von_mises();
+  peak_ = {found.value, found.height, found.ply, 0, where, surface.position(where)};
   for (const Sample& s : samples_[peak_.where.triangle]) {
-    const ShellStress own = stress_of(s.parts, surface.jet(s.where).normal(),
-                                      shell_.section(s.where.triangle).thickness_at(s.where.L));
+    const ShellStress own = stress_of(s.parts, s.where, shell_.point(s.where));
     peak_.spread = std::max(peak_.spread, std::abs(von_mises(own.at(peak_.height)) -
                                                    von_mises(at(s.where).at(peak_.height))));
   }
+}
+
+std::optional<ShellStresses::Reserve> ShellStresses::smallest_reserve_factor(
+    FailureCriterion criterion) const {
+  std::optional<Reserve> smallest;
+  for_each_sample_location([&](const Location& where) {
+    if (!shell_.section(where.triangle).has_strength()) return;
+    const ShellStress::Largest here = at(where).smallest_reserve_factor(criterion);
+    if (std::isfinite(here.value) && !(smallest && here.value >= smallest->factor))
+      smallest = {here.value, here.height, here.ply, where, Vec3::Zero()};
+  });
+  if (smallest) smallest->at = shell_.surface().position(smallest->where);
+  return smallest;
 }
 
 }  // namespace batten

@@ -7,28 +7,9 @@
 #include <vector>
 
 #include "batten/analysis/models/shell_model.h"
+#include "batten/analysis/shell_stress.h"
 
 namespace batten {
-
-/// Stress resultants at one point: symmetric tensors in the tangent plane, in space coordinates.
-struct ShellStress {
-  Mat3 forces = Mat3::Zero();  ///< membrane forces, force per length
-  /// Bending moments, moment per length; positive: tension at the top.
-  Mat3 moments = Mat3::Zero();
-  double thickness = 0;
-
-  /// Stress at a height above the middle surface, relative to half of the thickness: 1 is the top
-  /// (where the normal points), -1 the bottom. σ = forces/t + height · 6 moments/t² with the
-  /// thickness t.
-  Mat3 at(double height) const {
-    return forces / thickness + height * 6 / (thickness * thickness) * moments;
-  }
-};
-
-/// Von Mises equivalent stress √(σ1² - σ1 σ2 + σ2²) of a plane stress.
-double von_mises(const Mat3& stress);
-/// Principal stresses σ1 ≥ σ2 of a plane stress.
-std::array<double, 2> principal(const Mat3& stress);
 
 /// Recovered stresses of a shell: superconvergent patch recovery ([ZienkiewiczZhu1992]).
 ///
@@ -40,12 +21,15 @@ std::array<double, 2> principal(const Mat3& stress);
 ///
 /// Cost: O(triangles), on all threads; energy_norm_error() and goal_error() cost as much again. The
 /// constructor reports the stage "stresses" to the current ProgressScope.
-/// Keeps references to the shell (its assembler) and to q.
+/// Keeps references to the shell (its assembler), to q and to the temperature.
 class ShellStresses {
  public:
-  /// Recovers the stresses of the displacement q (n×3).
+  /// Recovers the stresses of the displacement q (n×3) at a temperature.
+  ShellStresses(const ShellModel& shell, const Points& q, const ShellTemperature& temperature);
+  /// The same without a change of temperature.
   ShellStresses(const ShellModel& shell, const Points& q);
   /// The same for a shell without supports and factorization.
+  ShellStresses(const ShellAssembler& shell, const Points& q, const ShellTemperature& temperature);
   ShellStresses(const ShellAssembler& shell, const Points& q);
 
   /// Recovered stress at a location of the model's mesh.
@@ -59,6 +43,8 @@ class ShellStresses {
   /// locking elements. The relative error of a displacement under its own load is about the square
   /// of this estimate.
   double energy_norm_error() const;
+  /// Strain energy: the complementary energy of the raw stresses, without stress-free thermal strains.
+  double energy() const;
   /// Estimated error of a goal functional Gᵀq ([OdenPrudhomme2001]): the work of the stress errors
   /// (recovered minus raw stress) on the strain errors of `adjoint`, integrated over the shell.
   /// `adjoint`: the stresses of the adjoint solution ShellModel::adjoint(G) on the same shell.
@@ -66,17 +52,28 @@ class ShellStresses {
   /// Contributions of the triangles to goal_error(), for adaptive refinement.
   VecX goal_error_per_triangle(const ShellStresses& adjoint) const;
 
-  /// Largest von Mises stress at the top or bottom of the shell: the largest at a vertex and, from
-  /// there, a local maximum in the triangles around it; in triangles that the boundary loops cut, at
+  /// Largest von Mises stress at the top or bottom of the shell, in laminates of any ply: the largest
+  /// at a vertex and, from there, a local maximum in the triangles around it; in triangles that the boundary loops cut, at
   /// sampling points and at Trim::boundary_points().
   struct Peak {
     double value = 0;
-    double height = 1;  ///< side of the shell at which the peak occurs; 1 is the top, -1 the bottom
+    /// Height at which the peak occurs, relative to half of the thickness; 1 is the top, -1 the bottom.
+    double height = 1;
+    int ply = 0;        ///< of a laminate, from 0, from the bottom
     double spread = 0;  ///< largest deviation of the surrounding raw stresses from `value`
     Location where;
     Vec3 at = Vec3::Zero();
   };
   Peak peak() const { return peak_; }
+  /// The smallest reserve factor of the plies, sought at the vertices and, in cut triangles, at
+  /// sampling points. nullopt: no material has strengths, or there is no stress.
+  struct Reserve {
+    double factor = 0, height = 0;
+    int ply = 0;
+    Location where;
+    Vec3 at = Vec3::Zero();
+  };
+  std::optional<Reserve> smallest_reserve_factor(FailureCriterion criterion) const;
 
  private:
   static constexpr int kParts = 12;  // six of the membrane forces, six of the moments
@@ -97,17 +94,29 @@ class ShellStresses {
   void take_samples();
   std::vector<std::vector<int>> patches() const;
   void fit();
-  // Per triangle: work of the stress jumps with those of `adjoint`, and of the stresses themselves.
+  // Per triangle: work of the stress jumps with those of `adjoint`, of the stresses themselves, and of
+  // stresses that would prevent all thermal expansion.
   struct Energies {
-    VecX goal_error, all;
+    VecX goal_error, all, thermal;
   };
   Energies energies(const ShellStresses& adjoint) const;
-  ShellStress at(const Location& where, const Vec3& normal) const;
+  ShellStress at(const Location& where, const ShellPoint& point) const;
+  /// Visits the vertices and, in cut triangles, the sampling points and points of the boundary.
+  template <class Visit>
+  void for_each_sample_location(const Visit& visit) const;
   void find_peak();
-  ShellStress stress_of(const Parts& parts, const Vec3& normal, double thickness) const;
+  ShellStress stress_of(const Parts& parts, const Location& where, const ShellPoint& point) const;
+  TemperatureAt temperature_at(const Location& where) const {
+    return shell_.temperature_at(temperature_, where.triangle, where.L);
+  }
+  ShellAssembler::Resultants resultants(const ShellPoint& point, int triangle, const Vec3& L,
+                                        const DisplacementJet& jet) const {
+    return shell_.resultants(triangle, L, point.strain(jet), temperature_at({triangle, L}));
+  }
 
   const ShellAssembler& shell_;
   const Points& q_;
+  const ShellTemperature& temperature_;
   std::vector<std::vector<Sample>> samples_;  // of each triangle
   // Empty if nothing around the vertex is inside.
   std::vector<std::optional<Polynomial>> at_vertices_;

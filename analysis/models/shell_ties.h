@@ -74,7 +74,7 @@ struct ShellTies {
 /// at vertices and edge midpoints. If the curve is embedded in a region, springs along it tie
 /// positions and ω. Their stiffness per length is
 ///
-///     α Q11 t/h  and  α Q11 t³/(12 h),     α = 1000, h the length of an element edge,
+///     α A11 t/h  and  α D11 t³/h,     α = 1000, h the length of an element edge,
 ///
 /// so that springs deform a thousandth as much as an element (penalty coupling of Kirchhoff-Love
 /// shells on non-matching meshes, [Herrema2019]).

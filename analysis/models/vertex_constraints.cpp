@@ -20,7 +20,7 @@ constexpr double kPenalty = 10;  // α
 // A vertex at which constraints meet: its tangent plane, section and element edge.
 struct ConstrainedVertex {
   Vec3 u, v, normal;
-  double membrane = 0, thickness = 0, edge = 0;  // Q11 t, t, h
+  double membrane = 0, bending = 0, edge = 0;  // A11 t, D11 t³, h
 };
 
 // An equation with vectors as coefficients, as a linear form of displacements and displacement
@@ -134,8 +134,8 @@ class VertexConstraints {
     for (int i = 0; i < 3; ++i)
       at.edge = std::max(
           at.edge, (shape_.row(3 * corners[i]) - shape_.row(3 * corners[(i + 1) % 3])).norm());
-    at.thickness = section.thickness;
-    at.membrane = section.material.Q(0, 0) * section.thickness;
+    at.membrane = section.membrane_stiffness();
+    at.bending = section.bending_stiffness();
     return at;
   }
 
@@ -188,8 +188,7 @@ class VertexConstraints {
       const double displacement = added.segment<3>(kFormSize * p).squaredNorm(),
                    rotation = (of.normal.transpose() * gradient).squaredNorm(),
                    strain = std::max(0.0, gradient.squaredNorm() - rotation);
-      sum += of.membrane * (displacement + rotation * of.thickness * of.thickness / 12 +
-                            strain * of.edge * of.edge);
+      sum += of.membrane * (displacement + strain * of.edge * of.edge) + of.bending * rotation;
       all += displacement + gradient.squaredNorm();
     }
     return all > 0 ? kPenalty * sum / all : 0;

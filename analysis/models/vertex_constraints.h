@@ -22,12 +22,12 @@ namespace batten {
 /// relative to its own norm. A constraint with ε < ε₀ = 0.95 becomes a spring on its violation
 /// v = ε · (what it adds):
 ///
-///     E = ½ k v²,   k = α / (1 - (ε/ε₀)²) · { Q11 t³/12   rotations
-///                                           { Q11 t h²    gradients in the tangent plane
-///                                           { Q11 t       displacements,       α = 10
+///     E = ½ k v²,   k = α / (1 - (ε/ε₀)²) · { D11 t³      rotations
+///                                           { A11 t h²    gradients in the tangent plane
+///                                           { A11 t       displacements,       α = 10
 ///
 /// so the result depends continuously on ε: the constraint vanishes with ε, and becomes exact at
-/// ε₀. h: length of an element edge. Constraints that contradict those before them are kept, so that
+/// ε₀. h: length of an element edge; A, D: SectionIntegrals, Q and Q/12 for one material. Constraints that contradict those before them are kept, so that
 /// they are reported. Equations with dofs of other points (edge midpoints) are not changed.
 ///
 /// `shape`: absolute dofs of the middle surface; `sections`: one for all regions, or one per region.

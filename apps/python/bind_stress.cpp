@@ -53,14 +53,14 @@ void add_material(const py::object& material, detail::StressTable& table) {
   if (!py::isinstance<py::dict>(material))
     refuse_setting(material, "material",
                    "a name such as 'steel', or a dict such as {'young': 210e3, 'poisson': 0.3}");
-  const std::vector<std::string> known = {"young", "poisson", "density", "shear_modulus",
-                                          "material_direction"};
+  const std::vector<std::string> known = {
+      "young",    "poisson", "density", "shear_modulus", "material_direction", "expansion",
+      "strength", "plies",   "layup",   "ply_thickness", "materials",          "reference_surface"};
   for (const auto& [name, value] : material.cast<py::dict>()) {
     const std::string key = toml_key(name, "material");
     if (std::find(known.begin(), known.end(), key) == known.end())
-      throw InputError("material: found the key '" + key +
-                       "', expected young, poisson, density, shear_modulus or material_direction" +
-                       did_you_mean(key, known));
+      throw InputError("material: found the key '" + key + "', expected " +
+                       expected_one_of(key, known));
     table.values.emplace_back(key, toml_from(value, "material." + key));
   }
 }
@@ -221,6 +221,11 @@ void bind_case(py::module_& m) {
                     "elements.")
       .def_readonly("near_singularity", &StressCase::near_singularity,
                     "Whether the largest stress is next to a point load or point support.")
+      .def_readonly("stress_ply", &StressCase::stress_ply,
+                    "Ply of a laminate with the largest stress, from 1, from the bottom; 0: none.")
+      .def_readonly("reserve_factors", &StressCase::reserve_factors,
+                    "{criterion: smallest factor by which the stress of a ply can grow until it "
+                    "fails}, 'Tsai-Hill' and 'Hoffman', if the material has strengths.")
       .def_readonly("safety_factor", &StressCase::safety_factor,
                     "yield_stress / max_von_mises; 0: no yield stress.")
       .def_readonly("strain_energy", &StressCase::strain_energy, "Strain energy, force · length.")
@@ -268,6 +273,16 @@ void bind_stress_point(py::module_& m) {
       .def_property_readonly(
           "moments", [](const StressPoint& p) { return stress_tensor(p.moments); },
           "Bending moments per length, symmetric 3×3; positive: tension at the top.")
+      .def_property_readonly(
+          "ply_stresses",
+          [](const StressPoint& p) {
+            std::vector<double> numbers;
+            for (const Vec3& stress : p.ply_stresses)
+              numbers.insert(numbers.end(), stress.begin(), stress.end());
+            return rows_of_three(std::move(numbers));
+          },
+          "Stresses σ1, σ2, τ12 at the bottom and top of each ply, from the bottom, in the "
+          "directions of its material: two rows per ply.")
       .def("__repr__", &stress_point_repr);
 }
 

@@ -479,7 +479,10 @@ void write_support(std::ostream& out, const std::string& set, const ShellDeck::S
 void write_sections(std::ostream& out, const Regions& regions, const std::vector<std::string>& sets,
                     const ShellDeck& deck) {
   const auto write = [&](const std::string& set, double thickness) {
-    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL\n" << ccx_number(thickness) << '\n';
+    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL";
+    // The offset of ccx is that of the faces from the middle.
+    if (deck.offset != 0) out << ",OFFSET=" << ccx_number(-deck.offset);
+    out << '\n' << ccx_number(thickness) << '\n';
   };
   if (deck.thicknesses.empty()) return write("ALL", deck.thickness);
   for (size_t r = 0; r < regions.size(); ++r) {
@@ -487,6 +490,17 @@ void write_sections(std::ostream& out, const Regions& regions, const std::vector
     for (const auto& t : deck.thicknesses)
       if (t.region == regions[r]->name) thickness = t.thickness;
     write(sets[r], thickness);
+  }
+}
+
+// Temperature and its gradient through the thickness at each node.
+void write_temperatures(std::ostream& out, const std::vector<Vec3>& positions,
+                        const ShellDeck& deck) {
+  out << "*TEMPERATURE\n";
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const auto [middle, difference] = deck.temperature(positions[i]);
+    out << i + 1 << ',' << ccx_number(middle) << ',' << ccx_number(difference / deck.thickness)
+        << '\n';
   }
 }
 
@@ -535,6 +549,9 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
     out << "*MATERIAL,NAME=SHELL\n*ELASTIC\n"
         << ccx_number(deck.young) << ',' << ccx_number(deck.poisson) << '\n';
     if (deck.density > 0) out << "*DENSITY\n" << ccx_number(deck.density) << '\n';
+    if (deck.temperature)
+      out << "*EXPANSION\n"
+          << ccx_number(deck.expansion) << "\n*INITIAL CONDITIONS,TYPE=TEMPERATURE\nNALL,0.\n";
     write_sections(out, regions, region_sets, deck);
     for (size_t k = 0; k < constrained.size(); ++k) {
       if (constrained[k].empty()) continue;
@@ -551,6 +568,7 @@ void write_calculix(const fs::path& path, const Regions& regions, const ShellDec
     }
     out << "*STEP\n*STATIC\n";
     write_loads(out, regions, model, region_sets, deck);
+    if (deck.temperature) write_temperatures(out, elements.positions, deck);
     out << "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n";
   });
 }

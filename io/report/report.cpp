@@ -330,6 +330,13 @@ Json json_of(const StressReport::Case& c) {
                {"max_displacement_error", c.displacement_error},
                {"equilibrium_residual", c.equilibrium_residual}};
   if (c.safety > 0) json["safety_factor"] = c.safety;
+  if (c.ply > 0) json["stress_ply"] = c.ply;
+  for (const auto& r : c.reserves)
+    json["reserve_factors"].push_back({{"criterion", r.criterion},
+                                       {"factor", r.factor},
+                                       {"ply", r.ply},
+                                       {"at", json_of(r.at)},
+                                       {"face", r.region}});
   if (c.buckling_requested) json["buckling_factors"] = c.buckling;
   if (c.calculix)
     json["calculix"] = {{"elements", c.calculix->elements},

@@ -69,6 +69,16 @@ struct StressReport {
     /// True if the largest stress is next to a point load or support, where stresses are singular.
     bool near_singularity = false;
     double safety = 0;  ///< safety factor against yield, yield / stress; 0: no yield stress given
+    int ply = 0;        ///< ply with the largest stress, from 1, from the bottom; 0: no laminate
+    /// The smallest factor by which the stress in a ply can grow until a failure criterion is met.
+    struct Reserve {
+      std::string criterion;  ///< "Tsai-Hill" or "Hoffman"
+      double factor = 0;
+      int ply = 1;  ///< from 1, from the bottom
+      Vec3 at = Vec3::Zero();
+      std::string region;
+    };
+    std::vector<Reserve> reserves;  ///< empty: no material has strengths
     double energy = 0;
     double error = 0;  ///< estimated relative error of the solution in the energy norm
     /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same

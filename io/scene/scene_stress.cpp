@@ -3,21 +3,10 @@
 
 #include <algorithm>
 
+#include "batten/core/containers.h"
 #include "batten/io/files/text.h"
 
 namespace batten {
-
-const std::vector<NamedMaterial>& named_materials() {
-  static const std::vector<NamedMaterial> materials = {
-      {"steel", 210e9, 0.3, 7850, "EN 1993-1-1, 3.2.6"},
-      {"stainless steel", 200e9, 0.3, 7900, "EN 1993-1-4, 2.1.3"},
-      {"aluminium", 70e9, 0.3, 2700, "EN 1999-1-1, 3.2.5"},
-      {"titanium", 114e9, 0.34, 4430, "Ti-6Al-4V, MMPDS-01"},
-      {"glass", 70e9, 0.23, 2500, "EN 572-1"},
-      {"concrete", 33e9, 0.2, 2500, "C30/37, EN 1992-1-1, table 3.1"},
-  };
-  return materials;
-}
 
 namespace {
 
@@ -57,15 +46,36 @@ std::vector<std::string> SceneStress::cases() const {
   return names;
 }
 
+bool SceneStress::has_density() const {
+  return material.density > 0 || std::any_of(plies.begin(), plies.end(), [](const ScenePly& ply) {
+           return ply.material.density > 0;
+         });
+}
+
+bool SceneStress::has_expansion() const {
+  const auto expands = [](const SceneMaterial& m) {
+    return m.expansion[0] != 0 || m.expansion[1] != 0;
+  };
+  return expands(material) || std::any_of(plies.begin(), plies.end(), [&](const ScenePly& ply) {
+           return expands(ply.material);
+         });
+}
+
 const std::vector<std::string>& stress_keys() {
-  static const std::vector<std::string> keys = {
-      "thickness",     "thicknesses",       "material",
-      "young",         "poisson",           "density",
-      "yield",         "pressure",          "pressures",
-      "gravity",       "supports",          "hinges",
-      "loads",         "combinations",      "modes",
-      "buckling",      "shear_modulus",     "material_direction",
-      "sensitivities", "follower_pressure", "inertia_relief"};
+  static const std::vector<std::string> keys = {"thickness",      "thicknesses",
+                                                "material",       "young",
+                                                "poisson",        "density",
+                                                "yield",          "pressure",
+                                                "pressures",      "gravity",
+                                                "supports",       "hinges",
+                                                "loads",          "combinations",
+                                                "modes",          "buckling",
+                                                "shear_modulus",  "material_direction",
+                                                "sensitivities",  "follower_pressure",
+                                                "inertia_relief", "expansion",
+                                                "strength",       "plies",
+                                                "layup",          "ply_thickness",
+                                                "materials",      "reference_surface"};
   return keys;
 }
 
@@ -73,51 +83,43 @@ namespace {
 
 const std::string kDefaultLoadCase = "loads";
 
-void read_material(const TomlTable& table, const std::string& unit, SceneStress& stress) {
-  if (!table.has("material")) {
-    if (table.is_array("young")) {
-      const VecX moduli = table.numbers("young", "along, across");
-      if (!(moduli.minCoeff() > 0))
-        table.fail("young", "a modulus that is not above 0", "both above 0");
-      stress.young = moduli[0];
-      stress.young_across = moduli[1];
-      stress.shear = table.positive("shear_modulus");
-      stress.along = table.direction("material_direction");
-    } else {
-      stress.young = table.positive("young");
-      for (const char* key : {"shear_modulus", "material_direction"})
-        if (table.has(key))
-          table.fail(key, "'" + std::string(key) + "' of an isotropic material",
-                     "young = [along, across] with it");
-    }
-    stress.poisson = table.number("poisson", 0.3);
-    if (stress.poisson <= -1 || stress.poisson >= 0.5)
-      table.fail("poisson", format_number(stress.poisson), "a number above -1 and below 0.5");
-    stress.density = table.positive("density", 0);
-    return;
-  }
-  for (const char* key : {"young", "poisson", "density", "shear_modulus", "material_direction"})
-    if (table.has(key))
-      table.fail(key, "'" + std::string(key) + "' beside 'material'", "one of the two");
-  stress.material = table.text("material");
+/// The materials of plies for reports: "5 plies of carbon, core".
+std::string ply_names(const std::vector<ScenePly>& plies) {
   std::vector<std::string> names;
-  for (const NamedMaterial& m : named_materials()) names.emplace_back(m.name);
-  const auto known = std::find(names.begin(), names.end(), stress.material);
-  if (known == names.end())
-    table.fail("material", "the material '" + stress.material + "'",
-               expected_one_of(stress.material, names) + ", or 'young', 'poisson' and 'density'");
-  const NamedMaterial& m = named_materials()[static_cast<size_t>(known - names.begin())];
-  stress.poisson = m.poisson;
-  if (unit == "m") {
-    stress.young = m.young;
-    stress.density = m.density;
-  } else if (unit == "mm") {  // forces in N, masses in t
-    stress.young = 1e-6 * m.young;
-    stress.density = 1e-12 * m.density;
+  for (const ScenePly& ply : plies)
+    if (!ply.material.name.empty() &&
+        std::find(names.begin(), names.end(), ply.material.name) == names.end())
+      names.push_back(ply.material.name);
+  return format_count(isize(plies), "ply", "plies") +
+         (names.empty() ? "" : " of " + comma_separated(names));
+}
+
+/// Material, plies and reference surface.
+void read_section(const TomlTable& table, const std::string& unit, SceneStress& stress) {
+  stress.plies = read_plies(table, unit);
+  if (stress.plies.empty()) {
+    if (table.has("materials"))
+      table.fail("materials", "'materials' without 'plies'", "both, or the keys of one material");
+    stress.material = read_material(table, unit);
+    stress.thickness = table.positive("thickness");
   } else {
-    table.fail("material", "a material by name in a scene in " + unit,
-               "a scene in mm (N, t, MPa) or m (N, kg, Pa); or 'young' and 'density' in your own");
+    for (const char* key : {"thickness", "thicknesses"})
+      if (table.has(key))
+        table.fail(key, "'" + std::string(key) + "' beside plies",
+                   "none: the thicknesses of the plies are added");
+    for (const ScenePly& ply : stress.plies) stress.thickness += ply.thickness;
+    stress.material.name = ply_names(stress.plies);
   }
+  bool has_direction = stress.material.is_orthotropic();
+  for (const ScenePly& ply : stress.plies)
+    has_direction = has_direction || ply.material.is_orthotropic() || ply.angle != 0;
+  if (has_direction)
+    stress.along = table.direction("material_direction");
+  else if (table.has("material_direction"))
+    table.fail("material_direction", "'material_direction' of an isotropic material",
+               "young = [along, across] with it");
+  stress.offset =
+      table.choice("reference_surface", 0.0, {{"middle", 0.0}, {"bottom", 0.5}, {"top", -0.5}});
 }
 
 // Reads box = [[x, y, z], [x, y, z]]: two opposite corners, in any order.
@@ -219,6 +221,12 @@ Formula formula(const TomlTable& t, const std::string& key, const std::string& t
   }
 }
 
+/// A number or a formula, if the key is there.
+std::optional<Formula> optional_formula(const TomlTable& t, const std::string& key) {
+  if (!t.has(key)) return {};
+  return formula(t, key, t.is_text(key) ? t.text(key) : exact_number(t.number(key)));
+}
+
 /// A pressure that is a number or a formula.
 void read_pressure(const TomlTable& t, SceneStress::Load& load) {
   if (t.is_text("pressure"))
@@ -233,11 +241,15 @@ SceneStress::Load read_load(const TomlTable& t) {
   load.location = t.location();
   load.load_case = t.text("case", kDefaultLoadCase);
   const std::vector<std::string> kinds = {
-      "pressure", "force",      "moment",      "gravity",      "hydrostatic",
-      "traction", "edge_force", "total_force", "total_moment", "angular_velocity"};
+      "pressure",         "force",       "moment",
+      "gravity",          "hydrostatic", "traction",
+      "edge_force",       "total_force", "total_moment",
+      "angular_velocity", "temperature", "temperature_difference"};
   std::vector<std::string> stated;
   for (const std::string& kind : kinds)
-    if (t.has(kind) && !(kind == "total_moment" && t.has("total_force"))) stated.push_back(kind);
+    if (t.has(kind) && !(kind == "total_moment" && t.has("total_force")) &&
+        !(kind == "temperature_difference" && t.has("temperature")))
+      stated.push_back(kind);
   if (stated.size() != 1)
     t.fail(stated.empty() ? "case" : stated[1],
            stated.empty() ? "a load without a value" : "two types of load in one entry",
@@ -251,7 +263,8 @@ SceneStress::Load read_load(const TomlTable& t) {
              what);
   };
   const bool total = kind == "total_force" || kind == "total_moment",
-             spin = kind == "angular_velocity";
+             spin = kind == "angular_velocity",
+             thermal = kind == "temperature" || kind == "temperature_difference";
   const bool at_line = kind == "moment" || kind == "edge_force" ||
                        (kind == "force" && !t.has("point")) || (total && t.has("curve"));
   const bool at_point = kind == "force" && t.has("point");
@@ -266,13 +279,17 @@ SceneStress::Load read_load(const TomlTable& t) {
   if (t.has("origin") && !spin) t.fail("origin", "'origin' beside '" + kind + "'", "no origin");
   if (t.has("face") && (at_line || at_point || kind == "gravity" || spin))
     t.fail("face", "'face' beside '" + (at_line ? "curve" : kind) + "'", "no face");
-  if (t.has("box") && (at_point || kind == "gravity" || spin))
+  if (t.has("box") && (at_point || kind == "gravity" || spin || thermal))
     t.fail("box", "'box' beside '" + kind + "'", "no box");
   load.box = read_box(t);
   if (t.has("face")) load.region = {t.text("face"), t.location("face")};
   if (at_line) load.line = {t.text("curve"), t.location("curve")};
   if (at_point) load.point = t.vector("point");
-  if (total) {
+  if (thermal) {
+    load.type = Type::Temperature;
+    load.temperature = optional_formula(t, "temperature");
+    load.temperature_difference = optional_formula(t, "temperature_difference");
+  } else if (total) {
     load.type = Type::Total;
     if (t.has("total_force")) load.vector = t.vector("total_force");
     if (t.has("total_moment")) load.moment = t.vector("total_moment");
@@ -370,7 +387,7 @@ void read_combinations(const TomlTable& table, SceneStress& stress) {
 void require_supports(const TomlTable& table, const SceneStress& stress) {
   if (stress.inertia_relief && !stress.supports.empty())
     table.fail("inertia_relief", "supports and inertia_relief", "one of them");
-  if (stress.inertia_relief && stress.density == 0)
+  if (stress.inertia_relief && !stress.has_density())
     table.fail("inertia_relief", "inertia_relief without 'density'", "both");
   if (stress.inertia_relief && stress.sensitivities)
     table.fail("inertia_relief", "sensitivities and inertia_relief", "one of them");
@@ -384,23 +401,40 @@ void require_supports(const TomlTable& table, const SceneStress& stress) {
 
 SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   SceneStress stress;
-  read_material(table, unit, stress);
-  stress.thickness = table.positive("thickness");
+  read_section(table, unit, stress);
   stress.yield = table.positive("yield", 0);
   for (const TomlTable& t :
        table.tables("thicknesses", {"face", "thickness", "near", "radius", "paint", "faces"}))
     stress.thicknesses.push_back(read_thickness(t));
   read_short_loads(table, stress);
-  for (const TomlTable& t : table.tables(
-           "loads", {"case", "pressure", "force", "moment", "gravity", "hydrostatic", "traction",
-                     "edge_force", "total_force", "total_moment", "angular_velocity", "axis",
-                     "origin", "face", "curve", "point", "level", "box"}))
+  for (const TomlTable& t : table.tables("loads", {"case",
+                                                   "pressure",
+                                                   "force",
+                                                   "moment",
+                                                   "gravity",
+                                                   "hydrostatic",
+                                                   "traction",
+                                                   "edge_force",
+                                                   "total_force",
+                                                   "total_moment",
+                                                   "angular_velocity",
+                                                   "temperature",
+                                                   "temperature_difference",
+                                                   "axis",
+                                                   "origin",
+                                                   "face",
+                                                   "curve",
+                                                   "point",
+                                                   "level",
+                                                   "box"}))
     stress.loads.push_back(read_load(t));
   for (const SceneStress::Load& load : stress.loads) {
     using Type = SceneStress::Load::Type;
-    if (load.type == Type::Spin && stress.density == 0)
+    if (load.type == Type::Temperature && !stress.has_expansion())
+      table.fail("loads", "a temperature of a material without 'expansion'", "both");
+    if (load.type == Type::Spin && !stress.has_density())
       table.fail("loads", "angular_velocity without 'density'", "both");
-    if (load.type == Type::Gravity && stress.density == 0)
+    if (load.type == Type::Gravity && !stress.has_density())
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
   }
   read_combinations(table, stress);
@@ -411,7 +445,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
   stress.hinges = table.names("hinges");
   stress.modes = table.integer("modes", 1, 0);
   stress.inertia_relief = table.boolean("inertia_relief", false);
-  if (stress.modes > 0 && stress.density == 0)
+  if (stress.modes > 0 && !stress.has_density())
     table.fail("modes", "modes without 'density'", "both");
   stress.sensitivities = table.boolean("sensitivities", false);
   require_supports(table, stress);

@@ -10,6 +10,7 @@
 #include "batten/core/geometry.h"
 #include "batten/io/files/toml_table.h"
 #include "batten/io/scene/formula.h"
+#include "batten/io/scene/scene_material.h"
 #include "batten/sculpting/loads/loads.h"
 
 namespace batten {
@@ -27,15 +28,6 @@ struct SceneArea {
 /// Reads an area of a surface from the keys `near`, `radius`, `paint` and `faces` of a table.
 /// Throws InputError, with the location in the scene, if a value is invalid.
 SceneArea read_area(const TomlTable& table);
-
-/// A built-in material, in SI units. The values are converted to the units of the scene.
-struct NamedMaterial {
-  const char* name;
-  double young, poisson, density;  ///< Young's modulus in Pa, Poisson's ratio, density in kg/m³
-  const char* source;
-};
-/// The built-in materials, which the key `material` of a scene can name.
-const std::vector<NamedMaterial>& named_materials();
 
 /// [stress]: properties of the shell for `batten stress` and for CalculiX decks.
 struct SceneStress {
@@ -85,6 +77,7 @@ struct SceneStress {
       LineMoment,
       /// Force value_at() per unit length of an edge, in the tangent plane, away from the face.
       EdgeForce,
+      Temperature,  ///< change of temperature, Load::temperature
       Total,  ///< force Load::vector and moment Load::moment, spread over a curve, face or part
       Spin    ///< centrifugal force of the angular velocity Load::value about an axis
     };
@@ -99,6 +92,8 @@ struct SceneStress {
     /// The value, or the components of the vector, as formulas of the position; empty: constant.
     std::vector<Formula> formulas;
     Vec3 axis = Vec3::UnitZ(), origin = Vec3::Zero();  ///< Spin: axis of rotation
+    /// Temperature: changes in the middle of the shell, and from bottom to top, as formulas.
+    std::optional<Formula> temperature, temperature_difference;
     SourceLocation location;
     /// Value or vector at the point x, for the types that may vary.
     double value_at(const Vec3& x) const { return formulas.empty() ? value : formulas[0](x); }
@@ -112,12 +107,11 @@ struct SceneStress {
     std::vector<std::pair<LocatedString, double>> parts;
   };
 
-  std::string material;  ///< name of a built-in material; empty: the elastic constants are given
-  double young = 0, poisson = 0, density = 0;
-  /// Orthotropic material: Young's modulus perpendicular to `along`, the direction of the modulus
-  /// `young`, and shear modulus. 0: isotropic material.
-  double young_across = 0, shear = 0;
-  Vec3 along = Vec3::Zero();
+  SceneMaterial material;       ///< of a shell that is not layered
+  std::vector<ScenePly> plies;  ///< from the bottom to the top; empty: `material`
+  Vec3 along = Vec3::Zero();  ///< direction 1 of the material, from which the angles of plies count
+  /// Height of the middle of the shell above the surface of the model, divided by the thickness.
+  double offset = 0;
   double thickness = 0, yield = 0;  ///< default thickness, and yield stress (0: not given)
   std::vector<Thickness> thicknesses;
   std::vector<Support> supports;
@@ -133,6 +127,8 @@ struct SceneStress {
   bool inertia_relief = false;
 
   std::vector<std::string> cases() const;  ///< names of the load cases, in order of first use
+  bool has_density() const;                ///< whether the material, or a ply, has a density
+  bool has_expansion() const;              ///< whether the material, or a ply, expands with heat
 };
 
 /// The keys that are permitted in [stress].

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -83,6 +84,10 @@ class StressFiles : public StressVisitor {
   void write_case(const std::string& name, const Points& displacement, double largest,
                   const ShellStresses& stresses);
 
+  /// Stresses (σ1, σ2, τ12) on the faces of plies, in their directions, and reserve factors.
+  void add_ply_fields(const std::function<ShellStress(int region, const Location& where)>& at,
+                      VtkOptions& options) const;
+
   /// Writes mode shapes: NAME_KIND.pvd, a series NAME_KIND_1.vtu, … with the Displacement of each
   /// mode, normalised to a maximum of 1. NAME_KIND.png is a contact sheet with captions;
   /// NAME_KIND_1.gif, … are animations.
@@ -145,6 +150,33 @@ double StressFiles::largest(const Points& displacement) const {
   return most;
 }
 
+void StressFiles::add_ply_fields(
+    const std::function<ShellStress(int region, const Location& where)>& at,
+    VtkOptions& options) const {
+  const ShellSection& section = shell_->section(0);
+  if (section.laminate)
+    for (int k = 0; k < section.ply_count(); ++k)
+      for (const bool top : {false, true})
+        options.fields.push_back({"Ply_" + std::to_string(k + 1) + (top ? "_top" : "_bottom"), 3,
+                                  [at, k, top](int r, const Location& where) -> VecX {
+                                    Vec3 stress = Vec3::Zero();
+                                    int face = 0;
+                                    at(r, where).for_each_ply_face([&](const PlyStress& one) {
+                                      if (face++ == 2 * k + (top ? 1 : 0)) stress = one.stress;
+                                    });
+                                    return stress;
+                                  }});
+  if (!section.has_strength()) return;
+  for (const auto& [name, criterion] :
+       {std::pair{"Reserve_factor_Tsai_Hill", FailureCriterion::TsaiHill},
+        std::pair{"Reserve_factor_Hoffman", FailureCriterion::Hoffman}})
+    options.fields.push_back(
+        {name, 1, [at, c = criterion](int r, const Location& where) -> VecX {
+           constexpr double most = 1e6;  // of points without stress
+           return VecX::Constant(1, std::min(most, at(r, where).smallest_reserve_factor(c).value));
+         }});
+}
+
 void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
                              const ShellStresses& stresses) {
   const auto at = [&](int r, const Location& where) {
@@ -170,6 +202,7 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
       {"Forces", 6, [&](int r, const Location& where) { return in_order(at(r, where).forces); }});
   options.fields.push_back(
       {"Moments", 6, [&](int r, const Location& where) { return in_order(at(r, where).moments); }});
+  add_ply_fields(at, options);
   options.fields.push_back({"Thickness", 1, [&](int r, const Location& where) -> VecX {
                               return VecX::Constant(1, at(r, where).thickness);
                             }});
@@ -183,13 +216,15 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
   PictureScene picture = view();
   picture.regions = pointers(regions);
   picture.field = PictureScene::Field::Value;
-  picture.value = {"von Mises stress" + stress_unit(scene_) +
-                       ", max of top and bottom; deformation ×" + format_number(times),
-                   [&](int r, const Location& where) {
-                     const ShellStress stress = at(r, where);
-                     return std::max(von_mises(stress.at(1)), von_mises(stress.at(-1)));
-                   },
-                   0};
+  picture.value = {
+      "von Mises stress" + stress_unit(scene_) +
+          (shell_->section(0).laminate ? ", max of all plies" : ", max of top and bottom") +
+          "; deformation ×" + format_number(times),
+      [&](int r, const Location& where) {
+        const ShellStress stress = at(r, where);
+        return stress.largest_von_mises().value;
+      },
+      0};
   draw_picture(run_.out.file(stress_stem(scene_, name) + ".png"), picture);
   run_.report.files.push_back(stress_stem(scene_, name) + ".png");
 }
@@ -290,8 +325,13 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
                          c.max_stress_region + "', ± " + three_digits(c.spread);
+    if (c.ply > 0) stress += ", ply " + std::to_string(c.ply);
     if (c.safety > 0) stress += "; safety factor " + three_digits(c.safety);
     text += summary_line(c.combination ? "combination" : "case", "'" + c.name + "': " + stress);
+    for (const auto& r : c.reserves)
+      text += summary_line("", "reserve factor " + three_digits(r.factor) + " (" + r.criterion +
+                                   ") in ply " + std::to_string(r.ply) + " at " +
+                                   format_rounded_point(r.at) + " of '" + r.region + "'");
     if (c.calculix)
       text += summary_line("", "CalculiX, " + c.calculix->elements + ": displacement " +
                                    three_digits(c.calculix->displacement) + " " + unit +

@@ -41,6 +41,12 @@ StressReport::Case case_report(const SceneStress& stress, const ModelLayout& lay
   const ShellStresses::Peak& peak = result.max_stress;
   c.stress = peak.value;
   c.side = peak.height > 0 ? "top" : "bottom";
+  if (!stress.plies.empty()) c.ply = peak.ply + 1;
+  for (const auto& [criterion, reserve] :
+       {std::pair{"Tsai-Hill", &result.tsai_hill}, std::pair{"Hoffman", &result.hoffman}})
+    if (*reserve)
+      c.reserves.push_back({criterion, (*reserve)->factor, (*reserve)->ply + 1, (*reserve)->at,
+                            region_at(layout, (*reserve)->where)});
   c.max_stress_at = peak.at;
   c.max_stress_face_point = result.max_stress_point;
   c.max_stress_region = region_at(layout, peak.where);
@@ -54,7 +60,7 @@ StressReport::Case case_report(const SceneStress& stress, const ModelLayout& lay
 // The report without cases and frequencies.
 StressReport shell_report(const SceneStress& stress, const ShellModel& shell) {
   StressReport report;
-  report.material = stress.material;
+  report.material = stress.material.name;
   report.unknowns = shell.unknowns();
   report.yield = stress.yield;
   report.weakly_constrained_motions = shell.rigid_body_modes().weakly_constrained;
@@ -89,8 +95,8 @@ void warn(const StressReport& s, std::vector<std::string>& warnings) {
 
 void find_buckling(const Scene& scene, const ShellModel& shell, const ShellLoadCase& load_case,
                    const Points& displacement, StressReport::Case& c, StressVisitor& visitor) {
-  const ShellBuckling found =
-      buckling(shell, displacement, scene.stress->buckling, load_case.follower);
+  const ShellBuckling found = buckling(shell, displacement, scene.stress->buckling,
+                                       load_case.follower, load_case.temperature);
   c.buckling.assign(found.factors.begin(), found.factors.end());
   c.buckling_requested = true;
   visitor.visit_buckling(c, found.shapes);

@@ -2,8 +2,10 @@
 #include "batten/scenes/shapes/stress_setup.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
+#include <numbers>
 
 #include "batten/analysis/models/inertia_relief.h"
 #include "batten/core/errors.h"
@@ -42,24 +44,29 @@ int find_region(const ModelLayout& layout, const Scene& scene, const LocatedStri
 
 // Throws InputError, with the location in the scene, for inconsistent units.
 void require_consistent_units(const Scene& scene) {
-  const SceneStress& s = *scene.stress;
+  const SceneStress& stress = *scene.stress;
   const auto refuse = [&](const std::string& what, const std::string& expected) {
     throw InputError(scene.at({}) + "[stress]: found " + what + " in a scene in " + scene.unit +
                      ", expected " + expected);
   };
+  std::vector<SceneMaterial> materials;
+  for (const ScenePly& ply : stress.plies) materials.push_back(ply.material);
+  if (materials.empty()) materials.push_back(stress.material);
   constexpr double mpa_at_most = 5e6, tonnes_at_most = 1e-6, pascal_at_least = 1e5,
                    kilograms_at_least = 1e-3;
-  if (scene.unit == "mm") {
-    if (s.young > mpa_at_most)
-      refuse("young = " + format_number(s.young), "N/mm² (steel: 210000), not Pa");
-    if (s.density > tonnes_at_most)
-      refuse("density = " + format_number(s.density), "t/mm³ (steel: 7.85e-9), not kg/m³");
-  }
-  if (scene.unit == "m") {
-    if (s.young < pascal_at_least && s.density > 0)
-      refuse("young = " + format_number(s.young), "Pa (steel: 210e9), not N/mm²");
-    if (s.density > 0 && s.density < kilograms_at_least)
-      refuse("density = " + format_number(s.density), "kg/m³ (steel: 7850), not t/mm³");
+  for (const SceneMaterial& s : materials) {
+    if (scene.unit == "mm") {
+      if (s.young > mpa_at_most)
+        refuse("young = " + format_number(s.young), "N/mm² (steel: 210000), not Pa");
+      if (s.density > tonnes_at_most)
+        refuse("density = " + format_number(s.density), "t/mm³ (steel: 7.85e-9), not kg/m³");
+    }
+    if (scene.unit == "m") {
+      if (s.young < pascal_at_least && s.density > 0)
+        refuse("young = " + format_number(s.young), "Pa (steel: 210e9), not N/mm²");
+      if (s.density > 0 && s.density < kilograms_at_least)
+        refuse("density = " + format_number(s.density), "kg/m³ (steel: 7850), not t/mm³");
+    }
   }
 }
 
@@ -152,6 +159,27 @@ Vec3 vector_of(const Scene& scene, const SceneStress::Load& load, const Vec3& x)
   return at_load(scene, load, [&] { return load.vector_at(x); });
 }
 
+/// The temperature of a load at the vertices of the model's mesh; 0 on other faces.
+ShellTemperature temperature_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
+                                const SceneStress::Load& load) {
+  const ParametricMesh& mesh = *layout.mesh();
+  const VecX none = VecX::Zero(mesh.vertex_count());
+  ShellTemperature temperature{none, none};
+  const int region = load.region.text.empty() ? -1 : find_region(layout, scene, load.region);
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (region >= 0 && layout.region_of(t) != region) continue;
+    for (const int v : mesh.triangles()[t]) {
+      const Vec3 x = shape.row(3L * v).transpose();
+      const auto value = [&](const std::optional<Formula>& formula) {
+        return formula ? at_load(scene, load, [&] { return (*formula)(x); }) : 0.0;
+      };
+      temperature.middle[v] = value(load.temperature);
+      temperature.difference[v] = value(load.temperature_difference);
+    }
+  }
+  return temperature;
+}
+
 Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                const ShellDefinition& definition, const SceneStress::Load& load) {
   using Type = SceneStress::Load::Type;
@@ -210,6 +238,9 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
             });
           },
           v, load.moment);
+    case Type::Temperature:
+      return ShellAssembler(layout.surface(shape), triangle_sections(layout, definition))
+          .thermal_load(temperature_of(scene, layout, shape, load));
     case Type::Spin:
       return body_load(layout, shape, triangle_sections(layout, definition),
                        [&](const Vec3& x) -> Vec3 {
@@ -254,15 +285,37 @@ void set_thicknesses(const Scene& scene, const ModelLayout& layout, const Points
   if (all != base) definition.nodal_thickness_offset = all - base;
 }
 
+ShellMaterial shell_material(const SceneMaterial& m) {
+  ShellMaterial material =
+      m.is_orthotropic()
+          ? ShellMaterial::orthotropic(m.young, m.young_across, m.poisson, m.shear, m.density)
+          : ShellMaterial::isotropic(m.young, m.poisson, m.density);
+  material.expansion = {m.expansion[0], m.expansion[1]};
+  if (m.strength)
+    material.strength = {m.strength->tension[0], m.strength->compression[0], m.strength->tension[1],
+                         m.strength->compression[1], m.strength->shear};
+  return material;
+}
+
+ShellSection shell_section(const SceneStress& stress) {
+  std::vector<Ply> plies;
+  for (const ScenePly& ply : stress.plies)
+    plies.push_back(
+        {shell_material(ply.material), ply.thickness, ply.angle * std::numbers::pi / 180});
+  ShellSection section;
+  if (plies.empty())
+    section = {shell_material(stress.material), stress.thickness, stress.along};
+  else
+    section = ShellSection::of_plies(std::move(plies), stress.along);
+  section.offset = stress.offset;
+  return section;
+}
+
 ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
                                  const Points& shape) {
   const SceneStress& s = *scene.stress;
   ShellDefinition definition;
-  const ShellMaterial material =
-      s.young_across > 0
-          ? ShellMaterial::orthotropic(s.young, s.young_across, s.poisson, s.shear, s.density)
-          : ShellMaterial::isotropic(s.young, s.poisson, s.density);
-  definition.sections = {{material, s.thickness, s.along}};
+  definition.sections = {shell_section(s)};
   definition.inertia_relief = s.inertia_relief;
   set_thicknesses(scene, layout, shape, definition);
   for (const SceneStress::Support& support : s.supports)
@@ -277,9 +330,17 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
   return definition;
 }
 
+void add(const ShellTemperature& temperature, double factor, ShellTemperature& sum) {
+  if (temperature.empty()) return;
+  if (sum.empty()) sum.middle = sum.difference = VecX::Zero(temperature.middle.size());
+  sum.middle += factor * temperature.middle;
+  sum.difference += factor * temperature.difference;
+}
+
 // Adds `factor` times a load case to another one.
 void add(const ShellLoadCase& load_case, double factor, ShellLoadCase& sum) {
   sum.load += factor * load_case.load;
+  add(load_case.temperature, factor, sum.temperature);
   if (load_case.follower.size() == 0) return;
   if (sum.follower.size() == 0)
     sum.follower = factor * load_case.follower;
@@ -331,6 +392,8 @@ std::map<std::string, ShellLoadCase> case_loads(const Scene& scene, const ModelL
     ShellLoadCase& sum = loads.try_emplace(load.load_case, none).first->second;
     try {
       ShellLoadCase one{load.load_case, load_of(scene, layout, shape, definition, load)};
+      if (load.type == SceneStress::Load::Type::Temperature)
+        one.temperature = temperature_of(scene, layout, shape, load);
       if (follows) one.follower = follower_of(scene, layout, shape, load);
       add(one, 1, sum);
     } catch (const EmptyPartError& e) {
@@ -410,11 +473,13 @@ class DeckOfScene {
   ShellDeck made(const std::string& load_case) {
     const SceneStress& stress = *scene_.stress;
     deck_.thickness = stress.thickness;
-    deck_.young = stress.young;
-    deck_.poisson = stress.poisson;
-    deck_.density = stress.density;
+    if (!stress.plies.empty()) refuse({}, "a laminate");
+    deck_.young = stress.material.young;
+    deck_.poisson = stress.material.poisson;
+    deck_.density = stress.material.density;
+    deck_.offset = stress.offset;
     deck_.units = "lengths in " + scene_.unit;
-    if (stress.young_across > 0) refuse({}, "an orthotropic material");
+    if (stress.material.is_orthotropic()) refuse({}, "an orthotropic material");
     for (const auto& of : stress.thicknesses) {
       if (of.region.text.empty()) refuse({}, "a variable thickness");
       find_region(layout_, scene_, of.region);
@@ -434,6 +499,7 @@ class DeckOfScene {
             sum += of.force(x, n);
         return sum;
       };
+    if (!temperatures_.empty()) add_temperature();
     return deck_;
   }
 
@@ -447,6 +513,23 @@ class DeckOfScene {
   [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
     throw DeckLimitError(scene_.at(location) + "found " + what + ", which '" + file_ +
                          "' cannot contain");
+  }
+
+  void add_temperature() {
+    const SceneMaterial& material = scene_.stress->material;
+    if (material.expansion[0] != material.expansion[1])
+      refuse({}, "different thermal expansions along and across");
+    deck_.expansion = material.expansion[0];
+    deck_.temperature = [loads = temperatures_, &scene = scene_](const Vec3& x) {
+      std::array<double, 2> sum = {};
+      for (const Load& load : loads)
+        at_load(scene, load, [&] {
+          if (load.temperature) sum[0] += (*load.temperature)(x);
+          if (load.temperature_difference) sum[1] += (*load.temperature_difference)(x);
+          return 0;
+        });
+      return sum;
+    };
   }
 
   void add(const Support& support) {
@@ -529,6 +612,12 @@ class DeckOfScene {
         refuse(load.location, "an edge force");
       case Load::Type::Total:
         refuse(load.location, "a total force or moment");
+      case Load::Type::Temperature:
+        if (!load.region.text.empty()) refuse(load.location, "a temperature of one face");
+        if (load.temperature_difference && !deck_.thicknesses.empty())
+          refuse(load.location, "a temperature difference in a shell of several thicknesses");
+        temperatures_.push_back(load);
+        return;
       case Load::Type::Spin:
         refuse(load.location, "a centrifugal load");
     }
@@ -539,6 +628,7 @@ class DeckOfScene {
   std::string file_;
   ShellDeck deck_;
   std::vector<AreaForce> areas_;
+  std::vector<Load> temperatures_;
 };
 
 }  // namespace
