@@ -328,7 +328,9 @@ Json json_of(const StressReport::Case& c) {
                {"strain_energy", c.energy},
                {"error_estimate", c.error},
                {"max_displacement_error", c.displacement_error},
-               {"equilibrium_residual", c.equilibrium_residual}};
+               {"equilibrium_residual", c.equilibrium_residual},
+               {"nonlinearity", c.nonlinearity},
+               {"shear_energy_share", c.shear_share}};
   if (c.safety > 0) json["safety_factor"] = c.safety;
   if (c.ply > 0) json["stress_ply"] = c.ply;
   for (const auto& r : c.reserves)

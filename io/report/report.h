@@ -84,6 +84,9 @@ struct StressReport {
     /// Sum of the forces of loads and supports, relative to the sum of their magnitudes, or the same
     /// for their moments, whichever is larger.
     double equilibrium_residual = 0;
+    /// Estimated relative change of the displacements by large displacements, and by transverse shear
+    /// (analysis/models/theory_limits.h).
+    double nonlinearity = 0, shear_share = 0;
     bool buckling_requested = false;
     std::vector<double> buckling;  ///< buckling load factors, ascending
     std::vector<Reaction> reactions;

@@ -2,10 +2,12 @@
 #include "batten/scenes/shapes/stress_results.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/analysis/models/shell_sensitivities.h"
+#include "batten/analysis/models/theory_limits.h"
 #include "batten/core/errors.h"
 #include "batten/scenes/shapes/shape_derivatives.h"
 #include "batten/scenes/shapes/stress_setup.h"
@@ -71,7 +73,31 @@ StressReport shell_report(const SceneStress& stress, const ShellModel& shell) {
   return report;
 }
 
-void warn(const StressReport& s, std::vector<std::string>& warnings) {
+// What the linear theory of thin shells neglects.
+void warn_of_limits(const StressReport::Case& c, double size, const std::string& unit,
+                    std::vector<std::string>& warnings) {
+  constexpr double little = 0.1, large = 0.1;
+  const auto percent = [](double share) { return format_number(std::round(100 * share)) + " %"; };
+  if (c.displacement > large * size)
+    warnings.push_back("case '" + c.name + "': the displacement of " +
+                       format_number(c.displacement) + " " + unit + " is " +
+                       percent(c.displacement / size) +
+                       " of the size of the shell: check the units of loads and modulus");
+  else if (c.nonlinearity > little)
+    warnings.push_back(
+        "case '" + c.name +
+        "': the displacements are too large for a linear analysis: they would change "
+        "by about " +
+        percent(c.nonlinearity) + ", and the stresses with them");
+  if (c.shear_share > little)
+    warnings.push_back("case '" + c.name +
+                       "': the shell is thick for its loads: transverse shear, which thin shells "
+                       "neglect, would increase the displacements by about " +
+                       percent(c.shear_share));
+}
+
+void warn(const StressReport& s, double size, const std::string& unit,
+          std::vector<std::string>& warnings) {
   constexpr double thin = 0.1, coarse = 1.5;
   if (s.thickness_over_radius > thin)
     warnings.push_back("the ratio of thickness to radius of curvature reaches " +
@@ -86,6 +112,7 @@ void warn(const StressReport& s, std::vector<std::string>& warnings) {
     warnings.push_back("the supports hardly prevent a rigid-body motion: " + motion +
                        ", with a lever arm of " + format_number(100 * s.smallest_lever) +
                        " % of the size, so that results depend strongly on their exact position");
+  for (const auto& c : s.cases) warn_of_limits(c, size, unit, warnings);
   for (const auto& c : s.cases)
     if (c.near_singularity)
       warnings.push_back("case '" + c.name +
@@ -100,6 +127,17 @@ void find_buckling(const Scene& scene, const ShellModel& shell, const ShellLoadC
   c.buckling.assign(found.factors.begin(), found.factors.end());
   c.buckling_requested = true;
   visitor.visit_buckling(c, found.shapes);
+}
+
+void estimate_limits(const ShellModel& shell, const ShellLoadCase& load_case,
+                     const ShellCaseResult& result, const ShellStresses& stresses,
+                     StressReport::Case& c) {
+  // Springs store the rest of the work.
+  const double work = std::abs(0.5 * load_case.load.cwiseProduct(result.displacement).sum());
+  c.nonlinearity = nonlinearity(shell, result.displacement, std::max(result.energy, work),
+                                load_case.temperature);
+  if (result.energy > 0)
+    c.shear_share = transverse_shear_energy(shell.assembler(), stresses) / result.energy;
 }
 
 void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
@@ -130,6 +168,8 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
            : problem.load_cases(*shape.layout, shape.dofs, definition);
   const auto add = [&](const ShellCaseResult& result, const ShellStresses& stresses) {
     StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
+    const ShellLoadCase& load_case = cases[report.cases.size()];
+    estimate_limits(shell, load_case, result, stresses, c);
     visitor.visit_case(c, result, stresses);
     constexpr double balanced = 1e-8;
     if (!(c.equilibrium_residual <= balanced))
@@ -137,12 +177,12 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
           {"stress.equilibrium_residual of " + c.name,
            "is " + format_number(c.equilibrium_residual) + ", expected at most 1e-8"});
     if (scene.stress->buckling > 0)
-      find_buckling(scene, shell, cases[report.cases.size()], result.displacement, c, visitor);
+      find_buckling(scene, shell, load_case, result.displacement, c, visitor);
     report.cases.push_back(std::move(c));
   };
   evaluate_load_cases(shell, cases, add, nullptr, progress);
   if (scene.stress->modes > 0) find_modes(scene, shell, report, visitor);
-  warn(report, notes.warnings);
+  warn(report, shell.layout().size(), scene.unit, notes.warnings);
   return report;
 }
 

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MPL-2.0
+// batten stress: laminates, temperatures, the reference surface, and limits of the theory.
+#include <cmath>
+#include <cstdlib>
+
+#include "batten/tests/apps/cli_case.h"
+
+using namespace batten_test;
+
+namespace {
+
+// A plate of 100 by 100 in mm, pinned so that it is statically determinate if `supports` is empty.
+std::string square_plate(const std::string& stress, double edge_length = 20) {
+  const auto curve = [](const std::string& name, const std::string& points) {
+    return "[[curve]]\nname = \"" + name + "\"\npoints = " + points + "\n";
+  };
+  return "name = \"plate\"\nunit = \"mm\"\n" + curve("a", "[[0,0,0],[100,0,0]]") +
+         curve("b", "[[100,0,0],[100,100,0]]") + curve("c", "[[100,100,0],[0,100,0]]") +
+         curve("d", "[[0,100,0],[0,0,0]]") +
+         "[mesh]\nedge_length = " + std::to_string(edge_length) + "\n[stress]\n" + stress + "\n";
+}
+
+const std::string kHeld = "supports = [{curve = \"a\"}]\n";
+const std::string kFree =
+    "supports = [{point = [0, 0, 0]}, {point = [100, 0, 0], directions = [[0, 1, 0], [0, 0, 1]]}, "
+    "{point = [0, 100, 0], directions = [[0, 0, 1]]}]\n";
+const std::string kCarbon =
+    "young = [140000, 10000]\npoisson = 0.3\nshear_modulus = 5000\ndensity = 1.6e-9\n"
+    "expansion = [-0.5e-6, 30e-6]\nmaterial_direction = [1, 0, 0]\n"
+    "strength = { tension = [1500, 50], compression = [1200, 250], shear = 70 }\n";
+
+nlohmann::json report_of(const CliCase& c, const std::string& scene,
+                         std::vector<std::string> options = {}) {
+  c.file("s.toml", scene);
+  std::vector<std::string> arguments = {"stress", "s.toml", "--out", "out"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const CliResult r = c.run(arguments);
+  INFO(r.err);
+  REQUIRE((r.code == 0 || r.code == 4));  // pictures need a display
+  return nlohmann::json::parse(contents(c / "out/report.json"));
+}
+
+nlohmann::json case_of(const CliCase& c, const std::string& stress) {
+  return report_of(c, square_plate(stress))["stress"]["cases"][0];
+}
+
+double number(const nlohmann::json& value) { return value.get<double>(); }
+
+void expect_refusal(const CliCase& c, const std::string& stress,
+                    const std::vector<std::string>& parts) {
+  c.file("s.toml", square_plate(stress));
+  const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
+  INFO(stress << "\n" << r.err);
+  CHECK(r.code == 1);
+  for (const std::string& part : parts) CHECK(r.err.find(part) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("a laminate is the same by its stacking sequence and by its plies", "[apps][stress]") {
+  const CliCase c("stress_laminate");
+  const std::string load = kHeld + "loads = [{curve = \"c\", force = [0, 0, -0.05]}]\n";
+  const auto layup =
+      case_of(c, kCarbon + "layup = \"[0/±45/90]s\"\nply_thickness = 0.125\n" + load);
+  std::string plies = "plies = [";
+  for (const char* angle : {"0", "45", "-45", "90", "90", "-45", "45", "0"})
+    plies += "{thickness = 0.125, angle = " + std::string(angle) + "}, ";
+  const auto listed = case_of(c, kCarbon + plies + "]\n" + load);
+  CHECK(number(layup["max_displacement"]) == number(listed["max_displacement"]));
+  // Bending is carried by the outer plies: the 0° plies along the lever would be stiffer.
+  const auto along =
+      case_of(c, kCarbon + "layup = \"[90/+-45/0]s\"\nply_thickness = 0.125\n" + load);
+  CHECK(number(along["max_displacement"]) < 0.5 * number(layup["max_displacement"]));
+  REQUIRE(layup["reserve_factors"].size() == 2);
+  CHECK(layup["reserve_factors"][0]["criterion"] == "Tsai-Hill");
+  const double reserve = number(layup["reserve_factors"][0]["factor"]);
+  const auto twice = case_of(c, kCarbon + "layup = \"[0/±45/90]s\"\nply_thickness = 0.125\n" +
+                                    kHeld + "loads = [{curve = \"c\", force = [0, 0, -0.1]}]\n");
+  CHECK(number(twice["reserve_factors"][0]["factor"]) == Approx(reserve / 2));
+  CHECK(layup["stress_ply"].get<int>() >= 1);
+  CHECK(fs::exists(c / "out/plate_loads.vtu"));
+  CHECK(contents(c / "out/plate_loads.vtu").find("Ply_8_top") != std::string::npos);
+}
+
+TEST_CASE("plies of several materials", "[apps][stress]") {
+  const CliCase c("stress_sandwich");
+  const std::string core = "materials = [{name = \"foam\", young = 70, poisson = 0.3}]\n";
+  const auto sandwich =
+      case_of(c,
+              "plies = [{material = \"aluminium\", thickness = 0.5}, {material = \"foam\", "
+              "thickness = 10}, "
+              "{material = \"aluminium\", thickness = 0.5}]\n" +
+                  core + kHeld + "loads = [{curve = \"c\", force = [0, 0, -1]}]\n");
+  // Faces at ±5.25 mm carry the bending; a wide cantilever is between beam and cylindrical bending.
+  const double stiffness =
+      70000 * (0.5 * 2 * 5.25 * 5.25 + 2 * std::pow(0.5, 3) / 12) + 70 * 1000 / 12.0;
+  CHECK(number(sandwich["max_displacement"]) == Approx(1e6 / 3 / stiffness).epsilon(0.08));
+  CHECK(sandwich["stress_ply"] != 2);
+}
+
+TEST_CASE("free plates expand, and held ones are compressed", "[apps][stress]") {
+  const CliCase c("stress_heat");
+  const std::string steel = "material = \"steel\"\nthickness = 1\n";
+  const auto free = case_of(c, steel + kFree + "loads = [{temperature = 100}]\n");
+  CHECK(number(free["max_displacement"]) ==
+        Approx(12e-6 * 100 * 100 * std::sqrt(2.0)).epsilon(1e-6));
+  CHECK(number(free["max_von_mises"]) < 1e-5);
+  CHECK(number(free["error_estimate"]) == 0);
+  const std::string all =
+      "supports = [{curve = \"a\"}, {curve = \"b\"}, {curve = \"c\"}, {curve = \"d\"}]\n";
+  const auto held = case_of(c, steel + all + "loads = [{temperature = 100}]\n");
+  CHECK(number(held["max_von_mises"]) == Approx(210e3 * 12e-6 * 100 / 0.7).epsilon(1e-6));
+  const auto gradient = case_of(c, steel + all + "loads = [{temperature_difference = \"50\"}]\n");
+  CHECK(number(gradient["max_von_mises"]) == Approx(210e3 * 12e-6 * 25 / 0.7).epsilon(1e-6));
+  // A linear temperature field strains a free plate without stress.
+  const auto varying = case_of(c, steel + kFree + "loads = [{temperature = \"2 * x\"}]\n");
+  CHECK(number(varying["max_von_mises"]) < 1e-3 * 210e3 * 12e-6 * 200);
+  // The plate buckles at 2 π² D/a² in both directions with pinned edges.
+  std::string pinned = "supports = [";
+  for (const char* curve : {"a", "b", "c", "d"})
+    pinned += "{curve = \"" + std::string(curve) + "\", type = \"pinned\"}, ";
+  const auto buckled =
+      case_of(c, steel + pinned + "]\nbuckling = 1\nloads = [{temperature = 1}]\n");
+  const double D = 210000.0 / (12 * 0.91), pi = std::acos(-1.0);
+  CHECK(number(buckled["buckling_factors"][0]) ==
+        Approx(2 * pi * pi * D / 1e4 / (210e3 * 12e-6 / 0.7)).epsilon(1e-2));
+}
+
+TEST_CASE("the reference surface may be the bottom of the shell", "[apps][stress]") {
+  const CliCase c("stress_reference");
+  const std::string load = kHeld + "loads = [{curve = \"c\", force = [0, 0, -0.01]}]\n",
+                    steel = "material = \"steel\"\nthickness = 1\n";
+  const auto middle = case_of(c, steel + load);
+  const auto bottom = case_of(c, steel + "reference_surface = \"bottom\"\n" + load);
+  // Clamping the bottom instead of the middle changes little.
+  CHECK(number(bottom["max_displacement"]) ==
+        Approx(number(middle["max_displacement"])).epsilon(0.01));
+  // A pull in the plane of the bottom bends the plate.
+  const std::string pull = kHeld + "loads = [{curve = \"c\", force = [0, 1, 0]}]\n";
+  const auto bent = case_of(c, steel + "reference_surface = \"bottom\"\n" + pull);
+  CHECK(number(bent["max_displacement"]) == Approx(0.5 * 1e4 / 2 / (210e3 / 12)).epsilon(0.1));
+  CHECK(number(bent["displacement"][2]) > 0);  // the middle, above the bottom, lags behind the pull
+}
+
+TEST_CASE("CalculiX agrees on heated and eccentric shells", "[apps][stress]") {
+  if (std::system("command -v ccx > /dev/null") != 0) {
+    WARN("no ccx here: skipped");
+    return;
+  }
+  const CliCase c("stress_ccx_heat");
+  const std::string steel = "material = \"steel\"\nthickness = 1\n";
+  for (const std::string& more :
+       {std::string("loads = [{temperature = \"0.5 * x\", temperature_difference = 20}]\n"),
+        std::string(
+            "reference_surface = \"bottom\"\nloads = [{curve = \"c\", force = [0, 1, 0]}]\n"),
+        std::string(
+            "reference_surface = \"top\"\nloads = [{curve = \"c\", force = [0, 1, 0.01]}]\n")}) {
+    const auto found = report_of(c, square_plate(steel + kHeld + more, 8),
+                                 {"--with-ccx", "--ccx-elements", "S8R"})["stress"]["cases"][0];
+    INFO(more);
+    REQUIRE(found.contains("calculix"));
+    CHECK(number(found["calculix"]["displacement_at_same_point"]) ==
+          Approx(number(found["max_displacement"])).epsilon(0.01));
+  }
+}
+
+TEST_CASE("displacements and thicknesses beyond the linear theory of thin shells are warned of",
+          "[apps][stress]") {
+  const CliCase c("stress_limits");
+  const auto warned = [&](const std::string& stress, const std::string& text) {
+    const auto report = report_of(c, square_plate(stress));
+    std::string all;
+    for (const auto& warning : report["warnings"]) all += warning.get<std::string>() + "\n";
+    INFO(all);
+    return all.find(text) != std::string::npos;
+  };
+  const std::string steel = "material = \"steel\"\nthickness = 1\n";
+  std::string pinned = "supports = [";
+  for (const char* curve : {"a", "b", "c", "d"})
+    pinned += "{curve = \"" + std::string(curve) + "\", type = \"pinned\"}, ";
+  pinned += "]\n";
+  const std::string large = "too large for a linear analysis";
+  CHECK_FALSE(warned(steel + pinned + "loads = [{pressure = 5e-4}]\n", large));
+  CHECK(warned(steel + pinned + "loads = [{pressure = 0.02}]\n", large));
+  // A cantilever bends freely by the same displacement.
+  CHECK_FALSE(warned(steel + kHeld + "loads = [{curve = \"c\", force = [0, 0, 0.05]}]\n", large));
+  CHECK(
+      warned(steel + kHeld + "loads = [{curve = \"c\", force = [0, 0, 5]}]\n", "check the units"));
+  CHECK(warned("material = \"steel\"\nthickness = 20\n" + pinned + "loads = [{pressure = 1}]\n",
+               "transverse shear"));
+}
+
+TEST_CASE("invalid plies, stacking sequences and temperatures are refused", "[apps][stress]") {
+  const CliCase c("stress_plies_refused");
+  const std::string layup = kCarbon + kHeld + "ply_thickness = 0.1\nlayup = ";
+  expect_refusal(c, layup + "\"[0/x]s\"\n",
+                 {"s.toml:", "found 'x', expected angles between slashes"});
+  expect_refusal(c, layup + "\"[0/90\"\n", {"found '[' without ']'"});
+  expect_refusal(c, layup + "\"[0/90]q\"\n", {"found 'q'"});
+  expect_refusal(c, layup + "\"[0_x/90]\"\n", {"after '_'"});
+  expect_refusal(c, layup + "\"[0//90]\"\n", {"found ''"});
+  expect_refusal(c, kCarbon + kHeld + "layup = \"[0]\"\n", {"'layup' without 'ply_thickness'"});
+  expect_refusal(c, layup + "\"[0]\"\nthickness = 1\n", {"'thickness' beside plies"});
+  expect_refusal(c, layup + "\"[0]\"\nplies = [{thickness = 1}]\n", {"both 'plies' and 'layup'"});
+  expect_refusal(c, kHeld + "plies = [{thickness = 1, material = \"alumnium\"}]\n",
+                 {"the material 'alumnium'", "did you mean 'aluminium'"});
+  expect_refusal(c, kHeld + "plies = [{thickness = 1, material = \"steel\", angle = 30}]\n",
+                 {"'material_direction'"});
+  expect_refusal(
+      c, kHeld + "material = \"steel\"\nthickness = 1\nmaterials = [{name = \"x\", young = 1}]\n",
+      {"'materials' without 'plies'"});
+  expect_refusal(c, kHeld + "young = 210e3\nthickness = 1\nloads = [{temperature = 1}]\n",
+                 {"without 'expansion'"});
+  expect_refusal(
+      c,
+      kHeld + "material = \"steel\"\nthickness = 1\nloads = [{temperature = 1, curve = \"a\"}]\n",
+      {"'curve' beside 'temperature'"});
+  expect_refusal(c, kHeld + "material = \"steel\"\nthickness = 1\nreference_surface = \"upper\"\n",
+                 {"reference_surface"});
+  expect_refusal(c,
+                 kHeld +
+                     "material = \"steel\"\nthickness = 1\n"
+                     "strength = {tension = 1, compression = -1, shear = 1}\n",
+                 {"a stress above 0"});
+}
