@@ -30,10 +30,8 @@ std::vector<Points> rigid_body_displacements(const ModelLayout& model, const Poi
 
 }  // namespace
 
-InertiaRelief::InertiaRelief(const ModelLayout& model, const Points& shape,
-                             const ShellAssembler& shell)
+InertiaRelief::InertiaRelief(const ModelLayout& model, const Points& shape, const SparseMatrix& M)
     : R_(rigid_body_displacements(model, shape)) {
-  const SparseMatrix M = shell.mass();
   Eigen::Matrix<double, kRigid, kRigid> mass;
   for (const Points& r : R_) MR_.push_back(M.selfadjointView<Eigen::Lower>() * r);
   for (int i = 0; i < kRigid; ++i)

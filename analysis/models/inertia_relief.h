@@ -19,9 +19,9 @@ namespace batten {
 /// rigid-body part is removed: it is orthogonal to R in the inner product of M.
 class InertiaRelief {
  public:
-  /// `shell`: a shell with a density; `shape`: absolute dofs of the middle surface. Throws
-  /// InputError if the mass is zero. Cost: one mass matrix.
-  InertiaRelief(const ModelLayout& model, const Points& shape, const ShellAssembler& shell);
+  /// `shape`: absolute dofs of the middle surface; `mass`: mass matrix of one coordinate (lower
+  /// triangle, n×n). Throws InputError if the mass is zero.
+  InertiaRelief(const ModelLayout& model, const Points& shape, const SparseMatrix& mass);
 
   /// The balanced loads F' (n×3).
   Points balanced(const Points& F) const;

@@ -119,6 +119,7 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
     add_area_support(model, shape, definition.sections, support, ties.springs);
   for (const ElasticSupport& support : definition.elastic)
     add_elastic_support(model, shape, support, ties.springs);
+  Stiffeners(model, shape, definition.stiffeners).add_to(ties.springs);
   relax_dependent_constraints(model, shape, definition.sections, ties);
   return ties;
 }

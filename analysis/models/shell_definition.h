@@ -8,6 +8,7 @@
 
 #include "batten/analysis/models/shell_loads.h"
 #include "batten/analysis/models/shell_ties.h"
+#include "batten/analysis/models/stiffeners.h"
 #include "batten/core/geometry.h"
 
 namespace batten {
@@ -99,6 +100,7 @@ struct ShellDefinition {
   /// Offset that is added to the thickness at each vertex of the model's mesh, linear in between;
   /// empty: no offsets.
   VecX nodal_thickness_offset = {};
+  std::vector<Stiffener> stiffeners = {};
   /// The shell is free, and its loads are balanced (InertiaRelief). There are no other supports.
   bool inertia_relief = false;
 };

@@ -31,11 +31,12 @@ VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()
 // K with its springs, and a small multiple of the mass in each coordinate for unsupported shells.
 // One object is returned on all paths: Eigen's sparse matrices cannot be moved.
 SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& springs,
-                          double shift) {
+                          double shift = 0, const Stiffeners& stiffeners = {}) {
   SparseMatrix K = assembler.stiffness();
   if (!springs.empty()) K += springs.stiffness();
   if (shift != 0) {
-    const SparseMatrix M = assembler.mass();
+    SparseMatrix M = assembler.mass();
+    stiffeners.add_mass(M);
     SparseMatrix all(K.rows(), K.cols());
     std::vector<Triplet> entries;
     for (long j = 0; j < M.cols(); ++j)
@@ -51,11 +52,12 @@ SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& s
   return K;
 }
 
-// Energy ½ qᵀKq without that of the springs, whose stiffness K includes.
+// Energy ½ qᵀKq without that of the springs of supports, whose stiffness K includes.
 double strain_energy(const SparseMatrix& K, const ShellSprings& springs, const Points& q) {
   const VecX x = stacked(q);
   double energy = 0.5 * x.dot(K.selfadjointView<Eigen::Lower>() * x);
   for (const ShellSprings::Spring& spring : springs.springs()) {
+    if (spring.kind == ShellSprings::Kind::Stiffener) continue;
     double along = 0;
     for (const auto& e : spring.entries) along += e.coefficient.dot(q.row(e.dof));
     energy -= 0.5 * spring.stiffness * along * along;
@@ -78,6 +80,7 @@ ShellModel::ShellModel(ModelLayout layout, Points shape, const ShellDefinition& 
       rigid_body_handling_(free),
       sections_(triangle_sections(layout_, definition)),
       supports_(support_names(definition)),
+      stiffeners_(layout_, shape_, definition.stiffeners),
       ties_(checked_ties(layout_, shape_, definition, free, rigid_body_modes_)),
       assembler_(layout_.surface(shape_), sections_),
       solver_(ties_.constraints, stiffness(), layout_.dof_order(),
@@ -94,6 +97,7 @@ void ShellModel::update_shape(Points shape, const ShellDefinition& definition) {
     assembler_.update_sections(sections_);
   }
   shape_ = std::move(shape);
+  stiffeners_ = Stiffeners(layout_, shape_, definition_.stiffeners);
   ties_ = checked_ties(layout_, shape_, definition_, rigid_body_handling_, rigid_body_modes_);
   assembler_.update_shape(layout_.surface(shape_));
   solver_.update(ties_.constraints, stiffness());
@@ -101,7 +105,7 @@ void ShellModel::update_shape(Points shape, const ShellDefinition& definition) {
 
 SparseMatrix ShellModel::stiffness() {
   shift_ = rigid_body_modes_.unconstrained.empty() ? 0 : shift_of(section(0), layout_.size());
-  return stiffness_of(assembler_, ties_.springs, shift_);
+  return stiffness_of(assembler_, ties_.springs, shift_, stiffeners_);
 }
 
 Points ShellModel::solve(const Points& F) const {
@@ -161,7 +165,7 @@ ShellSystem ShellModel::assemble_system(const Points& shape,
     assembler.update_sections(triangle_sections(layout_, definition));
   assembler.update_shape(layout_.surface(shape));
   ShellSystem system{std::move(ties), std::move(assembler), {}};
-  stiffness_of(system.assembler, system.ties.springs, 0).swap(system.K);
+  stiffness_of(system.assembler, system.ties.springs).swap(system.K);
   return system;
 }
 
@@ -206,6 +210,19 @@ double ShellModel::goal_change(const Points& u, const Points& F, const Points& a
         of_u[k] * (value(row, a) - value(before, a)) + of_a[k] * (value(row, u) - value(before, u));
   }
   return change;
+}
+
+SparseMatrix ShellModel::mass() const {
+  SparseMatrix M = assembler_.mass();
+  stiffeners_.add_mass(M);
+  return M;
+}
+
+SparseMatrix ShellModel::geometric_stiffness(const Points& q,
+                                             const ShellTemperature& temperature) const {
+  SparseMatrix G = assembler_.geometric_stiffness(q, temperature);
+  stiffeners_.add_geometric_stiffness(q, temperature, G);
+  return G;
 }
 
 double ShellModel::energy(const Points& q) const {
@@ -362,6 +379,7 @@ RigidBodyModes find_rigid_body_modes(const ModelLayout& model, const Points& sha
   }
   for (const auto& spring : ties.springs.springs()) {
     poll_every<2048>(next++);
+    if (spring.kind == ShellSprings::Kind::Stiffener) continue;
     bodies.add_row(spring.entries, AtA);
   }
 

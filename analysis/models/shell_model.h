@@ -116,8 +116,13 @@ class ShellModel {
                      const ShellSystem& other, const Points& other_F) const;
   /// Adjoint solution (n×3): displacement under the load G, with zero prescribed displacements.
   Points adjoint(const Points& G) const;
-  /// Strain energy of the shell for the displacement q (n×3), excluding the energy of all springs.
+  /// Strain energy of the shell and its stiffeners for the displacement q (n×3), excluding the energy
+  /// of springs.
   double energy(const Points& q) const;
+  /// Mass matrix of one coordinate, n×n, and geometric stiffness under a displacement q: those of the
+  /// assembler, with the stiffeners.
+  SparseMatrix mass() const;
+  SparseMatrix geometric_stiffness(const Points& q, const ShellTemperature& temperature = {}) const;
 
   const ModelLayout& layout() const { return layout_; }
   const Points& shape() const { return shape_; }
@@ -128,6 +133,7 @@ class ShellModel {
     const auto& sections = definition_.sections;
     return sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
   }
+  const Stiffeners& stiffeners() const { return stiffeners_; }
   const ConstrainedSolver& solver() const { return solver_; }
   /// Constraints of ties and supports.
   const ConstraintSet& constraints() const { return ties_.constraints; }
@@ -152,6 +158,7 @@ class ShellModel {
   std::vector<std::string> supports_;
   RigidBodyModes rigid_body_modes_;
   double shift_ = 0;
+  Stiffeners stiffeners_;
   ShellTies ties_;
   ShellAssembler assembler_;
   ConstrainedSolver solver_;

@@ -106,7 +106,7 @@ ShellModes natural_modes(const ShellModel& shell, int count) {
   for (int r = 0; r < shell.layout().region_count(); ++r)
     if (const double density = shell.section(r).density(); !(density > 0))
       throw InputError("natural frequencies need a density, found " + format_number(density));
-  const SparseMatrix M = shell.assembler().mass();
+  const SparseMatrix M = shell.mass();
   const auto found = largest_eigenpairs(shell.solver(), M, {},
                                         count + isize(shell.rigid_body_modes().unconstrained),
                                         Spectra::SortRule::LargestAlge);
@@ -158,7 +158,7 @@ bool has_membrane_forces(const ShellModel& shell, const Points& q, const SparseM
 
 ShellBuckling buckling(const ShellModel& shell, const Points& q, int count,
                        const SparseMatrix& follower, const ShellTemperature& temperature) {
-  const SparseMatrix G = -shell.assembler().geometric_stiffness(q, temperature);
+  const SparseMatrix G = -shell.geometric_stiffness(q, temperature);
   if (!has_membrane_forces(shell, q, G)) return {};
   // If nothing buckles, the largest μ is 0 with infinitely many eigenvectors, and the iteration does
   // not converge. All eigenvalues that are not near 0 are then negative, which the search by

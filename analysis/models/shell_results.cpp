@@ -124,7 +124,7 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
   if (error_indicators) *error_indicators = VecX::Zero(shell.layout().mesh()->triangle_count());
   std::optional<InertiaRelief> relief;
   if (shell.definition().inertia_relief)
-    relief.emplace(shell.layout(), shell.shape(), shell.assembler());
+    relief.emplace(shell.layout(), shell.shape(), shell.mass());
   std::vector<ShellCaseResult> results;
   for (const ShellLoadCase& one : cases) {
     progress.update("stress of " + one.name, 0);
@@ -137,7 +137,10 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
     result.max_displacement =
         max_displacement(shell.assembler().surface(), shell.layout().surface(result.displacement));
     const ShellStresses stresses(shell, result.displacement, one.temperature);
-    if (!one.temperature.empty()) result.energy = stresses.energy();
+    if (!one.temperature.empty())
+      result.energy =
+          stresses.energy() + shell.stiffeners().energy(result.displacement, one.temperature);
+    result.stiffeners = shell.stiffeners().results(result.displacement, one.temperature);
     estimate_displacement_error(shell, stresses, result.max_displacement, error_indicators);
     measure_stress(shell, one.singular_points, stresses, result);
     if (visit) visit(result, stresses);

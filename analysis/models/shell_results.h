@@ -66,6 +66,7 @@ struct ShellCaseResult {
   Vec3 max_stress_point = Vec3::Zero();  ///< point of `max_stress` on the top or bottom side
   /// Smallest reserve factors by Tsai-Hill and Hoffman; empty: no material has strengths.
   std::optional<ShellStresses::Reserve> tsai_hill = {}, hoffman = {};
+  std::vector<StiffenerResult> stiffeners = {};
   /// True if `max_stress` lies within three element lengths of a point force or point support.
   bool near_singularity = false;
 };

@@ -52,7 +52,7 @@ ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& 
 
 std::vector<ShellSensitivities::Quantities> ShellSensitivities::values() const {
   std::vector<Quantities> values;
-  const double mass = shell_mass(shell_.assembler());
+  const double mass = shell_mass(shell_.assembler()) + shell_.stiffeners().mass();
   for (const SolvedGoal& g : goals_)
     values.push_back(
         {g.G.cwiseProduct(g.u).sum(), g.F.cwiseProduct(g.u).sum(), g.norm.value, mass});
@@ -63,7 +63,8 @@ ShellSensitivities::Change ShellSensitivities::change_to(const Points& shape, bo
   const ShellDefinition definition =
       follows ? problem_.definition(shell_.layout(), shape) : shell_.definition();
   return {shell_.assemble_system(shape, definition),
-          problem_.load_cases(shell_.layout(), shape, definition)};
+          problem_.load_cases(shell_.layout(), shape, definition),
+          Stiffeners(shell_.layout(), shape, definition.stiffeners).mass()};
 }
 
 std::array<ShellSensitivities::Change, 2> ShellSensitivities::changes_along(
@@ -117,7 +118,7 @@ std::vector<ShellSensitivities::Quantities> ShellSensitivities::along(
     most = std::min(most, of_thickness * section.thickness);
   const double step = most / largest;
   const auto [up, down] = changes_along(step * shape_rate);
-  const double mass = shell_mass(up.system.assembler) - shell_mass(down.system.assembler);
+  const double mass = mass_of(up) - mass_of(down);
   for (size_t i = 0; i < goals_.size(); ++i) {
     const Quantities above = changes(goals_[i], up), below = changes(goals_[i], down);
     derivatives[i] = {(above.displacement - below.displacement) / (2 * step),

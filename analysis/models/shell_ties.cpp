@@ -90,7 +90,7 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
 }
 
 void ShellSprings::add(const std::string& name, const Entries& entries, double stiffness,
-                       double value) {
+                       double value, Kind kind) {
   poll_every<4096>(isize(springs_));
   auto known = isize(names_) - 1;
   while (known >= 0 && names_[known] != name) --known;
@@ -102,7 +102,7 @@ void ShellSprings::add(const std::string& name, const Entries& entries, double s
   for (const auto& e : entries) sum.try_emplace(e.dof, Vec3::Zero()).first->second += e.coefficient;
   Entries once;
   for (const auto& [dof, coefficient] : sum) once.push_back({dof, coefficient});
-  springs_.push_back({known, std::move(once), stiffness, value});
+  springs_.push_back({known, std::move(once), stiffness, value, kind});
 }
 
 SparseMatrix ShellSprings::stiffness() const {

@@ -24,17 +24,23 @@ namespace batten {
 class ShellSprings {
  public:
   using Entries = std::vector<ConstraintSet::CoupledEntry>;
+  enum class Kind {
+    Support,   ///< a support or a tie
+    Stiffener  ///< a part of the shell, whose rigid motions cause no force (Stiffeners)
+  };
   struct Spring {
     int name;         ///< index of the spring's name in names()
     Entries entries;  ///< coefficient vector of each dof; each dof occurs once
     double stiffness, value;
+    Kind kind = Kind::Support;
   };
 
   explicit ShellSprings(int dof_count) : dof_count_(dof_count) {}
   /// Adds the spring with the energy ½ · stiffness · (Σ_m a_m · q_m - value)². `entries`: dofs m
   /// with their coefficients a_m; entries with the same dof are summed. Springs with the same
   /// `name` share one entry of names().
-  void add(const std::string& name, const Entries& entries, double stiffness, double value);
+  void add(const std::string& name, const Entries& entries, double stiffness, double value,
+           Kind kind = Kind::Support);
 
   bool empty() const { return springs_.empty(); }
   const std::vector<Spring>& springs() const { return springs_; }

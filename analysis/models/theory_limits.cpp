@@ -98,7 +98,7 @@ double nonlinearity(const ShellModel& shell, const Points& q, double energy,
                     const ShellTemperature& temperature) {
   if (!(energy > 0)) return 0;
   const ShellAssembler& assembler = shell.assembler();
-  const SparseMatrix G = assembler.geometric_stiffness(q, temperature);
+  const SparseMatrix G = shell.geometric_stiffness(q, temperature);
   const double cubic = 0.5 * q.cwiseProduct(G.selfadjointView<Eigen::Lower>() * q).sum();
   const QuadraticStrains strains = quadratic_strains(assembler, q);
   const double quartic =

@@ -479,10 +479,7 @@ void write_support(std::ostream& out, const std::string& set, const ShellDeck::S
 void write_sections(std::ostream& out, const Regions& regions, const std::vector<std::string>& sets,
                     const ShellDeck& deck) {
   const auto write = [&](const std::string& set, double thickness) {
-    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL";
-    // The offset of ccx is that of the faces from the middle.
-    if (deck.offset != 0) out << ",OFFSET=" << ccx_number(-deck.offset);
-    out << '\n' << ccx_number(thickness) << '\n';
+    out << "*SHELL SECTION,ELSET=" << set << ",MATERIAL=SHELL\n" << ccx_number(thickness) << '\n';
   };
   if (deck.thicknesses.empty()) return write("ALL", deck.thickness);
   for (size_t r = 0; r < regions.size(); ++r) {

@@ -78,8 +78,6 @@ struct ShellDeck {
   std::vector<LineForce> line_forces;
   std::vector<PointForce> point_forces;
   Vec3 gravity = Vec3::Zero();  ///< gravitational acceleration
-  /// Height of the middle of the shell above the faces, divided by the thickness.
-  double offset = 0;
   double expansion = 0;  ///< thermal expansion per degree
   /// Change of temperature at a point: in the middle of the shell, and from bottom to top; empty: none.
   std::function<std::array<double, 2>(const Vec3& x)> temperature;

@@ -406,8 +406,10 @@ std::map<std::string, ShellLoadCase> case_loads(const Scene& scene, const ModelL
 // Balances the loads of a free shell by its inertia.
 void balance(const ModelLayout& layout, const Points& shape, const ShellDefinition& definition,
              std::vector<ShellLoadCase>& cases) {
-  const InertiaRelief relief(
-      layout, shape, ShellAssembler(layout.surface(shape), triangle_sections(layout, definition)));
+  SparseMatrix mass =
+      ShellAssembler(layout.surface(shape), triangle_sections(layout, definition)).mass();
+  Stiffeners(layout, shape, definition.stiffeners).add_mass(mass);
+  const InertiaRelief relief(layout, shape, mass);
   for (ShellLoadCase& one : cases) one.load = relief.balanced(one.load);
 }
 
@@ -477,7 +479,8 @@ class DeckOfScene {
     deck_.young = stress.material.young;
     deck_.poisson = stress.material.poisson;
     deck_.density = stress.material.density;
-    deck_.offset = stress.offset;
+    // With the OFFSET of a section, ccx applies nodal forces in the middle of the shell all the same.
+    if (stress.offset != 0) refuse({}, "a reference surface at the top or bottom");
     deck_.units = "lengths in " + scene_.unit;
     if (stress.material.is_orthotropic()) refuse({}, "an orthotropic material");
     for (const auto& of : stress.thicknesses) {

@@ -139,6 +139,12 @@ class JoinEdge {
     if (aligned_line_) return per_t_uv_;
     return drop_z(line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(parameter(f)), 1) * per_t());
   }
+  // The derivative of along_uv(f) with respect to t.
+  Vec2 along_uv_rate(double f) const {
+    if (aligned_line_) return Vec2::Zero();
+    return drop_z(line_->pcurve.evaluate(line_->pcurve.mesh().wrapped(parameter(f)), 2) * per_t() *
+                  per_t());
+  }
   Vec3 across_at(const Points& q, double f) const {
     const Location at = where(f);
     const Tabulation N = functions(at);

@@ -142,26 +142,22 @@ TEST_CASE("the reference surface may be the bottom of the shell", "[apps][stress
   CHECK(number(bent["displacement"][2]) > 0);  // the middle, above the bottom, lags behind the pull
 }
 
-TEST_CASE("CalculiX agrees on heated and eccentric shells", "[apps][stress]") {
+TEST_CASE("CalculiX agrees on heated shells", "[apps][stress]") {
   if (std::system("command -v ccx > /dev/null") != 0) {
     WARN("no ccx here: skipped");
     return;
   }
   const CliCase c("stress_ccx_heat");
   const std::string steel = "material = \"steel\"\nthickness = 1\n";
-  for (const std::string& more :
-       {std::string("loads = [{temperature = \"0.5 * x\", temperature_difference = 20}]\n"),
-        std::string(
-            "reference_surface = \"bottom\"\nloads = [{curve = \"c\", force = [0, 1, 0]}]\n"),
-        std::string(
-            "reference_surface = \"top\"\nloads = [{curve = \"c\", force = [0, 1, 0.01]}]\n")}) {
-    const auto found = report_of(c, square_plate(steel + kHeld + more, 8),
-                                 {"--with-ccx", "--ccx-elements", "S8R"})["stress"]["cases"][0];
-    INFO(more);
-    REQUIRE(found.contains("calculix"));
-    CHECK(number(found["calculix"]["displacement_at_same_point"]) ==
-          Approx(number(found["max_displacement"])).epsilon(0.01));
-  }
+  const auto found = report_of(
+      c,
+      square_plate(
+          steel + kHeld + "loads = [{temperature = \"0.5 * x\", temperature_difference = 20}]\n",
+          8),
+      {"--with-ccx", "--ccx-elements", "S8R"})["stress"]["cases"][0];
+  REQUIRE(found.contains("calculix"));
+  CHECK(number(found["calculix"]["displacement_at_same_point"]) ==
+        Approx(number(found["max_displacement"])).epsilon(0.01));
 }
 
 TEST_CASE("displacements and thicknesses beyond the linear theory of thin shells are warned of",

@@ -135,7 +135,7 @@ file = "sweep.png"
   CHECK(s.loads[1].type == SceneLoad::Type::Point);
   CHECK(s.loads[1].value * s.loads[1].direction == Vec3(0, 0, -2));
   REQUIRE(s.stress);
-  CHECK(s.stress->poisson == 0.3);
+  CHECK(s.stress->material.poisson == 0.3);
   using Kind = SceneStress::Support::Kind;
   CHECK(s.stress->supports[0].kind == Kind::Clamped);
   CHECK(s.stress->supports[1].kind == Kind::Pinned);
