@@ -194,6 +194,22 @@ class VertexConstraints {
     return all > 0 ? kPenalty * sum / all : 0;
   }
 
+  // Removes the parts along the first `count` vectors of an orthonormal basis.
+  static void project_off(const std::vector<VertexForm>& basis, size_t count, VertexForm& form) {
+    for (size_t k = 0; k < count; ++k) {
+      const double along = basis[k].form.dot(form.form);
+      form.form -= along * basis[k].form;
+      form.value -= along * basis[k].value;
+    }
+  }
+
+  // How much a tie adds to those before it: a tie to one more of several faces has at least 1/√2 of
+  // its length.
+  static double tie_independence(double length, int faces) {
+    constexpr int two = 2;
+    return faces > two ? std::min(1.0, std::sqrt(2.0) * length) : length;
+  }
+
   void relax_group(const std::vector<const Row*>& rows) {
     std::map<int, int> places;
     for (const Row* row : rows)
@@ -204,31 +220,34 @@ class VertexConstraints {
       at.push_back(vertex(v));
     }
     std::vector<VertexForm> basis;  // orthonormal
+    size_t ties = 0;                // basis vectors of ties
     double largest_value = 0;
     for (const Row* row : rows) {
+      const bool is_tie = row->vertices.size() > 1;
       VertexForm form = form_of(*row, places, at);
       const double norm = form.form.norm();
       if (!(norm > 0) || !std::isfinite(norm)) continue;
       form.form /= norm;
       form.value /= norm;
       VertexForm added = form;
-      for (int round = 0; round < 2; ++round)
-        for (const VertexForm& b : basis) {
-          const double along = b.form.dot(added.form);
-          added.form -= along * b.form;
-          added.value -= along * b.value;
-        }
-      const double epsilon = added.form.norm();
+      for (int round = 0; round < 2; ++round) project_off(basis, basis.size(), added);
+      const double length = added.form.norm();
+      // A support of one face is half a support of two faces that a tie equates.
+      VertexForm of_all_faces = form;
+      project_off(basis, is_tie ? 0 : ties, of_all_faces);
+      const double epsilon = is_tie ? tie_independence(length, isize(at))
+                                    : length / of_all_faces.form.norm();
       largest_value = std::max(largest_value, std::abs(form.value));
       constexpr double rounding = 1e-9;
-      const bool contradicts = std::abs(added.value) > std::max(epsilon, rounding) * largest_value;
+      const bool contradicts = std::abs(added.value) > std::max(length, rounding) * largest_value;
       if (epsilon < kExact && !contradicts) {
         const double ratio = epsilon / kExact;
         add_spring(*row, norm, stiffness_of(added.form, at) / (1 - ratio * ratio));
-      } else if (epsilon > 0) {
-        basis.push_back({added.form / epsilon, added.value / epsilon});
+      } else if (length > 0) {
+        basis.push_back({added.form / length, added.value / length});
         for (int c = 1; c < 3 && row->index < uncoupled_; ++c)
           basis.push_back({for_coordinate(basis[basis.size() - c].form, c), 0});
+        if (is_tie) ties = basis.size();
       }
     }
   }

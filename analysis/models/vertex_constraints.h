@@ -19,8 +19,8 @@ namespace batten {
 /// The constraints at a vertex (of coincident vertices of adjacent regions) are made orthogonal in
 /// the given order, ties first. Constraints are measured as linear forms of the displacement
 /// gradient on the middle surface; ε is the norm of what a constraint adds to those before it,
-/// relative to its own norm. A constraint with ε < ε₀ = 0.95 becomes a spring on its violation
-/// v = ε · (what it adds):
+/// relative to its norm (of a support: its norm on the gradients that the ties permit). A constraint
+/// with ε < ε₀ = 0.95 becomes a spring on its violation v = ε · (what it adds):
 ///
 ///     E = ½ k v²,   k = α / (1 - (ε/ε₀)²) · { D11 t³      rotations
 ///                                           { A11 t h²    gradients in the tangent plane
