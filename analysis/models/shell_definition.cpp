@@ -124,6 +124,44 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
   return ties;
 }
 
+SparseMatrix mass_matrix(const ModelLayout& model, const Points& shape,
+                         const ShellDefinition& definition, const ShellAssembler& assembler) {
+  SparseMatrix M = assembler.mass();
+  Stiffeners(model, shape, definition.stiffeners).add_mass(M);
+  if (definition.masses.empty()) return M;
+  std::vector<Triplet> entries;
+  for (const PointMass& of : definition.masses) {
+    const ConstraintEntries position = shape_functions_at(model, of.position.where);
+    for (const auto& a : position)
+      for (const auto& b : position)
+        if (a.dof >= b.dof)
+          entries.emplace_back(a.dof, b.dof, of.mass * a.coefficient * b.coefficient);
+  }
+  SparseMatrix masses(M.rows(), M.cols());
+  masses.setFromTriplets(entries.begin(), entries.end());
+  M += masses;
+  return M;
+}
+
+double added_mass(const ModelLayout& model, const Points& shape,
+                  const ShellDefinition& definition) {
+  double sum = Stiffeners(model, shape, definition.stiffeners).mass();
+  for (const PointMass& of : definition.masses) sum += of.mass;
+  return sum;
+}
+
+Points body_load(const ModelLayout& model, const Points& shape, const ShellDefinition& definition,
+                 const AccelerationField& acceleration) {
+  Points F = body_load(model, shape, triangle_sections(model, definition), acceleration);
+  const Stiffeners stiffeners(model, shape, definition.stiffeners);
+  if (!stiffeners.empty()) F += stiffeners.body_load(acceleration);
+  const Surface surface = model.surface(shape);
+  for (const PointMass& of : definition.masses)
+    F += point_force(model, of.position,
+                     of.mass * acceleration(surface.position(of.position.where)));
+  return F;
+}
+
 std::vector<std::string> support_names(const ShellDefinition& definition) {
   std::vector<std::string> names;
   const auto add = [&](const auto& supports) {

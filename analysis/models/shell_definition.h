@@ -9,6 +9,7 @@
 #include "batten/analysis/models/shell_loads.h"
 #include "batten/analysis/models/shell_ties.h"
 #include "batten/analysis/models/stiffeners.h"
+#include "batten/analysis/shell_assembler.h"
 #include "batten/core/geometry.h"
 
 namespace batten {
@@ -89,6 +90,12 @@ struct AreaSupport {
   Vec3 displacement = Vec3::Zero();  ///< prescribed displacement along `directions`
 };
 
+/// A mass at a point of the surface.
+struct PointMass {
+  ShellLocation position;
+  double mass = 0;
+};
+
 /// Complete definition of a shell, except its shape and its loads.
 struct ShellDefinition {
   std::vector<ShellSection> sections;  ///< one for all regions, or one per region
@@ -101,6 +108,7 @@ struct ShellDefinition {
   /// empty: no offsets.
   VecX nodal_thickness_offset = {};
   std::vector<Stiffener> stiffeners = {};
+  std::vector<PointMass> masses = {};
   /// The shell is free, and its loads are balanced (InertiaRelief). There are no other supports.
   bool inertia_relief = false;
 };
@@ -119,6 +127,16 @@ std::vector<ShellSection> triangle_sections(const ModelLayout& model,
 /// stiffness is negative.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const ShellDefinition& definition);
+
+/// Mass matrix of one coordinate (lower triangle, n×n): that of the shell (ShellAssembler::mass()), of
+/// its stiffeners and of its point masses.
+SparseMatrix mass_matrix(const ModelLayout& model, const Points& shape,
+                         const ShellDefinition& definition, const ShellAssembler& assembler);
+/// Mass of the stiffeners and point masses.
+double added_mass(const ModelLayout& model, const Points& shape, const ShellDefinition& definition);
+/// Load vector of an acceleration a(x) on shell, stiffeners and point masses.
+Points body_load(const ModelLayout& model, const Points& shape, const ShellDefinition& definition,
+                 const AccelerationField& acceleration);
 
 /// Names of all supports, each listed once: the pieces of a curve that is split at corners form one
 /// support.

@@ -74,11 +74,9 @@ ShellEvaluator::MaxValues ShellEvaluator::at(const ModelLayout& layout, const Po
   }
   displacements_ = std::move(displacements);
   std::optional<InertiaRelief> relief;
-  if (definition_.inertia_relief) {
-    SparseMatrix M = assembler().mass();
-    Stiffeners(shell_->layout(), shape_, definition_.stiffeners).add_mass(M);
-    relief.emplace(shell_->layout(), shape_, M);
-  }
+  if (definition_.inertia_relief)
+    relief.emplace(shell_->layout(), shape_,
+                   mass_matrix(shell_->layout(), shape_, definition_, assembler()));
   MaxValues largest;
   for (size_t i = 0; i < cases.size(); ++i) {
     const Points displacement =

@@ -28,15 +28,13 @@ ShellTies checked_ties(const ModelLayout& layout, const Points& shape,
 
 VecX stacked(const Points& q) { return Eigen::Map<const VecX>(q.data(), q.size()); }
 
-// K with its springs, and a small multiple of the mass in each coordinate for unsupported shells.
+// K with its springs, and a small multiple of the mass M in each coordinate for unsupported shells.
 // One object is returned on all paths: Eigen's sparse matrices cannot be moved.
 SparseMatrix stiffness_of(const ShellAssembler& assembler, const ShellSprings& springs,
-                          double shift = 0, const Stiffeners& stiffeners = {}) {
+                          double shift = 0, const SparseMatrix& M = {}) {
   SparseMatrix K = assembler.stiffness();
   if (!springs.empty()) K += springs.stiffness();
   if (shift != 0) {
-    SparseMatrix M = assembler.mass();
-    stiffeners.add_mass(M);
     SparseMatrix all(K.rows(), K.cols());
     std::vector<Triplet> entries;
     for (long j = 0; j < M.cols(); ++j)
@@ -105,7 +103,8 @@ void ShellModel::update_shape(Points shape, const ShellDefinition& definition) {
 
 SparseMatrix ShellModel::stiffness() {
   shift_ = rigid_body_modes_.unconstrained.empty() ? 0 : shift_of(section(0), layout_.size());
-  return stiffness_of(assembler_, ties_.springs, shift_, stiffeners_);
+  if (shift_ == 0) return stiffness_of(assembler_, ties_.springs);
+  return stiffness_of(assembler_, ties_.springs, shift_, mass());
 }
 
 Points ShellModel::solve(const Points& F) const {
@@ -213,9 +212,7 @@ double ShellModel::goal_change(const Points& u, const Points& F, const Points& a
 }
 
 SparseMatrix ShellModel::mass() const {
-  SparseMatrix M = assembler_.mass();
-  stiffeners_.add_mass(M);
-  return M;
+  return mass_matrix(layout_, shape_, definition_, assembler_);
 }
 
 SparseMatrix ShellModel::geometric_stiffness(const Points& q,

@@ -119,8 +119,8 @@ class ShellModel {
   /// Strain energy of the shell and its stiffeners for the displacement q (n×3), excluding the energy
   /// of springs.
   double energy(const Points& q) const;
-  /// Mass matrix of one coordinate, n×n, and geometric stiffness under a displacement q: those of the
-  /// assembler, with the stiffeners.
+  /// mass_matrix(), and the geometric stiffness of shell and stiffeners under a displacement q, of one
+  /// coordinate, n×n.
   SparseMatrix mass() const;
   SparseMatrix geometric_stiffness(const Points& q, const ShellTemperature& temperature = {}) const;
 

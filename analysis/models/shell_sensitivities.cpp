@@ -52,7 +52,8 @@ ShellSensitivities::ShellSensitivities(const ModelLayout& layout, const Points& 
 
 std::vector<ShellSensitivities::Quantities> ShellSensitivities::values() const {
   std::vector<Quantities> values;
-  const double mass = shell_mass(shell_.assembler()) + shell_.stiffeners().mass();
+  const double mass = shell_mass(shell_.assembler()) +
+                      added_mass(shell_.layout(), shell_.shape(), shell_.definition());
   for (const SolvedGoal& g : goals_)
     values.push_back(
         {g.G.cwiseProduct(g.u).sum(), g.F.cwiseProduct(g.u).sum(), g.norm.value, mass});
@@ -64,7 +65,7 @@ ShellSensitivities::Change ShellSensitivities::change_to(const Points& shape, bo
       follows ? problem_.definition(shell_.layout(), shape) : shell_.definition();
   return {shell_.assemble_system(shape, definition),
           problem_.load_cases(shell_.layout(), shape, definition),
-          Stiffeners(shell_.layout(), shape, definition.stiffeners).mass()};
+          added_mass(shell_.layout(), shape, definition)};
 }
 
 std::array<ShellSensitivities::Change, 2> ShellSensitivities::changes_along(

@@ -70,10 +70,10 @@ class ShellSensitivities {
   struct Change {
     ShellSystem system;
     std::vector<ShellLoadCase> cases;
-    double stiffener_mass;
+    double added_mass;
   };
   static double mass_of(const Change& change) {
-    return shell_mass(change.system.assembler) + change.stiffener_mass;
+    return shell_mass(change.system.assembler) + change.added_mass;
   }
   // `follows`: supports, loads and thicknesses are those of the changed shape; otherwise, supports
   // and thicknesses are those of the shell.

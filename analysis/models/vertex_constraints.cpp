@@ -235,8 +235,8 @@ class VertexConstraints {
       // A support of one face is half a support of two faces that a tie equates.
       VertexForm of_all_faces = form;
       project_off(basis, is_tie ? 0 : ties, of_all_faces);
-      const double epsilon = is_tie ? tie_independence(length, isize(at))
-                                    : length / of_all_faces.form.norm();
+      const double epsilon =
+          is_tie ? tie_independence(length, isize(at)) : length / of_all_faces.form.norm();
       largest_value = std::max(largest_value, std::abs(form.value));
       constexpr double rounding = 1e-9;
       const bool contradicts = std::abs(added.value) > std::max(length, rounding) * largest_value;

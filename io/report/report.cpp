@@ -311,6 +311,41 @@ Json json_of(const PointCloudDistances& s) {
           {"rms", s.rms}};
 }
 
+Json json_of(const StressReport::Case::Result::Range& range) {
+  return {{"min", range.least}, {"mean", range.mean}, {"max", range.largest}};
+}
+
+Json json_of(const StressReport::Case::Result& r) {
+  Json json = {{"name", r.name}, {"kind", r.kind}};
+  if (!r.point) {
+    json[r.kind == "curve" ? "length" : "area"] = r.size;
+    json["displacement"] = json_of(r.displacement);
+    json["von_mises"] = json_of(r.von_mises);
+    return json;
+  }
+  const auto tensor = [](const Mat3& s) {
+    return Json{s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2)};
+  };
+  json["at"] = json_of(r.point->at);
+  json["face"] = r.point->face;
+  json["displacement_vector"] = json_of(r.point->displacement);
+  json["von_mises_top_middle_bottom"] = r.point->von_mises;
+  json["principal_top_middle_bottom"] = r.point->principal;
+  json["forces"] = tensor(r.point->forces);
+  json["moments"] = tensor(r.point->moments);
+  return json;
+}
+
+Json json_of(const StressReport::Case::StiffenerValues& s) {
+  return {{"name", s.name},
+          {"max_stress", s.stress},
+          {"stress_at", json_of(s.at)},
+          {"axial_force", s.axial},
+          {"bending_moment", s.bending},
+          {"lateral_bending_moment", s.lateral_bending},
+          {"torque", s.torque}};
+}
+
 Json json_of(const StressReport::Case& c) {
   Json json = {{"name", c.name},
                {"combination", c.combination},
@@ -339,6 +374,8 @@ Json json_of(const StressReport::Case& c) {
                                        {"ply", r.ply},
                                        {"at", json_of(r.at)},
                                        {"face", r.region}});
+  for (const auto& r : c.results) json["results"].push_back(json_of(r));
+  for (const auto& s : c.stiffeners) json["stiffeners"].push_back(json_of(s));
   if (c.buckling_requested) json["buckling_factors"] = c.buckling;
   if (c.calculix)
     json["calculix"] = {{"elements", c.calculix->elements},

@@ -87,6 +87,34 @@ struct StressReport {
     /// Estimated relative change of the displacements by large displacements, and by transverse shear
     /// (analysis/models/theory_limits.h).
     double nonlinearity = 0, shear_share = 0;
+    /// Values that were requested at a point, along a curve, or on a face.
+    struct Result {
+      struct Range {
+        double least = 0, mean = 0, largest = 0;
+      };
+      struct Point {
+        Vec3 at = Vec3::Zero(), displacement = Vec3::Zero();
+        std::string face;
+        /// At the top, in the middle and at the bottom: von Mises and principal stresses.
+        std::vector<double> von_mises;
+        std::vector<std::array<double, 2>> principal;
+        Mat3 forces = Mat3::Zero(), moments = Mat3::Zero();
+      };
+      std::string name, kind;      ///< kind: "point", "curve" or "face"
+      std::optional<Point> point;  ///< of a point; the following ones are of curves and faces
+      double size = 0;             ///< length or area
+      Range displacement, von_mises;
+    };
+    std::vector<Result> results;
+    /// Largest values of a stiffener: axial stress of a fibre; axial force, bending moments and torque
+    /// with their signs, least and largest.
+    struct StiffenerValues {
+      std::string name;
+      double stress = 0;
+      Vec3 at = Vec3::Zero();
+      std::array<double, 2> axial, bending, lateral_bending, torque;
+    };
+    std::vector<StiffenerValues> stiffeners;
     bool buckling_requested = false;
     std::vector<double> buckling;  ///< buckling load factors, ascending
     std::vector<Reaction> reactions;

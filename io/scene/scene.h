@@ -115,7 +115,7 @@ struct SceneTarget {
   std::filesystem::path file;  ///< the target: a CAD file or a mesh file
   /// The target as a mesh that the scene lists in place of a file; nullptr: none.
   std::shared_ptr<const ShellMesh> mesh = nullptr;
-  std::string unit;            ///< length unit of a mesh file; empty: the unit of the scene
+  std::string unit;  ///< length unit of a mesh file; empty: the unit of the scene
   /// True: the mesh is a control cage, and the target is its Catmull-Clark limit surface.
   bool cage = false;
   /// Largest accepted distance from the target, model units; 0: 1e-4 of the size of the model.

@@ -75,7 +75,9 @@ const std::vector<std::string>& stress_keys() {
                                                 "inertia_relief", "expansion",
                                                 "strength",       "plies",
                                                 "layup",          "ply_thickness",
-                                                "materials",      "reference_surface"};
+                                                "materials",      "reference_surface",
+                                                "stiffeners",     "masses",
+                                                "results"};
   return keys;
 }
 
@@ -322,6 +324,90 @@ SceneStress::Load read_load(const TomlTable& t) {
   return load;
 }
 
+struct StiffenerShape {
+  const char *key, *dimensions;
+  SceneStress::Stiffener::Shape shape;
+};
+constexpr StiffenerShape kStiffenerShapes[] = {
+    {"rectangle", "width, height", SceneStress::Stiffener::Shape::Rectangle},
+    {"circle", "radius", SceneStress::Stiffener::Shape::Circle},
+    {"tube", "radius, wall", SceneStress::Stiffener::Shape::Tube},
+    {"tee", "height of the web, thickness of the web, width of the flange, thickness of the flange",
+     SceneStress::Stiffener::Shape::Tee}};
+
+/// Shape and dimensions from the keys `rectangle`, `circle`, `tube`, `tee` and `section`.
+void read_stiffener_section(const TomlTable& t, SceneStress::Stiffener& stiffener) {
+  int found = t.has("section") ? 1 : 0;
+  for (const StiffenerShape& of : kStiffenerShapes) {
+    if (!t.has(of.key)) continue;
+    ++found;
+    stiffener.shape = of.shape;
+    if (of.shape == SceneStress::Stiffener::Shape::Circle) {
+      stiffener.dimensions = {t.positive(of.key)};
+      continue;
+    }
+    const VecX numbers = t.numbers(of.key, of.dimensions);
+    stiffener.dimensions.assign(numbers.begin(), numbers.end());
+    if (!(numbers.minCoeff() > 0))
+      t.fail(of.key, "a dimension that is not above 0", std::string("[") + of.dimensions + "]");
+  }
+  if (found != 1)
+    t.fail(
+        "curve", found == 0 ? "a stiffener without a section" : "several sections of a stiffener",
+        "one of rectangle = [width, height], circle = radius, tube = [radius, wall], tee = [height "
+        "and thickness of the web, width and thickness of the flange], section = {area = …, …}");
+  if (!t.has("section")) {
+    stiffener.side = t.choice("side", 1.0, {{"top", 1.0}, {"bottom", -1.0}, {"middle", 0.0}});
+    return;
+  }
+  if (t.has("side")) t.fail("side", "'side' beside 'section'", "the eccentricity in the section");
+  const TomlTable s =
+      t.table("section", {"area", "inertia", "lateral_inertia", "torsion", "eccentricity"}).at(0);
+  stiffener.shape = SceneStress::Stiffener::Shape::Numbers;
+  stiffener.dimensions = {s.positive("area"), s.positive("inertia", 0),
+                          s.positive("lateral_inertia", 0), s.positive("torsion", 0),
+                          s.number("eccentricity", 0)};
+}
+
+void read_stiffeners(const TomlTable& table, const std::string& unit, SceneStress& stress) {
+  for (const TomlTable& t : table.tables(
+           "stiffeners", {"curve", "name", "rectangle", "circle", "tube", "tee", "section", "side",
+                          "material", "young", "poisson", "density", "expansion"})) {
+    SceneStress::Stiffener stiffener;
+    stiffener.line = {t.text("curve"), t.location("curve")};
+    stiffener.name = t.text("name", stiffener.line.text);
+    read_stiffener_section(t, stiffener);
+    if (t.has("material") || t.has("young"))
+      stiffener.material = read_material(t, unit);
+    else if (stress.plies.empty() && !stress.material.is_orthotropic())
+      stiffener.material = stress.material;
+    else
+      t.fail("curve", "a stiffener without a material", "material = \"…\", or young = …");
+    if (stiffener.material.is_orthotropic()) t.fail("young", "two moduli of a stiffener", "one");
+    stress.stiffeners.push_back(std::move(stiffener));
+  }
+}
+
+void read_results(const TomlTable& table, SceneStress& stress) {
+  for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face"})) {
+    if (t.has("point") + t.has("curve") + t.has("face") != 1)
+      t.fail("name", "a result without a location, or with several",
+             "one of point, curve and face");
+    SceneStress::Result result;
+    result.location = t.location();
+    if (t.has("point")) result.point = t.vector("point");
+    if (t.has("curve")) result.line = {t.text("curve"), t.location("curve")};
+    if (t.has("face")) result.region = {t.text("face"), t.location("face")};
+    const std::string usual = result.point ? "point " + std::to_string(stress.results.size() + 1)
+                                           : result.line.text + result.region.text;
+    result.name = t.text("name", usual);
+    for (const SceneStress::Result& other : stress.results)
+      if (other.name == result.name)
+        t.fail("name", "a second result '" + result.name + "'", "another name");
+    stress.results.push_back(std::move(result));
+  }
+}
+
 SceneStress::Thickness read_thickness(const TomlTable& t) {
   SceneStress::Thickness thickness;
   thickness.thickness = t.positive("thickness");
@@ -443,6 +529,10 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
                                  "displacement", "foundation", "spring", "face", "box"}))
     stress.supports.push_back(read_support(t));
   stress.hinges = table.names("hinges");
+  read_stiffeners(table, unit, stress);
+  for (const TomlTable& t : table.tables("masses", {"point", "mass"}))
+    stress.masses.push_back({t.vector("point"), t.positive("mass"), t.location()});
+  read_results(table, stress);
   stress.modes = table.integer("modes", 1, 0);
   stress.inertia_relief = table.boolean("inertia_relief", false);
   if (stress.modes > 0 && !stress.has_density())

@@ -101,6 +101,32 @@ struct SceneStress {
       return formulas.empty() ? vector : Vec3(formulas[0](x), formulas[1](x), formulas[2](x));
     }
   };
+  /// A stiffener along a curve.
+  struct Stiffener {
+    LocatedString line;
+    std::string name;  ///< in results; that of the curve, unless given
+    SceneMaterial material;
+    enum class Shape { Rectangle, Circle, Tube, Tee, Numbers };
+    Shape shape = Shape::Rectangle;
+    /// Rectangle: width, height; Circle: radius; Tube: radius, wall; Tee: height and thickness of the
+    /// web, width and thickness of the flange; Numbers: area, inertia, lateral inertia, torsion
+    /// constant, eccentricity.
+    std::vector<double> dimensions;
+    double side = 1;  ///< 1: on the top of the shell, -1: on its bottom, 0: in its middle
+  };
+  /// A mass at a point of the surface.
+  struct Mass {
+    Vec3 point = Vec3::Zero();
+    double mass = 0;
+    SourceLocation location;
+  };
+  /// A point, a curve or a face whose values are reported.
+  struct Result {
+    std::string name;
+    std::optional<Vec3> point;
+    LocatedString line, region;  ///< alternatives to `point`
+    SourceLocation location;
+  };
   /// A linear combination of load cases.
   struct Combination {
     std::string name;
@@ -118,6 +144,9 @@ struct SceneStress {
   std::vector<Load> loads;
   std::vector<Combination> combinations;
   std::vector<LocatedString> hinges;
+  std::vector<Stiffener> stiffeners;
+  std::vector<Mass> masses;
+  std::vector<Result> results;
   bool sensitivities = false;
   /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.
   int modes = 0, buckling = 0;

@@ -16,6 +16,7 @@
 #include "batten/io/files/external_program.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/vtk/vtk_files.h"
+#include "batten/scenes/shapes/stress_probes.h"
 #include "batten/scenes/shapes/stress_results.h"
 #include "batten/scenes/shapes/stress_setup.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -112,6 +113,14 @@ void StressFiles::visit_shell(const ShellModel& shell) {
 void StressFiles::visit_case(const StressReport::Case& c, const ShellCaseResult& result,
                              const ShellStresses& stresses) {
   write_case(c.name, result.displacement, c.displacement, stresses);
+  for (const SceneStress::Result& of : scene_.stress->results) {
+    if (of.line.text.empty()) continue;
+    const std::string file = stress_stem(scene_, c.name) + "_" + safe_file_name(of.name) + ".csv";
+    write_file_atomically(run_.out.file(file), [&](std::ostream& out) {
+      write_curve_values(out, scene_, *shell_, result, stresses, of);
+    });
+    run_.report.files.push_back(file);
+  }
 }
 
 void StressFiles::visit_buckling(const StressReport::Case& c, const std::vector<Points>& shapes) {
@@ -332,6 +341,27 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
       text += summary_line("", "reserve factor " + three_digits(r.factor) + " (" + r.criterion +
                                    ") in ply " + std::to_string(r.ply) + " at " +
                                    format_rounded_point(r.at) + " of '" + r.region + "'");
+    for (const auto& s : c.stiffeners)
+      text +=
+          summary_line("", "stiffener '" + s.name + "': axial force " + three_digits(s.axial[0]) +
+                               " to " + three_digits(s.axial[1]) + ", bending moment " +
+                               three_digits(s.bending[0]) + " to " + three_digits(s.bending[1]) +
+                               (s.stress == 0 ? ""
+                                              : "; stress " + three_digits(s.stress) + " at " +
+                                                    format_rounded_point(s.at)));
+    for (const auto& r : c.results)
+      text += summary_line(
+          "", "'" + r.name + "': " +
+                  (r.point ? "displacement " + three_digits(r.point->displacement.norm()) + " " +
+                                 unit + ", von Mises " + three_digits(r.point->von_mises[0]) +
+                                 " top, " + three_digits(r.point->von_mises[1]) + " middle, " +
+                                 three_digits(r.point->von_mises[2]) + " bottom"
+                           : "displacement " + three_digits(r.displacement.least) + " to " +
+                                 three_digits(r.displacement.largest) + " " + unit + ", mean " +
+                                 three_digits(r.displacement.mean) + "; von Mises " +
+                                 three_digits(r.von_mises.least) + " to " +
+                                 three_digits(r.von_mises.largest) + ", mean " +
+                                 three_digits(r.von_mises.mean)));
     if (c.calculix)
       text += summary_line("", "CalculiX, " + c.calculix->elements + ": displacement " +
                                    three_digits(c.calculix->displacement) + " " + unit +

@@ -10,6 +10,7 @@
 #include "batten/analysis/models/theory_limits.h"
 #include "batten/core/errors.h"
 #include "batten/scenes/shapes/shape_derivatives.h"
+#include "batten/scenes/shapes/stress_probes.h"
 #include "batten/scenes/shapes/stress_setup.h"
 
 namespace batten {
@@ -54,6 +55,14 @@ StressReport::Case case_report(const SceneStress& stress, const ModelLayout& lay
   c.max_stress_region = region_at(layout, peak.where);
   c.spread = peak.spread;
   c.near_singularity = result.near_singularity;
+  for (const StiffenerResult& s : result.stiffeners)
+    c.stiffeners.push_back({s.name,
+                            s.largest_stress,
+                            s.stress_at,
+                            {s.least.axial, s.largest.axial},
+                            {s.least.bending, s.largest.bending},
+                            {s.least.lateral_bending, s.largest.lateral_bending},
+                            {s.least.torque, s.largest.torque}});
   c.error = result.energy_norm_error;
   if (stress.yield > 0 && c.stress > 0) c.safety = stress.yield / c.stress;
   return c;
@@ -170,6 +179,7 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
     StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
     const ShellLoadCase& load_case = cases[report.cases.size()];
     estimate_limits(shell, load_case, result, stresses, c);
+    c.results = requested_results(scene, shell, result, stresses);
     visitor.visit_case(c, result, stresses);
     constexpr double balanced = 1e-8;
     if (!(c.equilibrium_residual <= balanced))

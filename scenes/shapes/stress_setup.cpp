@@ -2,45 +2,18 @@
 #include "batten/scenes/shapes/stress_setup.h"
 
 #include <algorithm>
-#include <array>
-#include <functional>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "batten/analysis/models/inertia_relief.h"
 #include "batten/core/errors.h"
+#include "batten/scenes/shapes/stress_places.h"
 #include "batten/sculpting/loads/loads.h"
-#include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
 namespace {
-
-/// Names of the layout's lines that are, or are parts of, a line of the scene. Throws InputError,
-/// with the location in the scene, if there are none.
-std::vector<std::string> find_lines(const ModelLayout& layout, const Scene& scene,
-                                    const LocatedString& line) {
-  std::vector<std::string> all, found;
-  for (const ModelLine& l : layout.lines()) {
-    all.push_back(l.name);
-    if (is_part_of(l.name, line.text)) found.push_back(l.name);
-  }
-  if (found.empty())
-    throw InputError(scene.at(line.location) + "found the curve '" + line.text + "', expected " +
-                     expected_one_of(line.text, all));
-  return found;
-}
-
-/// Layout index of a region of the scene. Throws InputError like find_lines().
-int find_region(const ModelLayout& layout, const Scene& scene, const LocatedString& region) {
-  std::vector<std::string> names;
-  for (const auto& r : layout.regions()) {
-    if (r->name() == region.text) return isize(names);
-    names.push_back(r->name());
-  }
-  throw InputError(scene.at(region.location) + "found the face '" + region.text + "', expected " +
-                   expected_one_of(region.text, names));
-}
 
 // Throws InputError, with the location in the scene, for inconsistent units.
 void require_consistent_units(const Scene& scene) {
@@ -87,25 +60,6 @@ std::vector<Area> areas_of(const Scene& scene, const ModelLayout& layout, const 
   return areas;
 }
 
-ShellLocation place_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
-                       const Vec3& point, const SourceLocation& at) {
-  const ShellLocation location = nearest_location(layout, shape, point);
-  constexpr double far = 0.05;  // relative to the model size
-  if (location.distance > far * layout.size())
-    throw InputError(scene.at(at) + "found a point at a distance of " +
-                     format_number(location.distance) + " " + scene.unit +
-                     " from the surface, expected one on the surface");
-  return location;
-}
-
-ShellPart part_of(const Scene& scene, const ModelLayout& layout, const LocatedString& region,
-                  const std::optional<Box3>& box) {
-  ShellPart part;
-  if (!region.text.empty()) part.regions = {find_region(layout, scene, region)};
-  part.box = box;
-  return part;
-}
-
 void add_support(const Scene& scene, const ModelLayout& layout, const Points& shape,
                  const SceneStress::Support& support, ShellDefinition& definition) {
   using Kind = SceneStress::Support::Kind;
@@ -143,22 +97,6 @@ void add_support(const Scene& scene, const ModelLayout& layout, const Points& sh
                                 support.rotation, support.box});
 }
 
-/// The values of a load at a point; errors of its formulas get its place in the scene.
-template <class Value>
-auto at_load(const Scene& scene, const SceneStress::Load& load, const Value& value) {
-  try {
-    return value();
-  } catch (const InputError& e) {
-    throw InputError(scene.at(load.location) + e.what());
-  }
-}
-double value_of(const Scene& scene, const SceneStress::Load& load, const Vec3& x) {
-  return at_load(scene, load, [&] { return load.value_at(x); });
-}
-Vec3 vector_of(const Scene& scene, const SceneStress::Load& load, const Vec3& x) {
-  return at_load(scene, load, [&] { return load.vector_at(x); });
-}
-
 /// The temperature of a load at the vertices of the model's mesh; 0 on other faces.
 ShellTemperature temperature_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
                                 const SceneStress::Load& load) {
@@ -178,6 +116,15 @@ ShellTemperature temperature_of(const Scene& scene, const ModelLayout& layout, c
     }
   }
   return temperature;
+}
+
+Points thermal_load(const ModelLayout& layout, const Points& shape,
+                    const ShellDefinition& definition, const ShellTemperature& temperature) {
+  const ShellAssembler assembler(layout.surface(shape), triangle_sections(layout, definition));
+  Points F = assembler.thermal_load(temperature);
+  const Stiffeners stiffeners(layout, shape, definition.stiffeners);
+  if (!stiffeners.empty()) F += stiffeners.thermal_load(temperature);
+  return F;
 }
 
 Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shape,
@@ -209,7 +156,7 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
           },
           part);
     case Type::Gravity:
-      return gravity_load(layout, shape, triangle_sections(layout, definition), v);
+      return body_load(layout, shape, definition, [&](const Vec3&) { return v; });
     case Type::Point:
       return point_force(layout, place_of(scene, layout, shape, load.point, load.location), v);
     case Type::LineForce:
@@ -239,14 +186,12 @@ Points load_of(const Scene& scene, const ModelLayout& layout, const Points& shap
           },
           v, load.moment);
     case Type::Temperature:
-      return ShellAssembler(layout.surface(shape), triangle_sections(layout, definition))
-          .thermal_load(temperature_of(scene, layout, shape, load));
+      return thermal_load(layout, shape, definition, temperature_of(scene, layout, shape, load));
     case Type::Spin:
-      return body_load(layout, shape, triangle_sections(layout, definition),
-                       [&](const Vec3& x) -> Vec3 {
-                         const Vec3 r = x - load.origin;
-                         return value * value * (r - r.dot(load.axis) * load.axis);
-                       });
+      return body_load(layout, shape, definition, [&](const Vec3& x) -> Vec3 {
+        const Vec3 r = x - load.origin;
+        return value * value * (r - r.dot(load.axis) * load.axis);
+      });
   }
   return {};
 }
@@ -311,6 +256,40 @@ ShellSection shell_section(const SceneStress& stress) {
   return section;
 }
 
+StiffenerSection stiffener_section(const SceneStress::Stiffener& of, const ShellSection& shell) {
+  using Shape = SceneStress::Stiffener::Shape;
+  const std::vector<double>& d = of.dimensions;
+  StiffenerSection section;
+  if (of.shape == Shape::Numbers) {
+    section.area = d[0];
+    section.inertia = d[1];
+    section.lateral_inertia = d[2];
+    section.torsion = d[3];
+    section.eccentricity = d[4];
+  } else {
+    section = of.shape == Shape::Rectangle ? StiffenerSection::rectangle(d[0], d[1])
+              : of.shape == Shape::Circle  ? StiffenerSection::circle(d[0])
+              : of.shape == Shape::Tube    ? StiffenerSection::tube(d[0], d[1])
+                                           : StiffenerSection::tee(d[0], d[1], d[2], d[3]);
+    section = section.on_side(of.side, (shell.offset + of.side / 2) * shell.thickness);
+  }
+  section.young = of.material.young;
+  section.shear_modulus = of.material.young / (2 * (1 + of.material.poisson));
+  section.density = of.material.density;
+  section.expansion = of.material.expansion[0];
+  return section;
+}
+
+void add_stiffeners(const Scene& scene, const ModelLayout& layout, ShellDefinition& definition) {
+  for (const SceneStress::Stiffener& of : scene.stress->stiffeners)
+    for (const std::string& line : find_lines(layout, scene, of.line)) {
+      const int region = layout.model_line(line).sides[0].region;
+      const auto& sections = definition.sections;
+      const ShellSection& shell = sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
+      definition.stiffeners.push_back({of.name, line, stiffener_section(of, shell)});
+    }
+}
+
 ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
                                  const Points& shape) {
   const SceneStress& s = *scene.stress;
@@ -320,6 +299,10 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
   set_thicknesses(scene, layout, shape, definition);
   for (const SceneStress::Support& support : s.supports)
     add_support(scene, layout, shape, support, definition);
+  add_stiffeners(scene, layout, definition);
+  for (const SceneStress::Mass& mass : s.masses)
+    definition.masses.push_back(
+        {place_of(scene, layout, shape, mass.point, mass.location), mass.mass});
   for (const LocatedString& hinge : s.hinges)
     for (const std::string& line : find_lines(layout, scene, hinge)) {
       if (layout.model_line(line).sides.size() < 2)
@@ -406,10 +389,8 @@ std::map<std::string, ShellLoadCase> case_loads(const Scene& scene, const ModelL
 // Balances the loads of a free shell by its inertia.
 void balance(const ModelLayout& layout, const Points& shape, const ShellDefinition& definition,
              std::vector<ShellLoadCase>& cases) {
-  SparseMatrix mass =
-      ShellAssembler(layout.surface(shape), triangle_sections(layout, definition)).mass();
-  Stiffeners(layout, shape, definition.stiffeners).add_mass(mass);
-  const InertiaRelief relief(layout, shape, mass);
+  const ShellAssembler assembler(layout.surface(shape), triangle_sections(layout, definition));
+  const InertiaRelief relief(layout, shape, mass_matrix(layout, shape, definition, assembler));
   for (ShellLoadCase& one : cases) one.load = relief.balanced(one.load);
 }
 
@@ -460,185 +441,6 @@ ShellProblem shell_problem(const Scene& scene) {
       [&scene](const ModelLayout& layout, const Points& shape, const ShellDefinition& definition) {
         return load_cases(scene, layout, shape, definition);
       }};
-}
-
-namespace {
-
-using Support = SceneStress::Support;
-using Load = SceneStress::Load;
-
-class DeckOfScene {
- public:
-  DeckOfScene(const Scene& scene, const ModelLayout& layout, const std::string& file)
-      : scene_(scene), layout_(layout), file_(file) {}
-
-  ShellDeck made(const std::string& load_case) {
-    const SceneStress& stress = *scene_.stress;
-    deck_.thickness = stress.thickness;
-    if (!stress.plies.empty()) refuse({}, "a laminate");
-    deck_.young = stress.material.young;
-    deck_.poisson = stress.material.poisson;
-    deck_.density = stress.material.density;
-    // With the OFFSET of a section, ccx applies nodal forces in the middle of the shell all the same.
-    if (stress.offset != 0) refuse({}, "a reference surface at the top or bottom");
-    deck_.units = "lengths in " + scene_.unit;
-    if (stress.material.is_orthotropic()) refuse({}, "an orthotropic material");
-    for (const auto& of : stress.thicknesses) {
-      if (of.region.text.empty()) refuse({}, "a variable thickness");
-      find_region(layout_, scene_, of.region);
-      deck_.thicknesses.push_back({of.region.text, of.thickness});
-    }
-    if (!stress.hinges.empty()) refuse(stress.hinges[0].location, "a hinge");
-    if (stress.supports.empty()) refuse({}, "a shell without supports");
-    for (const Support& support : stress.supports) add(support);
-    for (const Load& load : stress.loads)
-      if (load.load_case == load_case) add(load);
-    if (!areas_.empty())
-      deck_.area_force = [areas = areas_](const std::string& region, const Vec3& x,
-                                          const Vec3& n) -> Vec3 {
-        Vec3 sum = Vec3::Zero();
-        for (const AreaForce& of : areas)
-          if ((of.region.empty() || of.region == region) && (!of.box || of.box->contains(x)))
-            sum += of.force(x, n);
-        return sum;
-      };
-    if (!temperatures_.empty()) add_temperature();
-    return deck_;
-  }
-
- private:
-  struct AreaForce {
-    std::string region;
-    std::optional<Box3> box;
-    std::function<Vec3(const Vec3& x, const Vec3& n)> force;
-  };
-
-  [[noreturn]] void refuse(const SourceLocation& location, const std::string& what) const {
-    throw DeckLimitError(scene_.at(location) + "found " + what + ", which '" + file_ +
-                         "' cannot contain");
-  }
-
-  void add_temperature() {
-    const SceneMaterial& material = scene_.stress->material;
-    if (material.expansion[0] != material.expansion[1])
-      refuse({}, "different thermal expansions along and across");
-    deck_.expansion = material.expansion[0];
-    deck_.temperature = [loads = temperatures_, &scene = scene_](const Vec3& x) {
-      std::array<double, 2> sum = {};
-      for (const Load& load : loads)
-        at_load(scene, load, [&] {
-          if (load.temperature) sum[0] += (*load.temperature)(x);
-          if (load.temperature_difference) sum[1] += (*load.temperature_difference)(x);
-          return 0;
-        });
-      return sum;
-    };
-  }
-
-  void add(const Support& support) {
-    using Kind = Support::Kind;
-    if (support.kind == Kind::Elastic) refuse(support.location, "an elastic support");
-    if (support.kind == Kind::Symmetric) refuse(support.location, "a symmetry support");
-    if (support.point) refuse(support.location, "a point support");
-    ShellDeck::Support to;
-    to.kind = support.kind == Kind::Clamped && !support.line.text.empty()
-                  ? ShellDeck::Support::Kind::Clamped
-                  : ShellDeck::Support::Kind::Pinned;
-    if (support.kind == Kind::Prescribed) {
-      if (support.rotation) refuse(support.location, "a support that prescribes a rotation only");
-      to.constrained = {false, false, false};
-      for (const Vec3& d : support.directions) {
-        int c;
-        if (d.cwiseAbs().maxCoeff(&c) < d.norm())
-          refuse(support.location, "a direction that is not a coordinate axis");
-        to.constrained[c] = true;
-      }
-    }
-    to.box = support.box;
-    to.displacement = support.displacement;
-    if (!support.region.text.empty()) {
-      find_region(layout_, scene_, support.region);
-      to.region = support.region.text;
-    }
-    if (support.line.text.empty()) deck_.supports.push_back(to);
-    for (const std::string& name : lines_of(support.line)) {
-      to.line = name;
-      deck_.supports.push_back(to);
-    }
-  }
-
-  std::vector<std::string> lines_of(const LocatedString& line) const {
-    if (line.text.empty()) return {};
-    return find_lines(layout_, scene_, line);
-  }
-
-  void add(const Load& load) {
-    if (!load.region.text.empty()) find_region(layout_, scene_, load.region);
-    const Vec3 v = load.vector;
-    const double value = load.value, level = load.level;
-    const auto add_area = [&](const std::function<Vec3(const Vec3&, const Vec3&)>& force) {
-      areas_.push_back({load.region.text, load.box, force});
-    };
-    switch (load.type) {
-      case Load::Type::Pressure:
-        if (load.box || !load.formulas.empty())
-          add_area([load, &scene = scene_](const Vec3& x, const Vec3& n) -> Vec3 {
-            return value_of(scene, load, x) * n;
-          });
-        else if (load.region.text.empty())
-          deck_.pressure += value;
-        else
-          deck_.pressures.push_back({load.region.text, value});
-        return;
-      case Load::Type::Gravity:
-        deck_.gravity += v;
-        return;
-      case Load::Type::AreaForce:
-        return add_area([load, &scene = scene_](const Vec3& x, const Vec3&) {
-          return vector_of(scene, load, x);
-        });
-      case Load::Type::Hydrostatic:
-        return add_area([value, level](const Vec3& x, const Vec3& n) -> Vec3 {
-          return value * std::max(0.0, level - x.z()) * n;
-        });
-      case Load::Type::Point:
-        deck_.point_forces.push_back({load.point, v});
-        return;
-      case Load::Type::LineForce:
-        if (!load.formulas.empty()) refuse(load.location, "a force that varies along a curve");
-        for (const std::string& name : lines_of(load.line))
-          deck_.line_forces.push_back({name, v, load.box});
-        return;
-      case Load::Type::LineMoment:
-        refuse(load.location, "a line moment");
-      case Load::Type::EdgeForce:
-        refuse(load.location, "an edge force");
-      case Load::Type::Total:
-        refuse(load.location, "a total force or moment");
-      case Load::Type::Temperature:
-        if (!load.region.text.empty()) refuse(load.location, "a temperature of one face");
-        if (load.temperature_difference && !deck_.thicknesses.empty())
-          refuse(load.location, "a temperature difference in a shell of several thicknesses");
-        temperatures_.push_back(load);
-        return;
-      case Load::Type::Spin:
-        refuse(load.location, "a centrifugal load");
-    }
-  }
-
-  const Scene& scene_;
-  const ModelLayout& layout_;
-  std::string file_;
-  ShellDeck deck_;
-  std::vector<AreaForce> areas_;
-  std::vector<Load> temperatures_;
-};
-
-}  // namespace
-
-ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,
-                  const std::string& file) {
-  return DeckOfScene(scene, layout, file).made(load_case);
 }
 
 }  // namespace batten
