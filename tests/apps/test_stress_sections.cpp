@@ -186,6 +186,99 @@ TEST_CASE("displacements and thicknesses beyond the linear theory of thin shells
                "transverse shear"));
 }
 
+TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", "[apps][stress]") {
+  const CliCase c("stress_stiffeners");
+  // A strip of 20 by 100 with a rib along its middle, clamped at one end.
+  const auto strip = [](const std::string& stress) {
+    return "name = \"strip\"\nunit = \"mm\"\n"
+           "[[curve]]\nname = \"root\"\npoints = [[0,0,0],[20,0,0]]\n"
+           "[[curve]]\nname = \"right\"\npoints = [[20,0,0],[20,100,0]]\n"
+           "[[curve]]\nname = \"tip\"\npoints = [[20,100,0],[0,100,0]]\n"
+           "[[curve]]\nname = \"left\"\npoints = [[0,100,0],[0,0,0]]\n"
+           "[[curve]]\nname = \"rib\"\nrole = \"inner\"\npoints = [[10,0,0],[10,100,0]]\n"
+           "[mesh]\nedge_length = 10\n[stress]\nyoung = 210e3\npoisson = 0\ndensity = "
+           "7.85e-9\nthickness = 1\nsupports = [{curve = \"root\"}]\n" +
+           stress + "\n";
+  };
+  const std::string load = "loads = [{curve = \"tip\", force = [0, 0, 0.05]}]\n";
+  const auto solved = [&](const std::string& stress) {
+    return report_of(c, strip(stress))["stress"];
+  };
+  const double width = 2, height = 6, e = 0.5 + height / 2, sheet = 20, rib = width * height,
+               axis = rib * e / (sheet + rib);
+  const double EI = 210e3 * (20.0 / 12 + width * std::pow(height, 3) / 12 + sheet * axis * axis +
+                             rib * (e - axis) * (e - axis));
+  const std::string ribs = "stiffeners = [{curve = \"rib\", rectangle = [2, 6]}]\n";
+  const auto stiff = solved(ribs + load +
+                            "results = [{name = \"end\", point = [10, 100, 0]}, {curve = \"tip\"}, "
+                            "{face = \"face 1\"}]\n")["cases"][0];
+  CHECK(number(stiff["max_displacement"]) == Approx(1e6 / (3 * EI)).epsilon(0.02));
+  REQUIRE(stiff["stiffeners"].size() == 1);
+  CHECK(stiff["stiffeners"][0]["name"] == "rib");
+  const double fibre = 0.5 + height - axis;
+  CHECK(std::abs(number(stiff["stiffeners"][0]["max_stress"])) ==
+        Approx(210e3 * 100 * fibre / EI).epsilon(0.05));
+  // The same section by its numbers, and on the other side: the same deflection.
+  const auto numbers = solved(
+      "stiffeners = [{curve = \"rib\", section = {area = 12, inertia = 36, "
+      "lateral_inertia = 4, torsion = 12.6, eccentricity = 3.5}}]\n" +
+      load)["cases"][0];
+  CHECK(number(numbers["max_displacement"]) ==
+        Approx(number(stiff["max_displacement"])).epsilon(1e-3));
+  const auto below =
+      solved("stiffeners = [{curve = \"rib\", rectangle = [2, 6], side = \"bottom\"}]\n" +
+             load)["cases"][0];
+  CHECK(number(below["max_displacement"]) ==
+        Approx(number(stiff["max_displacement"])).epsilon(1e-6));
+
+  // Requested results.
+  REQUIRE(stiff["results"].size() == 3);
+  const auto &end = stiff["results"][0], &tip = stiff["results"][1], &face = stiff["results"][2];
+  CHECK(end["kind"] == "point");
+  CHECK(number(end["displacement_vector"][2]) ==
+        Approx(number(stiff["max_displacement"])).epsilon(0.01));
+  CHECK(end["principal_top_middle_bottom"].size() == 3);
+  CHECK(number(tip["length"]) == Approx(20).epsilon(1e-6));
+  CHECK(number(tip["displacement"]["max"]) ==
+        Approx(number(stiff["max_displacement"])).epsilon(1e-3));
+  CHECK(number(face["area"]) == Approx(2000).epsilon(1e-6));
+  CHECK(number(face["von_mises"]["max"]) <= number(stiff["max_von_mises"]) * (1 + 1e-9));
+  const std::string csv = contents(c / "out/strip_loads_tip.csv");
+  CHECK(csv.starts_with("s [mm],x [mm],y [mm],z [mm],ux [mm]"));
+  CHECK(csv.find("von_mises_top [N/mm²]") != std::string::npos);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') >= 5);
+
+  // A mass at the tip lowers the frequency: f ~ 1/√(M + 0.243 m).
+  const auto frequency = [&](const std::string& more) {
+    return number(solved(ribs + "modes = 1\n" + more)["frequencies"][0]);
+  };
+  const double mass = 7.85e-9 * 100 * (sheet + rib), added = 5 * mass;
+  CHECK(frequency("masses = [{point = [10, 100, 0], mass = " + std::to_string(added * 1e6) +
+                  "e-6}]\n") /
+            frequency("") ==
+        Approx(std::sqrt(0.2427 * mass / (added + 0.2427 * mass))).epsilon(0.02));
+  const auto weight = solved(ribs +
+                             "gravity = [0, 0, -9810]\nmasses = [{point = [10, 100, 0], mass "
+                             "= 1e-6}]\n")["cases"][0];
+  CHECK(number(weight["force"][2]) == Approx(-9810 * (mass + 1e-6)).epsilon(1e-6));
+
+  const auto refuse = [&](const std::string& stress, const std::string& part) {
+    c.file("s.toml", strip(stress));
+    const CliResult r = c.run({"stress", "s.toml", "--out", "out2"});
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(r.err.find(part) != std::string::npos);
+  };
+  refuse("stiffeners = [{curve = \"rip\", rectangle = [2, 6]}]\n" + load, "'rib'");
+  refuse("stiffeners = [{curve = \"rib\"}]\n" + load, "without a section");
+  refuse("stiffeners = [{curve = \"rib\", circle = 1, tube = [2, 1]}]\n" + load,
+         "several sections");
+  refuse("stiffeners = [{curve = \"rib\", tube = [1, 2]}]\n" + load, "at most the radius");
+  refuse("results = [{curve = \"tip\", face = \"x\"}]\n" + load, "one of point, curve and face");
+  refuse("results = [{curve = \"tipp\"}]\n" + load, "'tip'");
+  refuse("masses = [{point = [0, 0, 50], mass = 1}]\n" + load, "from the surface");
+}
+
 TEST_CASE("invalid plies, stacking sequences and temperatures are refused", "[apps][stress]") {
   const CliCase c("stress_plies_refused");
   const std::string layup = kCarbon + kHeld + "ply_thickness = 0.1\nlayup = ";
