@@ -227,9 +227,9 @@ SceneStress parsed_stress(const StressText& text) {
   const Scene scene = parse_scene(text.whole(), kStressFile, false);
   const SceneText whole(text.whole(), kStressFile);
   for (const SceneTable& table : whole.tables())
-    if (table.kind != "stress")  // from the further settings
+    if (table.kind != "stress" && table.kind != "field")  // from the further settings
       throw InputError(std::string(kStressFile) + ": settings: found the table '" + table.kind +
-                       "', expected keys of [stress]");
+                       "', expected keys of [stress], or [[field]]");
   return *scene.stress;
 }
 

@@ -6,12 +6,10 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
+#include <vtkDataWriter.h>
 #include <vtkDoubleArray.h>
-#include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkGenericCell.h>
-#include <vtkGenericDataObjectReader.h>
-#include <vtkGenericDataObjectWriter.h>
 #include <vtkIdList.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
@@ -22,14 +20,11 @@
 #include <vtkStringArray.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
-#include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <limits>
 #include <map>
-#include <new>
 #include <optional>
 #include <ostream>
 #include <utility>
@@ -40,113 +35,12 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/meshes/mesh_content.h"
 #include "batten/io/meshes/mesh_source_text.h"
+#include "batten/io/vtk/vtk_data.h"
 #include "batten/io/vtk/vtk_files.h"
-#include "batten/io/vtk/vtk_message_capture.h"
 
 namespace batten {
 namespace fs = std::filesystem;
 namespace {
-
-/// Reads the file, or the bytes that a child process made of it.
-template <class Reader>
-vtkSmartPointer<vtkPointSet> read_from(const fs::path& path, const std::string* bytes) {
-  const auto fail = [&](const std::string& reason) -> void {
-    throw InputError(path.string() + ": VTK cannot read this file: " + reason);
-  };
-  const VtkMessageCapture messages;
-  vtkNew<Reader> reader;
-  try {
-    if (bytes) {
-      reader->ReadFromInputStringOn();
-      reader->SetInputString(*bytes);
-    } else {
-      if (!reader->CanReadFile(path.c_str())) fail("it is not a VTK XML file of this type");
-      reader->SetFileName(path.c_str());
-    }
-    reader->Update();
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    fail("there is not enough memory for the size it states");
-  } catch (const std::exception& error) {
-    fail(error.what());
-  }
-  if (!messages.first_error().empty()) fail(messages.first_error());
-  if (reader->GetErrorCode() != vtkErrorCode::NoError)
-    fail(vtkErrorCode::GetStringFromErrorCode(reader->GetErrorCode()));
-  if (!reader->GetOutput() || !reader->GetOutput()->GetPoints()) fail("it has no points");
-  auto result = vtkSmartPointer<vtkPointSet>::Take(reader->GetOutput()->NewInstance());
-  result->ShallowCopy(reader->GetOutput());
-  return result;
-}
-
-template <class Reader, class Writer>
-vtkSmartPointer<vtkPointSet> read_with(const fs::path& path) {
-  if (!is_sandboxed_read_enabled()) return read_from<Reader>(path, nullptr);
-  const std::string bytes = sandboxed_read(path, "VTK", [&] {
-    const auto data = read_from<Reader>(path, nullptr);
-    vtkNew<Writer> writer;
-    writer->SetInputDataObject(data);
-    writer->WriteToOutputStringOn();
-    writer->SetDataModeToAppended();
-    writer->EncodeAppendedDataOff();
-    writer->SetCompressorTypeToNone();
-    writer->SetHeaderTypeToUInt64();
-    writer->Write();
-    std::string text = writer->GetOutputString();
-    if (text.empty()) throw std::bad_alloc();  // the only reason, which VTK does not report
-    return text;
-  });
-  return read_from<Reader>(path, &bytes);
-}
-
-/// Reads a legacy file (.vtk), or the bytes that a child process made of it.
-vtkSmartPointer<vtkPointSet> legacy_from(const fs::path& path, const std::string* bytes) {
-  const VtkMessageCapture messages;
-  vtkNew<vtkGenericDataObjectReader> reader;
-  if (bytes) {
-    reader->ReadFromInputStringOn();
-    reader->SetInputString(*bytes);
-  } else {
-    reader->SetFileName(path.c_str());
-  }
-  const auto fail = [&](const std::string& reason) -> void {
-    throw InputError(path.string() + ": VTK cannot read this file: " + reason);
-  };
-  try {
-    reader->Update();
-  } catch (const std::bad_alloc&) {
-    fail("there is not enough memory for the size it states");
-  }
-  if (!messages.first_error().empty()) fail(messages.first_error());
-  auto* const data = vtkPointSet::SafeDownCast(reader->GetOutput());
-  if (!data || !(vtkPolyData::SafeDownCast(data) || vtkUnstructuredGrid::SafeDownCast(data)))
-    fail("found no POLYDATA and no UNSTRUCTURED_GRID, expected one of them");
-  if (!data->GetPoints()) fail("it has no points");
-  auto result = vtkSmartPointer<vtkPointSet>::Take(data->NewInstance());
-  result->ShallowCopy(data);
-  return result;
-}
-
-std::string legacy_text(vtkDataObject* data, bool binary, int version, const std::string& title) {
-  vtkNew<vtkGenericDataObjectWriter> writer;
-  writer->SetInputDataObject(data);
-  writer->WriteToOutputStringOn();
-  binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
-  writer->SetFileVersion(version);
-  if (!title.empty()) writer->SetHeader(title.c_str());
-  writer->Write();
-  return writer->GetOutputStdString();
-}
-
-vtkSmartPointer<vtkPointSet> read_legacy(const fs::path& path) {
-  if (!is_sandboxed_read_enabled()) return legacy_from(path, nullptr);
-  const std::string bytes = sandboxed_read(path, "VTK", [&] {
-    return legacy_text(legacy_from(path, nullptr), true,
-                       vtkDataWriter::VTK_LEGACY_READER_VERSION_5_1, "");
-  });
-  return legacy_from(path, &bytes);
-}
 
 /// Validated cells of the file; VTK itself does not check connectivity.
 class Cells {
@@ -255,7 +149,7 @@ vtkSmartPointer<vtkPoints> vtk_points(const Points& points, int type) {
 class VtkMesh : public MeshContent {
  public:
   VtkMesh(const fs::path& path, std::string bytes)
-      : file_(path.string()), bytes_(std::move(bytes)), data_(read_data(path)) {
+      : file_(path.string()), bytes_(std::move(bytes)), data_(read_vtk_data(path)) {
     const bool surface = vtkPolyData::SafeDownCast(data_) != nullptr;
     const std::string extension = lower_extension(path);
     legacy_ = extension == ".vtk";
@@ -299,13 +193,6 @@ class VtkMesh : public MeshContent {
   }
 
  private:
-  static vtkSmartPointer<vtkPointSet> read_data(const fs::path& path) {
-    const std::string extension = lower_extension(path);
-    if (extension == ".vtk") return read_legacy(path);
-    if (extension == ".vtp") return read_with<vtkXMLPolyDataReader, vtkXMLPolyDataWriter>(path);
-    return read_with<vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter>(path);
-  }
-
   /// Writes a legacy file with the version, the title and the kind (text or binary) of the file read.
   void write_legacy(vtkDataObject* data, const fs::path& path) const {
     std::vector<std::string> head;
@@ -317,10 +204,10 @@ class VtkMesh : public MeshContent {
     head.resize(3);
     const std::string version = head[0].substr(std::min(head[0].size(), head[0].rfind(' ') + 1));
     const bool old = !version.empty() && version[0] < '5';
-    const std::string text = legacy_text(data, upper(head[2]) == "BINARY",
-                                         old ? vtkDataWriter::VTK_LEGACY_READER_VERSION_4_2
-                                             : vtkDataWriter::VTK_LEGACY_READER_VERSION_5_1,
-                                         head[1]);
+    const std::string text = legacy_vtk_text(data, upper(head[2]) == "BINARY",
+                                             old ? vtkDataWriter::VTK_LEGACY_READER_VERSION_4_2
+                                                 : vtkDataWriter::VTK_LEGACY_READER_VERSION_5_1,
+                                             head[1]);
     write_file_atomically(path, [&](std::ostream& stream) { stream << text; });
   }
 

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/io/files/toml_table.h"
@@ -50,7 +52,7 @@ size_t end_of_token(const std::string& text, size_t i) {
 /// The formula as the parser reads it, which ignores spaces. Refuses names that are no coordinate or
 /// function, operands without an operator between them, and symbols of statements: ExprTk is a
 /// language with loops and assignments.
-std::string checked(const std::string& text) {
+std::string checked(const std::string& text, const std::vector<std::string>& known) {
   const std::string symbols = "+-*/%^(),<>=!?: \t";
   std::string result;
   bool after_operand = false;
@@ -60,7 +62,6 @@ std::string checked(const std::string& text) {
     const bool is_name = starts_name(text[i]);
     const bool is_operand =
         is_name || std::isdigit(static_cast<unsigned char>(text[i])) || text[i] == '.';
-    const auto& known = known_names();
     if (is_name && std::find(known.begin(), known.end(), token) == known.end())
       throw InputError("found '" + token + "' in the formula '" + text + "', expected " +
                        expected_one_of(token, known));
@@ -92,8 +93,11 @@ std::string reason_of(std::string message) {
 
 class Formula::Parser {
  public:
-  Parser(const std::string& text, const std::string& without_spaces) {
+  Parser(const std::string& text, const std::string& without_spaces,
+         std::vector<std::pair<std::string, PointField>> fields)
+      : fields_(std::move(fields)) {
     for (const char* name : {"x", "y", "z"}) parser_->SetScalarVariableValue(name, 0);
+    for (const auto& [name, field] : fields_) parser_->SetScalarVariableValue(name, 0);
     parser_->SetScalarVariableValue("pi", std::numbers::pi);
     parser_->SetReplaceInvalidValues(1);
     parser_->SetReplacementValue(std::numeric_limits<double>::quiet_NaN());
@@ -105,15 +109,36 @@ class Formula::Parser {
   }
   double at(const Vec3& p) {
     for (int c = 0; c < 3; ++c) parser_->SetScalarVariableValue(c, p[c]);
+    for (int k = 0; k < isize(fields_); ++k)
+      parser_->SetScalarVariableValue(3 + k, fields_[static_cast<size_t>(k)].second.at(p));
     return parser_->GetScalarResult();
   }
 
  private:
   vtkNew<vtkExprTkFunctionParser> parser_;
+  std::vector<std::pair<std::string, PointField>> fields_;
 };
 
-Formula::Formula(const std::string& text) : text_(text) {
-  parser_ = std::make_shared<Parser>(text, checked(text));
+Formula::Formula(const std::string& text, const NamedFields& fields) : text_(text) {
+  std::vector<std::string> known = known_names();
+  for (const auto& [name, field] : fields) known.push_back(name);
+  const std::string without_spaces = checked(text, known);
+  std::vector<std::pair<std::string, PointField>> used;
+  for (size_t i = 0; i < without_spaces.size();) {
+    const size_t end = end_of_token(without_spaces, i);
+    const auto field = fields.find(without_spaces.substr(i, end - i));
+    const auto is_used = [&](const auto& one) { return one.first == field->first; };
+    if (field != fields.end() && std::none_of(used.begin(), used.end(), is_used))
+      used.emplace_back(*field);
+    i = end;
+  }
+  parser_ = std::make_shared<Parser>(text, without_spaces, std::move(used));
+}
+
+bool Formula::is_field_name(const std::string& name) {
+  const auto& known = known_names();
+  return !name.empty() && starts_name(name[0]) && std::all_of(name.begin(), name.end(), in_name) &&
+         std::find(known.begin(), known.end(), name) == known.end();
 }
 
 double Formula::operator()(const Vec3& x) const {

@@ -607,6 +607,25 @@ std::shared_ptr<const ShellMesh> read_target_mesh(const TomlTable& table) {
   return mesh;
 }
 
+NamedFields read_fields(const TomlTable& root, const std::filesystem::path& folder) {
+  NamedFields fields;
+  for (const TomlTable& t : root.tables("field", {"name", "file", "array"})) {
+    const std::string name = t.text("name");
+    if (!Formula::is_field_name(name))
+      t.fail("name", "'" + name + "'",
+             "letters, digits and '_', not beginning with a digit, and not the name of a "
+             "coordinate or "
+             "function");
+    if (fields.count(name)) t.fail("name", "a second field '" + name + "'", "another name");
+    try {
+      fields.emplace(name, PointField(folder / t.text("file"), t.text("array", "")));
+    } catch (const InputError& e) {
+      throw InputError(t.at("file") + e.what());
+    }
+  }
+  return fields;
+}
+
 SceneTarget read_target(const TomlTable& table, const std::filesystem::path& folder,
                         const SceneSkin& skin) {
   SceneTarget target;
@@ -715,7 +734,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
       {"name",       "unit",   "fit_tolerance", "corner_angle", "curve",     "curves",
        "fair",       "face",   "join",          "skin",         "mesh",      "target",
        "constraint", "load",   "stiffness",     "offset",       "parameter", "motion",
-       "stress",     "output", "compare",       "picture",      "sweep"});
+       "stress",     "output", "compare",       "picture",      "sweep",     "field"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -751,7 +770,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   check_fair_keys(root, scene.skin);
 
   for (const TomlTable& t : root.table("stress", stress_keys()))
-    scene.stress = read_stress(t, scene.unit);
+    scene.stress = read_stress(t, scene.unit, read_fields(root, folder));
 
   UniqueNames files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))

@@ -215,29 +215,31 @@ SceneStress::Support read_support(const TomlTable& t) {
   return support;
 }
 
-Formula formula(const TomlTable& t, const std::string& key, const std::string& text) {
+Formula formula(const TomlTable& t, const std::string& key, const std::string& text,
+                const NamedFields& fields) {
   try {
-    return Formula(text);
+    return Formula(text, fields);
   } catch (const InputError& e) {
     throw InputError(t.at(key) + e.what());
   }
 }
 
 /// A number or a formula, if the key is there.
-std::optional<Formula> optional_formula(const TomlTable& t, const std::string& key) {
+std::optional<Formula> optional_formula(const TomlTable& t, const std::string& key,
+                                        const NamedFields& fields) {
   if (!t.has(key)) return {};
-  return formula(t, key, t.is_text(key) ? t.text(key) : exact_number(t.number(key)));
+  return formula(t, key, t.is_text(key) ? t.text(key) : exact_number(t.number(key)), fields);
 }
 
 /// A pressure that is a number or a formula.
-void read_pressure(const TomlTable& t, SceneStress::Load& load) {
+void read_pressure(const TomlTable& t, const NamedFields& fields, SceneStress::Load& load) {
   if (t.is_text("pressure"))
-    load.formulas = {formula(t, "pressure", t.text("pressure"))};
+    load.formulas = {formula(t, "pressure", t.text("pressure"), fields)};
   else
     load.value = t.number("pressure");
 }
 
-SceneStress::Load read_load(const TomlTable& t) {
+SceneStress::Load read_load(const TomlTable& t, const NamedFields& fields) {
   using Type = SceneStress::Load::Type;
   SceneStress::Load load;
   load.location = t.location();
@@ -289,8 +291,8 @@ SceneStress::Load read_load(const TomlTable& t) {
   if (at_point) load.point = t.vector("point");
   if (thermal) {
     load.type = Type::Temperature;
-    load.temperature = optional_formula(t, "temperature");
-    load.temperature_difference = optional_formula(t, "temperature_difference");
+    load.temperature = optional_formula(t, "temperature", fields);
+    load.temperature_difference = optional_formula(t, "temperature_difference", fields);
   } else if (total) {
     load.type = Type::Total;
     if (t.has("total_force")) load.vector = t.vector("total_force");
@@ -307,7 +309,7 @@ SceneStress::Load read_load(const TomlTable& t) {
                 : kind == "edge_force" ? Type::EdgeForce
                                        : Type::Hydrostatic;
     if (kind != "hydrostatic" && t.is_text(kind))
-      load.formulas = {formula(t, kind, t.text(kind))};
+      load.formulas = {formula(t, kind, t.text(kind), fields)};
     else
       load.value = t.number(kind);
     load.level = t.number("level", 0);
@@ -318,7 +320,7 @@ SceneStress::Load read_load(const TomlTable& t) {
                                      : Type::LineForce;
     const bool varies = kind == "traction" || (kind == "force" && !at_point);
     const auto texts = varies ? t.mixed_texts(kind, "x, y, z") : std::vector<std::string>();
-    for (const std::string& text : texts) load.formulas.push_back(formula(t, kind, text));
+    for (const std::string& text : texts) load.formulas.push_back(formula(t, kind, text, fields));
     if (texts.empty()) load.vector = t.vector(kind);
   }
   return load;
@@ -424,7 +426,7 @@ SceneStress::Thickness read_thickness(const TomlTable& t) {
 }
 
 // Reads the short forms `pressure`, `pressures` and `gravity`: loads of the default load case.
-void read_short_loads(const TomlTable& table, SceneStress& stress) {
+void read_short_loads(const TomlTable& table, const NamedFields& fields, SceneStress& stress) {
   using Load = SceneStress::Load;
   const auto add = [&](Load::Type type, const SourceLocation& location) -> Load& {
     stress.loads.emplace_back();
@@ -434,11 +436,11 @@ void read_short_loads(const TomlTable& table, SceneStress& stress) {
     return stress.loads.back();
   };
   if (table.has("pressure"))
-    read_pressure(table, add(Load::Type::Pressure, table.location("pressure")));
+    read_pressure(table, fields, add(Load::Type::Pressure, table.location("pressure")));
   for (const TomlTable& t : table.tables("pressures", {"face", "pressure"})) {
     Load& load = add(Load::Type::Pressure, t.location());
     load.region = {t.text("face"), t.location("face")};
-    read_pressure(t, load);
+    read_pressure(t, fields, load);
   }
   if (table.has("gravity"))
     add(Load::Type::Gravity, table.location("gravity")).vector = table.vector("gravity");
@@ -485,14 +487,15 @@ void require_supports(const TomlTable& table, const SceneStress& stress) {
       "or only modes, without loads");
 }
 
-SceneStress read_stress(const TomlTable& table, const std::string& unit) {
+SceneStress read_stress(const TomlTable& table, const std::string& unit,
+                        const NamedFields& fields) {
   SceneStress stress;
   read_section(table, unit, stress);
   stress.yield = table.positive("yield", 0);
   for (const TomlTable& t :
        table.tables("thicknesses", {"face", "thickness", "near", "radius", "paint", "faces"}))
     stress.thicknesses.push_back(read_thickness(t));
-  read_short_loads(table, stress);
+  read_short_loads(table, fields, stress);
   for (const TomlTable& t : table.tables("loads", {"case",
                                                    "pressure",
                                                    "force",
@@ -513,7 +516,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit) {
                                                    "point",
                                                    "level",
                                                    "box"}))
-    stress.loads.push_back(read_load(t));
+    stress.loads.push_back(read_load(t, fields));
   for (const SceneStress::Load& load : stress.loads) {
     using Type = SceneStress::Load::Type;
     if (load.type == Type::Temperature && !stress.has_expansion())

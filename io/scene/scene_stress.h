@@ -163,7 +163,8 @@ struct SceneStress {
 /// The keys that are permitted in [stress].
 const std::vector<std::string>& stress_keys();
 /// Reads the table [stress] of a scene whose length unit is `unit`. Throws InputError, with the
-/// location in the scene, if the table is invalid.
-SceneStress read_stress(const TomlTable& table, const std::string& unit);
+/// location in the scene, if the table is invalid. `fields`: what formulas may use.
+SceneStress read_stress(const TomlTable& table, const std::string& unit,
+                        const NamedFields& fields = {});
 
 }  // namespace batten

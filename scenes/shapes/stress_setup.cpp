@@ -286,7 +286,11 @@ void add_stiffeners(const Scene& scene, const ModelLayout& layout, ShellDefiniti
       const int region = layout.model_line(line).sides[0].region;
       const auto& sections = definition.sections;
       const ShellSection& shell = sections[sections.size() == 1 ? 0 : static_cast<size_t>(region)];
-      definition.stiffeners.push_back({of.name, line, stiffener_section(of, shell)});
+      try {
+        definition.stiffeners.push_back({of.name, line, stiffener_section(of, shell)});
+      } catch (const InputError& e) {
+        throw InputError(scene.at(of.line.location) + e.what());
+      }
     }
 }
 

@@ -279,6 +279,43 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
   refuse("masses = [{point = [0, 0, 50], mass = 1}]\n" + load, "from the surface");
 }
 
+TEST_CASE("loads from files are those of formulas", "[apps][stress]") {
+  const CliCase c("stress_fields");
+  std::string table = "x [mm],y [mm],z [mm],p [Pa]\n";
+  for (int i = 0; i <= 100; ++i)
+    for (int j = 0; j <= 100; ++j)
+      table +=
+          std::to_string(i) + "," + std::to_string(j) + ",0," + std::to_string(10 * i + j) + "\n";
+  c.file("cfd.csv", table);
+  const std::string steel = "material = \"steel\"\nthickness = 1\n" + kHeld;
+  const std::string field = "[[field]]\nname = \"p_cfd\"\nfile = \"cfd.csv\"\n";
+  const auto solved = [&](const std::string& load, const std::string& more) {
+    return report_of(c,
+                     square_plate(steel + "loads = [" + load + "]\n") + more)["stress"]["cases"][0];
+  };
+  const auto formula = solved("{pressure = \"-1e-6 * (10 * x + y)\"}", "");
+  const auto mapped = solved("{pressure = \"-1e-6 * p_cfd\"}", field);
+  // The nearest point is at most half a millimetre away.
+  CHECK(number(mapped["max_displacement"]) ==
+        Approx(number(formula["max_displacement"])).epsilon(5e-3));
+  const auto heat = solved("{temperature = \"p_cfd / 100\"}", field);
+  CHECK(number(heat["max_displacement"]) ==
+        Approx(number(solved("{temperature = \"0.1 * x + 0.01 * y\"}", "")["max_displacement"]))
+            .epsilon(5e-3));
+  const auto refuse = [&](const std::string& load, const std::string& more,
+                          const std::string& part) {
+    c.file("s.toml", square_plate(steel + "loads = [" + load + "]\n") + more);
+    const CliResult r = c.run({"stress", "s.toml", "--out", "out2"});
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(r.err.find(part) != std::string::npos);
+  };
+  refuse("{pressure = \"p_cfd\"}", "", "found 'p_cfd'");
+  refuse("{pressure = \"p_cfd\"}", "[[field]]\nname = \"p_cfd\"\nfile = \"none.csv\"\n",
+         "none.csv");
+  refuse("{pressure = \"x\"}", "[[field]]\nname = \"x\"\nfile = \"cfd.csv\"\n", "'x'");
+}
+
 TEST_CASE("invalid plies, stacking sequences and temperatures are refused", "[apps][stress]") {
   const CliCase c("stress_plies_refused");
   const std::string layup = kCarbon + kHeld + "ply_thickness = 0.1\nlayup = ";

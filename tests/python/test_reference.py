@@ -99,6 +99,7 @@ PROBES = {
                      stress("stress", "combinations.", "loads = [{ pressure = 1 }]\ncombinations"),
                      stress("stress.supports", "", "supports"), stress("stress.loads", "", "loads"),
                      Probe("stress", "thicknesses.paint.", f"{STRESS}\nthicknesses = [{{ thickness = 1, paint = [{{ probe = 1 }}] }}]")],
+    "scene/field": [each("field")],
     "scene/output": [one("output")],
     "scene/compare": [one("compare")],
     "scene/picture": [each("picture")],
