@@ -2,6 +2,7 @@
 """Analyses published shell problems with the default elements and with an accuracy of 1 %, and prints the errors of both."""
 
 import math
+import time
 
 import numpy as np
 
@@ -159,7 +160,6 @@ for number, root in enumerate((13.468, 19.596, 24.270, 34.801, 34.801, 61.093)):
 
 
 
-
 @case("ring under fluid pressure: buckling factor", "", 3 * 210e9 * 0.01 ** 3 / 12 / 1000, "Timoshenko1961")
 def ring(accuracy):
     return ring_factor(True)
@@ -184,16 +184,17 @@ def ring_factor(follows):
 def table():
     """Prints a table of all cases, and returns their results."""
     results = []
-    print(f"{'case':86} {'reference':>10} {'default':>10} {'error':>9} {'1 %':>10} {'error':>9} {'estimate':>8}")
+    print(f"{'case':86} {'reference':>10} {'default':>10} {'error':>9} {'1 %':>10} {'error':>9} {'estimate':>8} {'seconds':>7}")
     for name, unit, reference, source, function in CASES:
-        values = []
+        values, start = [], time.perf_counter()
         for accuracy in (0, 0.01):
             value, estimate = function(accuracy)
             values.append((value, value / reference - 1, estimate))
+        seconds = time.perf_counter() - start
         (default, default_error, _), (accurate, error, estimate) = values
         shown = "" if estimate is None else f"{100 * estimate:.2f} %"
         print(f"{name + (', ' + unit if unit else ''):86} {reference:10.5g} {default:10.5g} {100 * default_error:+7.2f} % {accurate:10.5g} "
-              f"{100 * error:+7.2f} % {shown:>8}", flush=True)
+              f"{100 * error:+7.2f} % {shown:>8} {seconds:7.1f}", flush=True)
         results.append({"name": name, "reference": reference, "source": source, "default": default, "accurate": accurate,
-                        "error": error, "estimate": estimate})
+                        "error": error, "estimate": estimate, "seconds": seconds})
     return results

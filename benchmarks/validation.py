@@ -117,6 +117,7 @@ def main():
     for case in (plates, frequencies, buckling, roof, pinched_cylinder, hemisphere):
         case()
     import published_cases  # uses the functions of this file
+    import section_cases  # adds its own to them
 
     print()
     published = published_cases.table()

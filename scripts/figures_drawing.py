@@ -5,6 +5,7 @@ import math
 import os
 import re
 import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -356,6 +357,36 @@ def pressure_height(target, _):
     plot.plot(values, widths, "o-", color=COLOURS[0], lw=2)
     plot.set_xlabel("pressure (key `swell`)")
     plot.set_ylabel("diameter of the bowl at half its height [mm]")
+    figure.tight_layout()
+    figure.savefig(target)
+
+
+def validation(target, _):
+    """True errors of the published shells against the accuracy that was requested."""
+    sys.path.insert(0, os.path.join(ROOT, "benchmarks"))
+    import published_cases
+    import section_cases  # noqa: F401, adds its own cases
+
+    accuracies = (0.1, 0.03, 0.01, 0.003, 0.001)
+    figure, plot = axes(8, 5.5)
+    for name, _, reference, _, function in published_cases.CASES:
+        found = [function(accuracy) for accuracy in accuracies]
+        if found[0][1] is None:  # frequencies and buckling factors have no estimate
+            continue
+        errors = [max(abs(value / reference - 1), 1e-6) for value, _ in found]
+        singular = "LE6" in name
+        plot.plot(accuracies, errors, "o-", ms=4, lw=1.5 if singular else 1, color=COLOURS[1] if singular else COLOURS[0],
+                  alpha=1 if singular else 0.45)
+        if singular:
+            plot.annotate("skew plate with singular corners", (accuracies[-1], errors[-1]), (0, 8), textcoords="offset points",
+                          color=COLOURS[1], ha="right")
+    plot.plot(accuracies, accuracies, "--", color="#242933", lw=1)
+    plot.annotate("requested", (accuracies[1], accuracies[1]), (-6, 8), textcoords="offset points", ha="center")
+    plot.set_xscale("log")
+    plot.set_yscale("log")
+    plot.invert_xaxis()
+    plot.set_xlabel("requested accuracy (`--accuracy`)")
+    plot.set_ylabel("true relative error")
     figure.tight_layout()
     figure.savefig(target)
 

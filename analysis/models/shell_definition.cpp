@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numbers>
+#include <utility>
 
 #include "batten/analysis/models/line_sides.h"
 #include "batten/analysis/models/part_quadrature.h"
@@ -13,10 +15,17 @@
 namespace batten {
 namespace {
 
-void add_point_support(const ModelLayout& model, const PointSupport& support, ConstraintSet& set) {
+// The directions of a support at a point, in space.
+Mat3 frame_at(const std::optional<CylindricalAxes>& axes, const Vec3& x) {
+  return axes ? axes->at(x) : Mat3::Identity();
+}
+
+void add_point_support(const ModelLayout& model, const Points& shape, const PointSupport& support,
+                       ConstraintSet& set) {
   const ConstraintEntries position = shape_functions_at(model, support.position.where);
+  const Mat3 frame = frame_at(support.axes, value_of(position, shape));
   for (const Vec3& unit : unit_directions(support.name, support.directions))
-    add_summed(support.name, along(unit, position), unit.dot(support.displacement), set);
+    add_summed(support.name, along(frame * unit, position), unit.dot(support.displacement), set);
 }
 
 // Statically determinate supports at three vertices far from each other: all displacements of the
@@ -71,9 +80,10 @@ void add_area_support(const ModelLayout& model, const Points& shape,
     const int r = model.region_of(at.where.triangle);
     const SpringStiffness k(surface, sections[sections.size() == 1 ? 0 : r], at.where.triangle);
     const ConstraintEntries position = at.entries();
+    const Mat3 frame = frame_at(support.axes, at.x);
     for (const Vec3& unit : directions)
-      springs.add(support.name, along(unit, position), k.displacement / k.edge * at.area.norm(),
-                  unit.dot(support.displacement));
+      springs.add(support.name, along(frame * unit, position),
+                  k.displacement / k.edge * at.area.norm(), unit.dot(support.displacement));
   });
   if (!any) throw InputError("support '" + support.name + "' contains no part of the surface");
 }
@@ -111,17 +121,55 @@ ShellTies shell_ties(const ModelLayout& model, const Points& shape,
   for (const LineSupport& support : definition.lines)
     add_support(model, shape, definition.sections, support, ties);
   for (const PointSupport& support : definition.points)
-    add_point_support(model, support, ties.constraints);
+    add_point_support(model, shape, support, ties.constraints);
   if (definition.inertia_relief)
     for (const PointSupport& support : determinate_supports(model, shape))
-      add_point_support(model, support, ties.constraints);
+      add_point_support(model, shape, support, ties.constraints);
   for (const AreaSupport& support : definition.areas)
     add_area_support(model, shape, definition.sections, support, ties.springs);
   for (const ElasticSupport& support : definition.elastic)
     add_elastic_support(model, shape, support, ties.springs);
   Stiffeners(model, shape, definition.stiffeners).add_to(ties.springs);
+  std::vector<Stiffener> rigid;
+  for (const std::string& line : definition.rigid_lines)
+    rigid.push_back(rigid_line(model, definition.sections, line));
+  Stiffeners(model, shape, std::move(rigid)).add_to(ties.springs);
   relax_dependent_constraints(model, shape, definition.sections, ties);
   return ties;
+}
+
+Mat3 CylindricalAxes::at(const Vec3& x) const {
+  const Vec3 a = axis.normalized(), arm = x - origin, radial = arm - arm.dot(a) * a;
+  constexpr double singular = 1e-9;
+  if (!(radial.norm() > singular * std::max(arm.norm(), 1e-300)))
+    throw InputError("found a support on the axis of its cylindrical directions at " +
+                     format_point(x) + ", expected a support away from it");
+  Mat3 frame;
+  frame << radial.normalized(), a.cross(radial).normalized(), a;
+  return frame;
+}
+
+double CylindricalAxes::turning(const Vec3& x, const Vec3& along) const {
+  const Vec3 a = axis.normalized(), arm = x - origin, radial = arm - arm.dot(a) * a;
+  return a.cross(radial).dot(along) / radial.squaredNorm();
+}
+
+Stiffener rigid_line(const ModelLayout& model, const std::vector<ShellSection>& sections,
+                     const std::string& line) {
+  constexpr double alpha = 1000;
+  LineSides sides(model);
+  const JoinEdge side = sides(model.model_line(line));
+  double length = 0, membrane = 0;
+  for_each_line_point(side, side, [&](double, double dl) { length += dl; });
+  for (const ShellSection& section : sections)
+    membrane = std::max(membrane, section.membrane_stiffness());
+  const double radius = length / (2 * std::numbers::pi);
+  StiffenerSection rigid;
+  rigid.young = 2;
+  rigid.shear_modulus = 2;
+  rigid.area = alpha * membrane * radius / rigid.young;
+  rigid.inertia = rigid.lateral_inertia = rigid.torsion = rigid.area * radius * radius;
+  return {"rigid " + line, line, rigid};
 }
 
 SparseMatrix mass_matrix(const ModelLayout& model, const Points& shape,
@@ -185,9 +233,15 @@ void constrain_edge_aligned(const JoinEdge& side, const Points& shape, const Lin
       ConstraintEntries position, slope;
       side.add_position(k, 1, position);
       side.add_along(k, 1, slope);
-      add_summed(support.name, along(direction, position), direction.dot(support.displacement),
-                 set);
-      add_summed(support.name, along(direction, slope), 0, set);
+      const Vec3 x = value_of(position, shape), here = frame_at(support.axes, x) * direction;
+      add_summed(support.name, along(here, position), direction.dot(support.displacement), set);
+      CoupledEntries row = along(here, slope);
+      if (support.axes) {  // the direction rotates along the curve
+        const double rate = support.axes->turning(x, value_of(slope, shape));
+        for (const auto& e : along(rate * support.axes->axis.normalized().cross(here), position))
+          row.push_back(e);
+      }
+      add_summed(support.name, row, 0, set);
     }
   if (!support.rotation) return;
   const LineRotation rotation(side, shape);
@@ -215,8 +269,9 @@ void constrain_by_springs(const JoinEdge& side, const Points& shape, const LineS
     const SpringStiffness k = stiffness(f);
     ConstraintEntries position;
     side.add_at(f, 0, 0, 1, position);
+    const Mat3 frame = frame_at(support.axes, value_of(position, shape));
     for (const Vec3& direction : directions)
-      springs.add(support.name, along(direction, position), k.displacement * dl,
+      springs.add(support.name, along(frame * direction, position), k.displacement * dl,
                   direction.dot(support.displacement));
     if (!support.rotation) return;
     CoupledEntries row;

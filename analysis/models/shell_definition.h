@@ -39,6 +39,15 @@ void add_elastic_support(const ModelLayout& model, const Points& shape,
 
 // Rigid supports along curves, at points and on areas.
 
+/// Cylindrical axes: the directions radial, hoop and axial at each point.
+struct CylindricalAxes {
+  Vec3 origin = Vec3::Zero(), axis = Vec3::UnitZ();  ///< a point of the axis, and its direction
+  /// The directions radial, hoop and axial at x, as columns. Throws InputError on the axis.
+  Mat3 at(const Vec3& x) const;
+  /// Angle per length of a motion from x along the vector `along`.
+  double turning(const Vec3& x, const Vec3& along) const;
+};
+
 /// Support along one curve: constrains the displacement in given directions, and optionally the
 /// rotation about the curve.
 ///
@@ -54,6 +63,8 @@ struct LineSupport {
   bool rotation = false;
   /// If set, only the part of the curve in this box is supported, by penalty springs.
   std::optional<Box3> box = {};
+  /// If set, `directions` and `displacement` are components (radial, hoop, axial).
+  std::optional<CylindricalAxes> axes = {};
 
   static LineSupport clamped(const std::string& line);
   static LineSupport pinned(const std::string& line);
@@ -76,8 +87,9 @@ void add_support(const ModelLayout& model, const Points& shape,
 struct PointSupport {
   std::string name;
   ShellLocation position;
-  std::vector<Vec3> directions;      ///< constrained directions; any length except zero
-  Vec3 displacement = Vec3::Zero();  ///< prescribed displacement along `directions`
+  std::vector<Vec3> directions;              ///< constrained directions; any length except zero
+  Vec3 displacement = Vec3::Zero();          ///< prescribed displacement along `directions`
+  std::optional<CylindricalAxes> axes = {};  ///< as LineSupport::axes
 };
 
 /// Support on a part of the surface: constrains the displacement in given directions, and thereby
@@ -86,8 +98,9 @@ struct PointSupport {
 struct AreaSupport {
   std::string name;
   ShellPart part;
-  std::vector<Vec3> directions;      ///< constrained directions; any length except zero
-  Vec3 displacement = Vec3::Zero();  ///< prescribed displacement along `directions`
+  std::vector<Vec3> directions;              ///< constrained directions; any length except zero
+  Vec3 displacement = Vec3::Zero();          ///< prescribed displacement along `directions`
+  std::optional<CylindricalAxes> axes = {};  ///< as LineSupport::axes
 };
 
 /// A mass at a point of the surface.
@@ -108,6 +121,7 @@ struct ShellDefinition {
   /// empty: no offsets.
   VecX nodal_thickness_offset = {};
   std::vector<Stiffener> stiffeners = {};
+  std::vector<std::string> rigid_lines = {};  ///< curves that move as rigid bodies
   std::vector<PointMass> masses = {};
   /// The shell is free, and its loads are balanced (InertiaRelief). There are no other supports.
   bool inertia_relief = false;
@@ -127,6 +141,12 @@ std::vector<ShellSection> triangle_sections(const ModelLayout& model,
 /// stiffness is negative.
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const ShellDefinition& definition);
+
+/// A stiffener that keeps a curve of a shell rigid: with the radius r of the curve (its length/2π) and
+/// the membrane stiffness A11 t of the stiffest section, EA = α A11 t r and EI = GJ = EA r², α = 1000.
+/// The curve then deforms by about 1/α of what a free one does.
+Stiffener rigid_line(const ModelLayout& model, const std::vector<ShellSection>& sections,
+                     const std::string& line);
 
 /// Mass matrix of one coordinate (lower triangle, n×n): that of the shell (ShellAssembler::mass()), of
 /// its stiffeners and of its point masses.

@@ -77,7 +77,7 @@ const std::vector<std::string>& stress_keys() {
                                                 "layup",          "ply_thickness",
                                                 "materials",      "reference_surface",
                                                 "stiffeners",     "masses",
-                                                "results"};
+                                                "results",        "rigid_curves"};
   return keys;
 }
 
@@ -167,6 +167,18 @@ void read_place(const TomlTable& t, SceneStress::Support& support) {
   support.box = read_box(t);
 }
 
+std::vector<Vec3> cylindrical_directions(const TomlTable& t) {
+  const std::vector<std::string> names = {"radial", "hoop", "axial"};
+  std::vector<Vec3> directions;
+  for (const LocatedString& name : t.strings("directions")) {
+    const auto known = std::find(names.begin(), names.end(), name.text);
+    if (known == names.end())
+      t.fail("directions", "'" + name.text + "'", expected_one_of(name.text, names));
+    directions.emplace_back(Vec3::Unit(known - names.begin()));
+  }
+  return directions;
+}
+
 SceneStress::Support read_support(const TomlTable& t) {
   using Kind = SceneStress::Support::Kind;
   SceneStress::Support support;
@@ -201,7 +213,17 @@ SceneStress::Support read_support(const TomlTable& t) {
            t.has("normal") ? "'normal' with another type of support"
                            : "a symmetry support without 'normal'",
            "type = \"symmetric\" and normal = [x, y, z]");
-  if (directions) support.directions = t.points("directions");
+  if (t.has("origin") && !t.has("axis")) t.fail("origin", "'origin' without 'axis'", "both");
+  if (t.has("axis")) {
+    if (support.kind != Kind::Prescribed)
+      t.fail("axis", "'axis' without directions",
+             "directions = [\"radial\", \"hoop\", \"axial\"], or some of them");
+    support.axis = t.direction("axis");
+    if (t.has("origin")) support.origin = t.vector("origin");
+    support.directions = cylindrical_directions(t);
+  } else if (directions) {
+    support.directions = t.points("directions");
+  }
   if (t.has("normal")) support.directions = {t.direction("normal")};
   for (const Vec3& d : support.directions)
     if (d.isZero(0)) t.fail("directions", "a direction of length zero", "a nonzero vector");
@@ -527,11 +549,12 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit,
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
   }
   read_combinations(table, stress);
-  for (const TomlTable& t :
-       table.tables("supports", {"curve", "point", "type", "directions", "normal", "rotation",
-                                 "displacement", "foundation", "spring", "face", "box"}))
+  for (const TomlTable& t : table.tables(
+           "supports", {"curve", "point", "type", "directions", "normal", "rotation",
+                        "displacement", "foundation", "spring", "face", "box", "axis", "origin"}))
     stress.supports.push_back(read_support(t));
   stress.hinges = table.names("hinges");
+  stress.rigid_curves = table.names("rigid_curves");
   read_stiffeners(table, unit, stress);
   for (const TomlTable& t : table.tables("masses", {"point", "mass"}))
     stress.masses.push_back({t.vector("point"), t.positive("mass"), t.location()});

@@ -54,6 +54,9 @@ struct SceneStress {
     std::optional<Box3> box;
     std::vector<Vec3> directions;
     Vec3 displacement = Vec3::Zero();
+    /// Axis of cylindrical directions: `directions` and `displacement` are radial, hoop and axial.
+    std::optional<Vec3> axis;
+    Vec3 origin = Vec3::Zero();  ///< a point of the axis
     bool rotation = false;
     LocatedString region;  ///< name of the supported face; empty: all faces
     /// Elastic only: spring stiffness along x, y, z. Force per displacement at a `point`, per unit
@@ -143,7 +146,7 @@ struct SceneStress {
   std::vector<Support> supports;
   std::vector<Load> loads;
   std::vector<Combination> combinations;
-  std::vector<LocatedString> hinges;
+  std::vector<LocatedString> hinges, rigid_curves;
   std::vector<Stiffener> stiffeners;
   std::vector<Mass> masses;
   std::vector<Result> results;

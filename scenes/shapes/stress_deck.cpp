@@ -36,6 +36,7 @@ class DeckOfScene {
       deck_.thicknesses.push_back({of.region.text, of.thickness});
     }
     if (!stress.stiffeners.empty()) refuse(stress.stiffeners[0].line.location, "a stiffener");
+    if (!stress.rigid_curves.empty()) refuse(stress.rigid_curves[0].location, "a rigid curve");
     if (!stress.masses.empty()) refuse(stress.masses[0].location, "a point mass");
     if (!stress.hinges.empty()) refuse(stress.hinges[0].location, "a hinge");
     if (stress.supports.empty()) refuse({}, "a shell without supports");
@@ -89,6 +90,7 @@ class DeckOfScene {
     if (support.kind == Kind::Elastic) refuse(support.location, "an elastic support");
     if (support.kind == Kind::Symmetric) refuse(support.location, "a symmetry support");
     if (support.point) refuse(support.location, "a point support");
+    if (support.axis) refuse(support.location, "a support in cylindrical directions");
     ShellDeck::Support to;
     to.kind = support.kind == Kind::Clamped && !support.line.text.empty()
                   ? ShellDeck::Support::Kind::Clamped

@@ -79,22 +79,25 @@ void add_support(const Scene& scene, const ModelLayout& layout, const Points& sh
     }
     return;
   }
+  std::optional<CylindricalAxes> axes;
+  if (support.axis) axes = {support.origin, *support.axis};
   const bool all = support.kind == Kind::Clamped || support.kind == Kind::Pinned;
   const std::vector<Vec3> directions =
       all ? std::vector<Vec3>{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()} : support.directions;
   if (support.point) {
     definition.points.push_back({support.description(),
                                  place_of(scene, layout, shape, *support.point, support.location),
-                                 directions, support.displacement});
+                                 directions, support.displacement, axes});
     return;
   }
   if (support.line.text.empty()) {
-    definition.areas.push_back({support.description(), part, directions, support.displacement});
+    definition.areas.push_back(
+        {support.description(), part, directions, support.displacement, axes});
     return;
   }
   for (const std::string& line : find_lines(layout, scene, support.line))
     definition.lines.push_back({support.description(), line, directions, support.displacement,
-                                support.rotation, support.box});
+                                support.rotation, support.box, axes});
 }
 
 /// The temperature of a load at the vertices of the model's mesh; 0 on other faces.
@@ -304,6 +307,9 @@ ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
   for (const SceneStress::Support& support : s.supports)
     add_support(scene, layout, shape, support, definition);
   add_stiffeners(scene, layout, definition);
+  for (const LocatedString& curve : s.rigid_curves)
+    for (const std::string& line : find_lines(layout, scene, curve))
+      definition.rigid_lines.push_back(line);
   for (const SceneStress::Mass& mass : s.masses)
     definition.masses.push_back(
         {place_of(scene, layout, shape, mass.point, mass.location), mass.mass});

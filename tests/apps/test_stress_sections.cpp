@@ -279,6 +279,69 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
   refuse("masses = [{point = [0, 0, 50], mass = 1}]\n" + load, "from the surface");
 }
 
+TEST_CASE("a disc held in cylindrical directions, and a rigid hole", "[apps][stress]") {
+  const CliCase c("stress_axes");
+  const auto disc = [&](const std::string& more, const std::string& stress) {
+    return report_of(
+        c,
+        "name = \"disc\"\nunit = \"mm\"\n[[curve]]\nname = \"rim\"\ncircle = {centre = [10, 20, "
+        "0], radius = 50}\n" +
+            more + "[mesh]\nedge_length = 10\n[stress]\nmaterial = \"steel\"\nthickness = 1\n" +
+            stress)["stress"]["cases"][0];
+  };
+  const std::string results = "results = [{curve = \"rim\"}]\nloads = [{temperature = 100}]\n";
+  // Free along the radius: no stress. The same without that freedom: a stress.
+  const std::string guided = "axis = [0, 0, 1], origin = [10, 20, 0]}]\n";
+  const auto free = disc(
+      "", "supports = [{curve = \"rim\", directions = [\"hoop\", \"axial\"], " + guided + results);
+  CHECK(number(free["max_von_mises"]) < 1e-3 * 210e3 * 12e-6 * 100);
+  CHECK(number(free["results"][0]["displacement"]["min"]) ==
+        Approx(12e-6 * 100 * 50).epsilon(1e-3));
+  const auto held = disc("",
+                         "supports = [{curve = \"rim\", directions = [\"radial\", \"hoop\", "
+                         "\"axial\"], displacement = [0.06, 0, 0], " +
+                             guided + results);
+  CHECK(number(held["max_von_mises"]) < 1e-3 * 210e3 * 12e-6 * 100);
+  const auto fixed =
+      disc("", "supports = [{curve = \"rim\", directions = [\"radial\", \"hoop\", \"axial\"], " +
+                   guided + results);
+  CHECK(number(fixed["max_von_mises"]) == Approx(210e3 * 12e-6 * 100 / 0.7).epsilon(1e-3));
+
+  // A clamped annulus, and a moment on its hole about the y axis.
+  const std::string hole =
+      "[[curve]]\nname = \"hole\"\nrole = \"hole\"\ncircle = {centre = [10, 20, "
+      "0], radius = 10}\n";
+  const std::string load =
+      "supports = [{curve = \"rim\"}]\nloads = [{curve = \"hole\", total_moment = [0, 500, "
+      "0]}]\nresults = [{point = [20, 20, 0]}, {point = [0, 20, 0]}, {point = [10, 30, 0]}, {point "
+      "= "
+      "[17.0710678, 27.0710678, 0]}]\n";
+  const auto height = [](const nlohmann::json& one, size_t k) {
+    return number(one["results"][k]["displacement_vector"][2]);
+  };
+  const auto soft = disc(hole, load), rigid = disc(hole, load + "rigid_curves = [\"hole\"]\n");
+  const double tilt = height(rigid, 0);
+  CHECK(std::abs(tilt) < 0.9 * std::abs(height(soft, 0)));
+  CHECK(height(rigid, 1) == Approx(-tilt).epsilon(1e-3));
+  CHECK(std::abs(height(rigid, 2)) < 1e-3 * std::abs(tilt));
+  CHECK(height(rigid, 3) == Approx(tilt * std::sqrt(0.5)).epsilon(3e-3));
+  // Not so without it.
+  CHECK(std::abs(height(soft, 3) / height(soft, 0) - std::sqrt(0.5)) > 1e-2);
+
+  const auto refuse = [&](const std::string& support, const std::string& part) {
+    c.file("s.toml", square_plate("material = \"steel\"\nthickness = 1\nsupports = [" + support +
+                                  "]\npressure = 1\n"));
+    const CliResult r = c.run({"stress", "s.toml", "--out", "out2"});
+    INFO(r.err);
+    CHECK(r.code == 1);
+    CHECK(r.err.find(part) != std::string::npos);
+  };
+  refuse("{curve = \"a\", directions = [\"radiel\"], axis = [0, 0, 1]}", "did you mean 'radial'");
+  refuse("{curve = \"a\", axis = [0, 0, 1]}", "'axis' without directions");
+  refuse("{curve = \"a\", directions = [\"radial\"], axis = [0, 0, 1], origin = [50, 0, 0]}",
+         "on the axis");
+}
+
 TEST_CASE("loads from files are those of formulas", "[apps][stress]") {
   const CliCase c("stress_fields");
   std::string table = "x [mm],y [mm],z [mm],p [Pa]\n";
