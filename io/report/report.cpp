@@ -375,6 +375,9 @@ Json json_of(const StressReport::Case& c) {
                                        {"at", json_of(r.at)},
                                        {"face", r.region}});
   for (const auto& r : c.results) json["results"].push_back(json_of(r));
+  for (const auto& v : c.vibrations)
+    json["harmonic"].push_back(
+        {{"point", v.point}, {"frequency", v.frequency}, {"amplitude", v.amplitude}});
   for (const auto& s : c.stiffeners) json["stiffeners"].push_back(json_of(s));
   if (c.buckling_requested) json["buckling_factors"] = c.buckling;
   if (c.calculix)

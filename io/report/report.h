@@ -115,6 +115,12 @@ struct StressReport {
       std::array<double, 2> axial, bending, lateral_bending, torque;
     };
     std::vector<StiffenerValues> stiffeners;
+    /// Largest amplitude of a point in a steady vibration under this load.
+    struct Vibration {
+      std::string point;  ///< name of the result, or "largest displacement"
+      double frequency = 0, amplitude = 0;
+    };
+    std::vector<Vibration> vibrations;
     bool buckling_requested = false;
     std::vector<double> buckling;  ///< buckling load factors, ascending
     std::vector<Reaction> reactions;

@@ -77,7 +77,8 @@ const std::vector<std::string>& stress_keys() {
                                                 "layup",          "ply_thickness",
                                                 "materials",      "reference_surface",
                                                 "stiffeners",     "masses",
-                                                "results",        "rigid_curves"};
+                                                "results",        "rigid_curves",
+                                                "harmonic"};
   return keys;
 }
 
@@ -412,6 +413,24 @@ void read_stiffeners(const TomlTable& table, const std::string& unit, SceneStres
   }
 }
 
+void read_harmonic(const TomlTable& table, SceneStress& stress) {
+  for (const TomlTable& t : table.table("harmonic", {"from", "to", "steps", "damping"})) {
+    SceneStress::Harmonic harmonic;
+    harmonic.from = t.number("from", 0);
+    harmonic.to = t.positive("to");
+    if (!(harmonic.from >= 0 && harmonic.from < harmonic.to))
+      t.fail("from", format_number(harmonic.from), "a frequency of 0 or more, below 'to'");
+    harmonic.damping = t.positive("damping");
+    if (harmonic.damping >= 1)
+      t.fail("damping", format_number(harmonic.damping),
+             "a damping ratio below 1: 0.02 is 2 % of the critical damping");
+    constexpr int usual = 200;
+    harmonic.steps = t.integer("steps", 1, usual);
+    if (!stress.has_density()) table.fail("harmonic", "harmonic without 'density'", "both");
+    stress.harmonic = harmonic;
+  }
+}
+
 void read_results(const TomlTable& table, SceneStress& stress) {
   for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face"})) {
     if (t.has("point") + t.has("curve") + t.has("face") != 1)
@@ -499,6 +518,8 @@ void require_supports(const TomlTable& table, const SceneStress& stress) {
     table.fail("inertia_relief", "supports and inertia_relief", "one of them");
   if (stress.inertia_relief && !stress.has_density())
     table.fail("inertia_relief", "inertia_relief without 'density'", "both");
+  if (stress.harmonic && stress.supports.empty())
+    table.fail("harmonic", "harmonic without supports", "supports");
   if (stress.inertia_relief && stress.sensitivities)
     table.fail("inertia_relief", "sensitivities and inertia_relief", "one of them");
   if (!stress.supports.empty() || stress.inertia_relief) return;
@@ -559,6 +580,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit,
   for (const TomlTable& t : table.tables("masses", {"point", "mass"}))
     stress.masses.push_back({t.vector("point"), t.positive("mass"), t.location()});
   read_results(table, stress);
+  read_harmonic(table, stress);
   stress.modes = table.integer("modes", 1, 0);
   stress.inertia_relief = table.boolean("inertia_relief", false);
   if (stress.modes > 0 && !stress.has_density())

@@ -123,6 +123,11 @@ struct SceneStress {
     double mass = 0;
     SourceLocation location;
   };
+  /// Steady vibration under the load cases, at equal steps between two frequencies.
+  struct Harmonic {
+    double from = 0, to = 0, damping = 0;
+    int steps = 0;
+  };
   /// A point, a curve or a face whose values are reported.
   struct Result {
     std::string name;
@@ -150,6 +155,7 @@ struct SceneStress {
   std::vector<Stiffener> stiffeners;
   std::vector<Mass> masses;
   std::vector<Result> results;
+  std::optional<Harmonic> harmonic;
   bool sensitivities = false;
   /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.
   int modes = 0, buckling = 0;

@@ -14,6 +14,7 @@
 #include "batten/core/errors.h"
 #include "batten/io/decks/frd_results.h"
 #include "batten/io/files/external_program.h"
+#include "batten/io/files/text.h"
 #include "batten/io/pictures/image.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/scenes/shapes/stress_probes.h"
@@ -74,6 +75,9 @@ class StressFiles : public StressVisitor {
   void visit_case(const StressReport::Case& c, const ShellCaseResult& result,
                   const ShellStresses& stresses) override;
   void visit_buckling(const StressReport::Case& c, const std::vector<Points>& shapes) override;
+  void visit_harmonic(const StressReport::Case& c, const std::vector<double>& frequencies,
+                      const std::vector<std::string>& points,
+                      const std::vector<std::vector<Eigen::Vector3cd>>& amplitudes) override;
   void visit_modes(const std::vector<double>& frequencies,
                    const std::vector<Points>& shapes) override;
 
@@ -128,6 +132,31 @@ void StressFiles::visit_buckling(const StressReport::Case& c, const std::vector<
   for (const double factor : c.buckling)
     captions.push_back(c.name + ": buckling at " + five_digits(factor) + " times the load");
   if (!captions.empty()) write_mode_shapes(c.name + " buckling", shapes, captions);
+}
+
+/// NAME_CASE_harmonic.csv: amplitudes, and phases in degrees relative to the load.
+void StressFiles::visit_harmonic(const StressReport::Case& c,
+                                 const std::vector<double>& frequencies,
+                                 const std::vector<std::string>& points,
+                                 const std::vector<std::vector<Eigen::Vector3cd>>& amplitudes) {
+  const std::string file = stress_stem(scene_, c.name) + "_harmonic.csv";
+  write_file_atomically(run_.out.file(file), [&](std::ostream& out) {
+    out << "frequency";
+    for (const std::string& point : points)
+      for (const char axis : {'x', 'y', 'z'})
+        out << ",\"" << single_row(point) << ": u" << axis << " [" << scene_.unit << "]\",\""
+            << single_row(point) << ": phase of u" << axis << " [degrees]\"";
+    out << "\n";
+    for (size_t k = 0; k < frequencies.size(); ++k) {
+      out << exact_number(frequencies[k]);
+      for (const Eigen::Vector3cd& u : amplitudes[k])
+        for (int axis = 0; axis < 3; ++axis)
+          out << "," << exact_number(std::abs(u[axis])) << ","
+              << exact_number(std::arg(u[axis]) * 180 / std::numbers::pi);
+      out << "\n";
+    }
+  });
+  run_.report.files.push_back(file);
 }
 
 void StressFiles::visit_modes(const std::vector<double>& frequencies,
@@ -341,6 +370,10 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
       text += summary_line("", "reserve factor " + three_digits(r.factor) + " (" + r.criterion +
                                    ") in ply " + std::to_string(r.ply) + " at " +
                                    format_rounded_point(r.at) + " of '" + r.region + "'");
+    for (const auto& v : c.vibrations)
+      text += summary_line("", "vibration of '" + v.point + "': amplitude " +
+                                   three_digits(v.amplitude) + " " + unit + " at " +
+                                   five_digits(v.frequency) + " Hz");
     for (const auto& s : c.stiffeners)
       text +=
           summary_line("", "stiffener '" + s.name + "': axial force " + three_digits(s.axial[0]) +

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "batten/analysis/models/harmonic_response.h"
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/analysis/models/shell_sensitivities.h"
 #include "batten/analysis/models/theory_limits.h"
 #include "batten/core/errors.h"
 #include "batten/scenes/shapes/shape_derivatives.h"
+#include "batten/scenes/shapes/stress_places.h"
 #include "batten/scenes/shapes/stress_probes.h"
 #include "batten/scenes/shapes/stress_setup.h"
 
@@ -149,6 +152,43 @@ void estimate_limits(const ShellModel& shell, const ShellLoadCase& load_case,
     c.shear_share = transverse_shear_energy(shell.assembler(), stresses) / result.energy;
 }
 
+/// Steady vibrations of the points of `results`, and of the point of the largest displacement.
+void find_vibrations(const Scene& scene, const ShellModel& shell, const ShellModes& modes,
+                     const ShellLoadCase& load_case, const ShellCaseResult& result,
+                     StressReport::Case& c, StressVisitor& visitor) {
+  const SceneStress::Harmonic& range = *scene.stress->harmonic;
+  const HarmonicResponse response(modes, load_case.load, range.damping);
+  std::vector<double> frequencies;
+  for (int k = 0; k <= range.steps; ++k)
+    frequencies.push_back(std::lerp(range.from, range.to, static_cast<double>(k) / range.steps));
+  for (const double f : modes.frequencies)  // the peaks
+    if (f > range.from && f < range.to) frequencies.push_back(f);
+  std::sort(frequencies.begin(), frequencies.end());
+  std::vector<std::string> points = {"largest displacement"};
+  std::vector<Location> places = {result.max_displacement.where};
+  for (const SceneStress::Result& of : scene.stress->results) {
+    if (!of.point) continue;
+    points.push_back(of.name);
+    places.push_back(place_of(scene, shell.layout(), shell.shape(), *of.point, of.location).where);
+  }
+  const Surface still = shell.layout().surface(shell.adjoint(load_case.load));
+  std::vector<Surface> shapes;
+  for (const Points& shape : modes.shapes) shapes.push_back(shell.layout().surface(shape));
+  std::vector<std::vector<Eigen::Vector3cd>> amplitudes(frequencies.size());
+  for (size_t p = 0; p < places.size(); ++p) {
+    std::vector<Vec3> shapes_here;
+    for (const Surface& shape : shapes) shapes_here.push_back(shape.position(places[p]));
+    StressReport::Case::Vibration largest{points[p], 0, 0};
+    for (size_t k = 0; k < frequencies.size(); ++k) {
+      amplitudes[k].push_back(response.at(frequencies[k], still.position(places[p]), shapes_here));
+      if (const double size = amplitudes[k].back().norm(); size > largest.amplitude)
+        largest = {points[p], frequencies[k], size};
+    }
+    c.vibrations.push_back(std::move(largest));
+  }
+  visitor.visit_harmonic(c, frequencies, points, amplitudes);
+}
+
 void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
                 StressVisitor& visitor) {
   const ShellModes modes = natural_modes(shell, scene.stress->modes);
@@ -175,6 +215,9 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
   const std::vector<ShellLoadCase> cases =
       free ? std::vector<ShellLoadCase>{}
            : problem.load_cases(*shape.layout, shape.dofs, definition);
+  // Modes up to twice the highest frequency; the static correction stands for the others.
+  std::optional<ShellModes> vibration_modes;
+  if (scene.stress->harmonic) vibration_modes = modes_up_to(shell, 2 * scene.stress->harmonic->to);
   const auto add = [&](const ShellCaseResult& result, const ShellStresses& stresses) {
     StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
     const ShellLoadCase& load_case = cases[report.cases.size()];
@@ -188,6 +231,8 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
            "is " + format_number(c.equilibrium_residual) + ", expected at most 1e-8"});
     if (scene.stress->buckling > 0)
       find_buckling(scene, shell, load_case, result.displacement, c, visitor);
+    if (vibration_modes)
+      find_vibrations(scene, shell, *vibration_modes, load_case, result, c, visitor);
     report.cases.push_back(std::move(c));
   };
   evaluate_load_cases(shell, cases, add, nullptr, progress);

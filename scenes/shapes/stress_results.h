@@ -2,6 +2,8 @@
 // Stress results of a scene's shape, without files: report, sensitivities to its parameters.
 #pragma once
 
+#include <complex>
+#include <string>
 #include <vector>
 
 #include "batten/analysis/models/shell_results.h"
@@ -24,6 +26,11 @@ class StressVisitor {
   /// Called after visit_case() of the same case if buckling is requested. The shapes (displacement
   /// dofs, n×3) belong to Case::buckling.
   virtual void visit_buckling(const StressReport::Case&, const std::vector<Points>&) {}
+  /// Called after visit_case() if a steady vibration is requested. `points`: names, as in
+  /// Case::vibrations; `amplitudes`: of each frequency and point.
+  virtual void visit_harmonic(const StressReport::Case&, const std::vector<double>& /*frequencies*/,
+                              const std::vector<std::string>& /*points*/,
+                              const std::vector<std::vector<Eigen::Vector3cd>>& /*amplitudes*/) {}
   /// Called last if modes are requested. `shapes`: displacement dofs, n×3.
   virtual void visit_modes(const std::vector<double>& /*frequencies*/,
                            const std::vector<Points>& /*shapes*/) {}

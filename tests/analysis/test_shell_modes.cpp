@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "batten/analysis/models/harmonic_response.h"
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -310,4 +311,41 @@ TEST_CASE("the follower stiffness of a constant pressure is the second derivativ
   const Eigen::Map<const VecX> all(u.data(), u.size());
   const double second = all.dot(S.selfadjointView<Eigen::Lower>() * all);
   CHECK(second == Approx((work(step) - work(-step)) / (2 * step)).epsilon(1e-7));
+}
+
+TEST_CASE("a steady vibration converges with few modes, and solves the equation of motion",
+          "[analysis][modes]") {
+  const OnePlate plate(1, 0.125);
+  const ShellModel shell(plate.layout, plate.shape,
+                         plate.made_of(0.3, {LineSupport::clamped("a")}));
+  const Points F = line_force(plate.layout, plate.shape, "b", {0, 0, 1e-4});
+  const Points still = shell.solve(F);
+  const ShellModes few = natural_modes(shell, 6), many = natural_modes(shell, 24);
+  const double first = few.frequencies[0];
+  // The response as dofs, one vector of shapes per dof.
+  const auto response = [&](const ShellModes& modes, double frequency, double damping) {
+    const HarmonicResponse harmonic(modes, F, damping);
+    Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 3> u(F.rows(), 3);
+    std::vector<Vec3> shapes(modes.shapes.size());
+    for (long m = 0; m < F.rows(); ++m) {
+      for (size_t k = 0; k < shapes.size(); ++k) shapes[k] = modes.shapes[k].row(m).transpose();
+      u.row(m) = harmonic.at(frequency, still.row(m).transpose(), shapes).transpose();
+    }
+    return u;
+  };
+  CHECK((response(few, 0, 0.05).real() - still).norm() < 1e-9 * still.norm());
+  for (const double f : {0.5 * first, 1.5 * first}) {
+    const auto u = response(many, f, 0);
+    CHECK((response(few, f, 0) - u).norm() < 1e-3 * u.norm());
+    CHECK(u.imag().norm() == 0);
+    // K u - ω² M u = F: the inertia forces as a static load give the same displacement.
+    const Points inertia = shell.mass().selfadjointView<Eigen::Lower>() * Points(u.real());
+    const Points again = shell.solve(F + std::pow(2 * pi * f, 2) * inertia);
+    CHECK((again - u.real()).norm() < 1e-4 * u.norm());
+  }
+  // In resonance, the response lags by a quarter of a period.
+  const auto peak = response(few, first, 0.02);
+  CHECK(peak.imag().norm() > 10 * peak.real().norm());
+  CHECK_THROWS_WITH(HarmonicResponse(few, F, 1), Contains("damping"));
+  CHECK(modes_up_to(shell, 3 * first).frequencies.maxCoeff() > 3 * first);
 }

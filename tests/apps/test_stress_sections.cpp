@@ -2,6 +2,7 @@
 // batten stress: laminates, temperatures, the reference surface, and limits of the theory.
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include "batten/tests/apps/cli_case.h"
 
@@ -340,6 +341,45 @@ TEST_CASE("a disc held in cylindrical directions, and a rigid hole", "[apps][str
   refuse("{curve = \"a\", axis = [0, 0, 1]}", "'axis' without directions");
   refuse("{curve = \"a\", directions = [\"radial\"], axis = [0, 0, 1], origin = [50, 0, 0]}",
          "on the axis");
+}
+
+TEST_CASE("a steady vibration has the static limit, resonances and phases", "[apps][stress]") {
+  const CliCase c("stress_harmonic");
+  const std::string cantilever = "material = \"steel\"\nthickness = 1\n" + kHeld +
+                                 "modes = 2\nloads = [{curve = \"c\", force = [0, 0, 0.01]}]\n";
+  const auto report = report_of(
+      c, square_plate(cantilever +
+                      "results = [{name = \"tip\", point = [50, 100, 0]}]\n"
+                      "harmonic = {from = 0, to = 150, steps = 10, damping = 0.01}\n"))["stress"];
+  const double first = number(report["frequencies"][0]);
+  const auto& one = report["cases"][0];
+  REQUIRE(one["harmonic"].size() == 2);
+  CHECK(one["harmonic"][1]["point"] == "tip");
+  CHECK(number(one["harmonic"][1]["frequency"]) == Approx(first).epsilon(1e-6));
+  // At resonance, a single mode: 1/(2 ζ) times its part of the static displacement, which is nearly all.
+  CHECK(number(one["harmonic"][1]["amplitude"]) ==
+        Approx(number(one["results"][0]["displacement_vector"][2]) / 0.02).epsilon(0.05));
+  std::istringstream csv(contents(c / "out/plate_loads_harmonic.csv"));
+  std::string header, row;
+  std::getline(csv, header);
+  CHECK(header.find("\"tip: uz [mm]\"") != std::string::npos);
+  std::getline(csv, row);  // at 0 Hz: the static displacement, in phase
+  std::vector<double> numbers;
+  std::istringstream cells(row);
+  for (std::string cell; std::getline(cells, cell, ',');) numbers.push_back(std::stod(cell));
+  REQUIRE(numbers.size() == 13);
+  CHECK(numbers[11] == Approx(number(one["results"][0]["displacement_vector"][2])).epsilon(1e-9));
+  CHECK(std::abs(numbers[12]) < 1e-9);
+  const auto refuse = [&](const std::string& harmonic, const std::string& part) {
+    expect_refusal(c, cantilever + "harmonic = {" + harmonic + "}\n", {part});
+  };
+  refuse("to = 10", "damping");
+  refuse("from = 20, to = 10, damping = 0.02", "below 'to'");
+  refuse("to = 10, damping = 2", "below 1");
+  expect_refusal(c,
+                 "young = 210e3\nthickness = 1\nharmonic = {to = 1, damping = 0.1}\n" + kHeld +
+                     "pressure = 1\n",
+                 {"'density'"});
 }
 
 TEST_CASE("loads from files are those of formulas", "[apps][stress]") {
