@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MPL-2.0
 // Fields of values from tables and VTK files.
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkNew.h>
-#include <vtkPlaneSource.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkXMLPolyDataWriter.h>
 
@@ -63,14 +64,17 @@ TEST_CASE("a table gives the value of the nearest point, whatever its columns", 
 
 TEST_CASE("values of a VTK file are interpolated on its cells", "[io][field]") {
   const std::filesystem::path folder = scratch("point_field_vtk");
-  vtkNew<vtkPlaneSource> plane;
-  plane->SetOrigin(0, 0, 0);
-  plane->SetPoint1(10, 0, 0);
-  plane->SetPoint2(0, 10, 0);
-  plane->SetResolution(4, 4);
-  plane->Update();
-  vtkPolyData* const data = plane->GetOutput();
-  data->GetPointData()->Initialize();
+  // 4 × 4 squares.
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> squares;
+  for (int j = 0; j <= 4; ++j)
+    for (int i = 0; i <= 4; ++i) points->InsertNextPoint(2.5 * i, 2.5 * j, 0);
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      squares->InsertNextCell({5 * j + i, 5 * j + i + 1, 5 * j + i + 6, 5 * j + i + 5});
+  data->SetPoints(points);
+  data->SetPolys(squares);
   vtkNew<vtkDoubleArray> linear, constant, vectors;
   linear->SetName("p");
   constant->SetName("cell");
