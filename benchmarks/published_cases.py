@@ -12,11 +12,11 @@ from validation import arc, stress
 CASES = []
 
 
-def case(name, unit, reference, source):
+def case(name, unit, reference, source, target=0.01):
     """Registers a function that takes accuracy (0: default elements) and returns a value and the estimated relative error."""
 
     def add(function):
-        CASES.append((name, unit, reference, source, function))
+        CASES.append((name, unit, reference, source, target, function))
         return function
 
     return add
@@ -185,7 +185,7 @@ def table():
     """Prints a table of all cases, and returns their results."""
     results = []
     print(f"{'case':86} {'reference':>10} {'default':>10} {'error':>9} {'1 %':>10} {'error':>9} {'estimate':>8} {'seconds':>7}")
-    for name, unit, reference, source, function in CASES:
+    for name, unit, reference, source, target, function in CASES:
         values, start = [], time.perf_counter()
         for accuracy in (0, 0.01):
             value, estimate = function(accuracy)
@@ -196,5 +196,5 @@ def table():
         print(f"{name + (', ' + unit if unit else ''):86} {reference:10.5g} {default:10.5g} {100 * default_error:+7.2f} % {accurate:10.5g} "
               f"{100 * error:+7.2f} % {shown:>8} {seconds:7.1f}", flush=True)
         results.append({"name": name, "reference": reference, "source": source, "default": default, "accurate": accurate,
-                        "error": error, "estimate": estimate, "seconds": seconds})
+                        "error": error, "target": target, "estimate": estimate, "seconds": seconds})
     return results

@@ -258,3 +258,17 @@ def ribbed_cantilever(accuracy):
                            settings=f'young = 210e3\npoisson = 0\nstiffeners = [{{ curve = "rib", rectangle = [{RIB}, {HEIGHT}] }}]')
     one = result.load_case()
     return result.at([SPAN, 0, 0]).displacement[2], one.max_displacement_error / one.max_displacement
+
+
+@case("plate 800 × 600 × 4 with a flat bar 4 × 30, simply supported, traction: deflection", "mm", 0.2800, "CalculiX", target=0.02)
+def stiffened_panel(accuracy):
+    """The reference is CalculiX with eight-node shells (S8R), also for the web of the bar."""
+    curves = {"south 1": [[0, 0, 0], [400, 0, 0]], "south 2": [[400, 0, 0], [800, 0, 0]], "east": [[800, 0, 0], [800, 600, 0]],
+              "north 2": [[800, 600, 0], [400, 600, 0]], "north 1": [[400, 600, 0], [0, 600, 0]], "west": [[0, 600, 0], [0, 0, 0]],
+              "rib": [[400, 0, 0], [400, 600, 0]]}
+    model = batten.skin(curves, unit="mm")
+    supports = [held("south 1", 1, 2), held("south 2", 1, 2), held("north 1", 2), held("north 2", 2), held("east", 2), held("west", 0, 2)]
+    result = batten.stress(model, material="steel", thickness=4, accuracy=accuracy, supports=supports, loads=[{"traction": [0, 0, -0.002]}],
+                           settings='stiffeners = [{ curve = "rib", rectangle = [4, 30] }]')
+    one = result.load_case()
+    return one.max_displacement, one.max_displacement_error / one.max_displacement

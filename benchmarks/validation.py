@@ -121,7 +121,7 @@ def main():
 
     print()
     published = published_cases.table()
-    promises = [{"name": one["name"], "value": abs(one["error"]), "target": 0.01, "ok": abs(one["error"]) <= 0.01} for one in published]
+    promises = [{"name": one["name"], "value": abs(one["error"]), "target": one["target"], "ok": abs(one["error"]) <= one["target"]} for one in published]
     print(json.dumps({"bench": "validation", "promises": promises, "results": results, "published": published}))
 
 

@@ -369,7 +369,7 @@ def validation(target, _):
 
     accuracies = (0.1, 0.03, 0.01, 0.003, 0.001)
     figure, plot = axes(8, 5.5)
-    for name, _, reference, _, function in published_cases.CASES:
+    for name, _, reference, _, _, function in published_cases.CASES:
         found = [function(accuracy) for accuracy in accuracies]
         if found[0][1] is None:  # frequencies and buckling factors have no estimate
             continue

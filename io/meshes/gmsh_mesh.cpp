@@ -376,23 +376,31 @@ struct ConvertedGmshMesh : TextMeshContent {
   using TextMeshContent::TextMeshContent;
   MeshRounding write(const fs::path& path, const Points& points,
                      const MeshWriteOptions& options) const override {
+    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const TemporaryFolder folder(parent, "batten-gmsh");
+    const fs::path edited = folder.path() / "edited.msh",
+                   result = folder.path() / ("result" + path.extension().string());
+    MeshRounding rounding = TextMeshContent::write(edited, points, options);
+    const std::string text = read_input_file(edited, "a mesh");
+    const auto write = [&](const std::string& content) {
+      write_file_atomically(path, [&](std::ostream& out) { out << content; });
+    };
+    if (text == converted) {  // no coordinate has changed
+      write(original);
+      return rounding;
+    }
     if (gmsh_format.empty()) {
-      MeshRounding rounding = TextMeshContent::write(path, points, options);
+      write(text);
       rounding.notes.push_back(path.filename().string() +
                                " is MSH 4.1 as text: gmsh cannot write the older version of the "
                                "input without losing physical groups");
       return rounding;
     }
-    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    const TemporaryFolder folder(parent, "batten-gmsh");
-    const fs::path edited = folder.path() / "edited.msh",
-                   result = folder.path() / ("result" + path.extension().string());
-    const MeshRounding rounding = TextMeshContent::write(edited, points, options);
     convert_by_gmsh(edited, gmsh_format, result, path, is_binary);
-    const std::string content = read_input_file(result, "a mesh");
-    write_file_atomically(path, [&](std::ostream& out) { out << content; });
+    write(read_input_file(result, "a mesh"));
     return rounding;
   }
+  std::string original, converted;  ///< bytes of the file, and the text that gmsh made of it
   std::string gmsh_format;  ///< argument of gmsh's option -format; empty: the text is written
   bool is_binary = false;
 };
@@ -418,8 +426,10 @@ std::unique_ptr<TextMeshContent> read_converted(const fs::path& path, std::strin
                  copy = folder.path() / ("original" + lower_extension(path));
   write_file_atomically(copy, [&](std::ostream& out) { out << content; });
   convert_by_gmsh(copy, "msh41", text, path);
-  auto mesh = std::make_unique<ConvertedGmshMesh>(
-      MeshSourceText(path, read_input_file(text, "a mesh"), false));
+  std::string converted = read_input_file(text, "a mesh");
+  auto mesh = std::make_unique<ConvertedGmshMesh>(MeshSourceText(path, converted, false));
+  mesh->original = content;
+  mesh->converted = std::move(converted);
   mesh->gmsh_format = format;
   mesh->is_binary = is_binary;
   return mesh;
