@@ -769,8 +769,9 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   read_sculpting(root, folder, scene);
   check_fair_keys(root, scene.skin);
 
+  const NamedFields fields = read_fields(root, folder);
   for (const TomlTable& t : root.table("stress", stress_keys()))
-    scene.stress = read_stress(t, scene.unit, read_fields(root, folder));
+    scene.stress = read_stress(t, scene.unit, fields);
 
   UniqueNames files("file name");
   for (const TomlTable& t : root.table("compare", {"file"}))

@@ -533,6 +533,7 @@ void require_supports(const TomlTable& table, const SceneStress& stress) {
 SceneStress read_stress(const TomlTable& table, const std::string& unit,
                         const NamedFields& fields) {
   SceneStress stress;
+  stress.fields = fields;
   read_section(table, unit, stress);
   stress.yield = table.positive("yield", 0);
   for (const TomlTable& t :

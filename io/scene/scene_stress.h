@@ -156,6 +156,7 @@ struct SceneStress {
   std::vector<Mass> masses;
   std::vector<Result> results;
   std::optional<Harmonic> harmonic;
+  NamedFields fields;  ///< of all [[field]]
   bool sensitivities = false;
   /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.
   int modes = 0, buckling = 0;

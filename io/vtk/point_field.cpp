@@ -130,7 +130,7 @@ vtkSmartPointer<vtkPointSet> read_table(const std::filesystem::path& file,
       const auto number = column < cells.size() ? number_of(cells[column]) : std::nullopt;
       if (!number)
         throw InputError(where + "found " +
-                         (column < cells.size() ? "'" + quoted_excerpt(cells[column]) + "'"
+                         (column < cells.size() ? quoted_excerpt(cells[column])
                                                 : format_count(isize(cells), "column")) +
                          ", expected a finite number in column " + std::to_string(column + 1));
       numbers[k] = *number;
@@ -181,7 +181,7 @@ class PointField::Data {
         throw InputError(file_ + ": found a value that is not finite, expected finite numbers");
     double box[6];
     data_->GetBounds(box);
-    size_ = Vec3(box[1] - box[0], box[3] - box[2], box[5] - box[4]).norm();
+    box_ = Box3(Vec3(box[0], box[2], box[4]), Vec3(box[1], box[3], box[5]));
     if (data_->GetNumberOfCells() > 0) {
       cells_->SetDataSet(data_);
       cells_->BuildLocator();
@@ -191,7 +191,14 @@ class PointField::Data {
     }
   }
 
+  double size() const { return box_.diagonal().norm(); }
+
   double at(const Vec3& x) {
+    constexpr double far = 0.1;
+    if (const double outside = std::sqrt(box_.squaredExteriorDistance(x)); outside > far * size())
+      throw InputError(file_ + ": found its values " + format_number(outside) + " away from " +
+                       format_point(x) +
+                       ", expected values at the surface: check the unit and the position");
     Vec3 closest = Vec3::Zero();
     double value = 0;
     if (data_->GetNumberOfCells() > 0) {
@@ -205,11 +212,6 @@ class PointField::Data {
       data_->GetPoint(point, closest.data());
       value = values_->GetComponent(point, 0);
     }
-    constexpr double far = 0.1;
-    if ((closest - x).norm() > far * size_)
-      throw InputError(file_ + ": found the closest point to " + format_point(x) +
-                       " at a distance of " + format_number((closest - x).norm()) +
-                       ", expected values at the surface: check the unit and the position");
     return value;
   }
 
@@ -247,7 +249,7 @@ class PointField::Data {
   vtkSmartPointer<vtkPointSet> data_;
   vtkDataArray* values_ = nullptr;
   bool of_cells_ = false;
-  double size_ = 0;
+  Box3 box_;
   vtkNew<vtkStaticCellLocator> cells_;
   vtkNew<vtkStaticPointLocator> points_;
   vtkNew<vtkGenericCell> cell_;
@@ -258,5 +260,7 @@ PointField::PointField(const std::filesystem::path& file, const std::string& arr
     : data_(std::make_shared<Data>(file, array)) {}
 
 double PointField::at(const Vec3& x) const { return data_->at(x); }
+
+double PointField::size() const { return data_->size(); }
 
 }  // namespace batten

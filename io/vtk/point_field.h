@@ -25,9 +25,11 @@ class PointField {
   /// cannot be read, an array that does not exist or is no scalar, and numbers that are not finite.
   PointField(const std::filesystem::path& file, const std::string& array);
 
-  /// The value at the closest point. Throws InputError if that point is farther away than a tenth of
-  /// the size of the field.
+  /// The value at the closest point. Throws InputError if x is outside of the bounding box of the field
+  /// by more than a tenth of its size.
   double at(const Vec3& x) const;
+  /// Diagonal of the bounding box.
+  double size() const;
 
  private:
   class Data;

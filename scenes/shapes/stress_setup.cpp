@@ -297,9 +297,21 @@ void add_stiffeners(const Scene& scene, const ModelLayout& layout, ShellDefiniti
     }
 }
 
+/// A field that is much larger or smaller than the model has another unit.
+void require_similar_sizes(const Scene& scene, const ModelLayout& layout) {
+  constexpr double most = 50;
+  for (const auto& [name, field] : scene.stress->fields)
+    if (const double ratio = field.size() / layout.size(); ratio > most || ratio < 1 / most)
+      throw InputError(scene.at({}) + "[[field]] '" + name + "': found values over " +
+                       format_number(field.size()) + " " + scene.unit + " for a surface of " +
+                       format_number(layout.size()) + " " + scene.unit +
+                       ", expected similar sizes: check the unit of the file");
+}
+
 ShellDefinition shell_definition(const Scene& scene, const ModelLayout& layout,
                                  const Points& shape) {
   const SceneStress& s = *scene.stress;
+  require_similar_sizes(scene, layout);
   ShellDefinition definition;
   definition.sections = {shell_section(s)};
   definition.inertia_relief = s.inertia_relief;

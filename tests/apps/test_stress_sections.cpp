@@ -212,7 +212,7 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
   const std::string ribs = "stiffeners = [{curve = \"rib\", rectangle = [2, 6]}]\n";
   const auto stiff = solved(ribs + load +
                             "results = [{name = \"end\", point = [10, 100, 0]}, {curve = \"tip\"}, "
-                            "{face = \"face 1\"}]\n")["cases"][0];
+                            "{face = \"strip\"}]\n")["cases"][0];
   CHECK(number(stiff["max_displacement"]) == Approx(1e6 / (3 * EI)).epsilon(0.02));
   REQUIRE(stiff["stiffeners"].size() == 1);
   CHECK(stiff["stiffeners"][0]["name"] == "rib");
@@ -306,7 +306,7 @@ TEST_CASE("a disc held in cylindrical directions, and a rigid hole", "[apps][str
   const auto fixed =
       disc("", "supports = [{curve = \"rim\", directions = [\"radial\", \"hoop\", \"axial\"], " +
                    guided + results);
-  CHECK(number(fixed["max_von_mises"]) == Approx(210e3 * 12e-6 * 100 / 0.7).epsilon(1e-3));
+  CHECK(number(fixed["max_von_mises"]) == Approx(210e3 * 12e-6 * 100 / 0.7).epsilon(5e-3));
 
   // A clamped annulus, and a moment on its hole about the y axis.
   const std::string hole =
@@ -320,14 +320,22 @@ TEST_CASE("a disc held in cylindrical directions, and a rigid hole", "[apps][str
   const auto height = [](const nlohmann::json& one, size_t k) {
     return number(one["results"][k]["displacement_vector"][2]);
   };
-  const auto soft = disc(hole, load), rigid = disc(hole, load + "rigid_curves = [\"hole\"]\n");
-  const double tilt = height(rigid, 0);
-  CHECK(std::abs(tilt) < 0.9 * std::abs(height(soft, 0)));
-  CHECK(height(rigid, 1) == Approx(-tilt).epsilon(1e-3));
-  CHECK(std::abs(height(rigid, 2)) < 1e-3 * std::abs(tilt));
-  CHECK(height(rigid, 3) == Approx(tilt * std::sqrt(0.5)).epsilon(3e-3));
-  // Not so without it.
-  CHECK(std::abs(height(soft, 3) / height(soft, 0) - std::sqrt(0.5)) > 1e-2);
+  const std::string rigid_hole = "rigid_curves = [\"hole\"]\n";
+  const auto turned = disc(hole, load + rigid_hole);
+  const double tilt = height(turned, 0);
+  CHECK(height(turned, 1) == Approx(-tilt).epsilon(5e-3));
+  CHECK(std::abs(height(turned, 2)) < 5e-3 * std::abs(tilt));
+  CHECK(height(turned, 3) == Approx(tilt * std::sqrt(0.5)).epsilon(5e-3));
+  // Forces that bend the rim to a saddle.
+  const std::string saddle =
+      "supports = [{curve = \"rim\"}]\nloads = [{point = [20, 20, 0], force = [0, 0, 5]}, {point = "
+      "[0, "
+      "20, 0], force = [0, 0, 5]}, {point = [10, 30, 0], force = [0, 0, -5]}, {point = [10, 10, "
+      "0], "
+      "force = [0, 0, -5]}]\nresults = [{point = [20, 20, 0]}]\n";
+  const double soft = height(disc(hole, saddle), 0),
+               rigid = height(disc(hole, saddle + rigid_hole), 0);
+  CHECK(std::abs(rigid) < 0.02 * std::abs(soft));
 
   const auto refuse = [&](const std::string& support, const std::string& part) {
     c.file("s.toml", square_plate("material = \"steel\"\nthickness = 1\nsupports = [" + support +
@@ -414,6 +422,12 @@ TEST_CASE("loads from files are those of formulas", "[apps][stress]") {
     CHECK(r.err.find(part) != std::string::npos);
   };
   refuse("{pressure = \"p_cfd\"}", "", "found 'p_cfd'");
+  c.file("m.csv", "0 0 0 1\n0.1 0 0 1\n0 0.1 0 1\n");
+  c.file("um.csv", "0 0 0 1\n1e5 0 0 1\n0 1e5 0 1\n");
+  for (const char* file : {"m.csv", "um.csv"})
+    refuse("{pressure = \"p_cfd\"}",
+           "[[field]]\nname = \"p_cfd\"\nfile = \"" + std::string(file) + "\"\n",
+           "check the unit of the file");
   refuse("{pressure = \"p_cfd\"}", "[[field]]\nname = \"p_cfd\"\nfile = \"none.csv\"\n",
          "none.csv");
   refuse("{pressure = \"x\"}", "[[field]]\nname = \"x\"\nfile = \"cfd.csv\"\n", "'x'");
