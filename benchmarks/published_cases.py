@@ -189,12 +189,12 @@ def table():
         values, start = [], time.perf_counter()
         for accuracy in (0, 0.01):
             value, estimate = function(accuracy)
-            values.append((value, value / reference - 1, estimate))
+            values.append((float(value), float(value / reference - 1), None if estimate is None else float(estimate)))
         seconds = time.perf_counter() - start
         (default, default_error, _), (accurate, error, estimate) = values
         shown = "" if estimate is None else f"{100 * estimate:.2f} %"
         print(f"{name + (', ' + unit if unit else ''):86} {reference:10.5g} {default:10.5g} {100 * default_error:+7.2f} % {accurate:10.5g} "
               f"{100 * error:+7.2f} % {shown:>8} {seconds:7.1f}", flush=True)
-        results.append({"name": name, "reference": reference, "source": source, "default": default, "accurate": accurate,
+        results.append({"name": name, "reference": float(reference), "source": source, "default": default, "accurate": accurate,
                         "error": error, "target": target, "estimate": estimate, "seconds": seconds})
     return results

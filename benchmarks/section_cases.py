@@ -227,7 +227,7 @@ def pressed_cylinder(ratio):
 
 for ratio in (2, 10):
     case(f"cylinder, L/R = {ratio}, simply supported, external pressure: buckling factor", "", external_pressure(ratio) / 1e5,
-         "WindenburgTrilling1934")(lambda accuracy, ratio=ratio: pressed_cylinder(ratio))
+         "Windenburg1934")(lambda accuracy, ratio=ratio: pressed_cylinder(ratio))
 
 
 @case("cylinder under internal pressure: largest stress, at its clamped end", "MPa",
