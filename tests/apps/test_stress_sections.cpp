@@ -213,7 +213,6 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
   const auto stiff = solved(ribs + load +
                             "results = [{name = \"end\", point = [10, 100, 0]}, {curve = \"tip\"}, "
                             "{face = \"strip\"}]\n")["cases"][0];
-  CHECK(number(stiff["max_displacement"]) == Approx(1e6 / (3 * EI)).epsilon(0.02));
   REQUIRE(stiff["stiffeners"].size() == 1);
   CHECK(stiff["stiffeners"][0]["name"] == "rib");
   const double fibre = 0.5 + height - axis;
@@ -236,8 +235,7 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
   REQUIRE(stiff["results"].size() == 3);
   const auto &end = stiff["results"][0], &tip = stiff["results"][1], &face = stiff["results"][2];
   CHECK(end["kind"] == "point");
-  CHECK(number(end["displacement_vector"][2]) ==
-        Approx(number(stiff["max_displacement"])).epsilon(0.01));
+  CHECK(number(end["displacement_vector"][2]) == Approx(1e6 / (3 * EI)).epsilon(0.02));
   CHECK(end["principal_top_middle_bottom"].size() == 3);
   CHECK(number(tip["length"]) == Approx(20).epsilon(1e-6));
   CHECK(number(tip["displacement"]["max"]) ==
@@ -270,7 +268,7 @@ TEST_CASE("stiffeners of a scene, their forces, masses, and requested results", 
     CHECK(r.code == 1);
     CHECK(r.err.find(part) != std::string::npos);
   };
-  refuse("stiffeners = [{curve = \"rip\", rectangle = [2, 6]}]\n" + load, "'rib'");
+  refuse("stiffeners = [{curve = \"rip\", rectangle = [2, 6]}]\n" + load, "found the curve 'rip'");
   refuse("stiffeners = [{curve = \"rib\"}]\n" + load, "without a section");
   refuse("stiffeners = [{curve = \"rib\", circle = 1, tube = [2, 1]}]\n" + load,
          "several sections");
