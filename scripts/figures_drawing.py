@@ -378,14 +378,14 @@ def validation(target, _):
         plot.plot(accuracies, errors, "o-", ms=4, lw=1.5 if singular else 1, color=COLOURS[1] if singular else COLOURS[0],
                   alpha=1 if singular else 0.45)
         if singular:
-            plot.annotate("skew plate with singular corners", (accuracies[-1], errors[-1]), (0, 8), textcoords="offset points",
-                          color=COLOURS[1], ha="right")
+            plot.annotate("skew plate with singular corners", (accuracies[1], errors[1]), (0, 8), textcoords="offset points",
+                          color=COLOURS[1], ha="center")
     plot.plot(accuracies, accuracies, "--", color="#242933", lw=1)
-    plot.annotate("requested", (accuracies[1], accuracies[1]), (-6, 8), textcoords="offset points", ha="center")
+    plot.annotate("requested", (accuracies[0], accuracies[0]), (40, -34), textcoords="offset points", ha="center")
     plot.set_xscale("log")
     plot.set_yscale("log")
     plot.invert_xaxis()
-    plot.set_xlabel("requested accuracy (`--accuracy`)")
+    plot.set_xlabel("requested accuracy")
     plot.set_ylabel("true relative error")
     figure.tight_layout()
     figure.savefig(target)

@@ -392,10 +392,11 @@ derivatives of the shape, and two stiffness matrices per parameter. Raises Input
       "settings"_a = "", "values"_a = py::none(), "accuracy"_a = 0.0, "progress"_a = py::none(),
       R"(Analyses a Model as a linear thin shell, in memory; or runs `batten stress` of a scene file.
 
-stress(model, …) returns a Stress. `material`: a name such as "steel", or {"young": …, "poisson": …,
-"density": …}. `supports`: names of curves (clamped), or dicts such as {"curve": "rim", "type":
+stress(model, …) returns a Stress. `material`: a name such as "steel", or the keys of a material,
+{"young": …, "poisson": …, "density": …}, or of a laminate, {"young": [E1, E2], "shear_modulus": …,
+"material_direction": [x, y, z], "layup": "[0/±45/90]s", "ply_thickness": …}. `supports`: names of curves (clamped), or dicts such as {"curve": "rim", "type":
 "pinned"}. `loads`: dicts such as {"pressure": 0.01}, {"pressure": "0.01 * x"} (a formula) or
-{"force": [x, y, z], "point": [x, y, z]}. All keys: docs/stress.md. `settings`: further keys of
+{"force": [x, y, z], "point": [x, y, z]} or {"temperature": 80}. All keys: docs/stress.md. `settings`: further keys of
 [stress] as TOML text. These arguments replace the [stress] of the model; without them, its own
 [stress] is used. `modes`, `buckling`: numbers of natural frequencies, and of buckling factors per
 load case. `values`: parameters of the model.

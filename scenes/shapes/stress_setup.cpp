@@ -25,6 +25,8 @@ void require_consistent_units(const Scene& scene) {
   std::vector<SceneMaterial> materials;
   for (const ScenePly& ply : stress.plies) materials.push_back(ply.material);
   if (materials.empty()) materials.push_back(stress.material);
+  for (const SceneStress::Stiffener& stiffener : stress.stiffeners)
+    materials.push_back(stiffener.material);
   constexpr double mpa_at_most = 5e6, tonnes_at_most = 1e-6, pascal_at_least = 1e5,
                    kilograms_at_least = 1e-3;
   for (const SceneMaterial& s : materials) {

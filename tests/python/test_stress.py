@@ -47,6 +47,42 @@ class InMemory(PropertyTests):
         self.assertIn(governing.name, repr(stress))
         self.assertIn(governing.name, repr(governing))
 
+    def test_laminates_and_temperatures(self):
+        carbon = {"young": [140e3, 10e3], "shear_modulus": 5e3, "poisson": 0.3, "material_direction": [1, 0, 0],
+                  "expansion": [-0.5e-6, 30e-6], "layup": "[0/90]s", "ply_thickness": 0.25,
+                  "strength": {"tension": [1500, 50], "compression": [1200, 250], "shear": 70}}
+        loads = [{"pressure": -1e-3}, {"case": "hot", "temperature": 100}, {"case": "hot", "temperature_difference": "x / 10"}]
+        stress = batten.stress(vault(), material=carbon, supports=["left", "right"], loads=loads)
+        one = stress.load_case("hot")
+        self.assertEqual(sorted(one.reserve_factors), ["Hoffman", "Tsai-Hill"])
+        self.assertIn(one.stress_ply, (1, 2, 3, 4))
+        plies = stress.at([50, 50, 15], case="hot").ply_stresses
+        self.assertEqual(plies.shape, (8, 3))
+        self.assertAlmostEqual(stress.thickness[0], 1)
+        # Plies of one isotropic material are that material.
+        steel = batten.stress(vault(), material="steel", thickness=1, supports=["left", "right"], loads=loads[:1])
+        plies = batten.stress(vault(), material={"plies": 4 * [{"material": "steel", "thickness": 0.25}]},
+                              supports=["left", "right"], loads=loads[:1])
+        self.assertAlmostEqual(plies.max_displacement / steel.max_displacement, 1, places=9)
+        self.assertAlmostEqual(plies.max_von_mises / steel.max_von_mises, 1, places=6)
+        with self.assertRaisesRegex(batten.InputError, "did you mean 'layup'"):
+            batten.stress(vault(), material={"layups": "[0]"}, supports=["left"], loads=loads)
+
+    def test_gradients_of_laminates_and_temperatures(self):
+        carbon = {"young": [140e3, 10e3], "shear_modulus": 5e3, "poisson": 0.3, "material_direction": [1, 0, 0],
+                  "expansion": [-0.5e-6, 30e-6], "layup": "[0/45]", "ply_thickness": 0.5, "density": 1.6e-9}
+        settings = 'reference_surface = "bottom"\nstiffeners = [{ curve = "front", rectangle = [2, 6], material = "aluminium" }]'
+
+        def analysed(swell):
+            return batten.stress(vault().with_values({"swell": swell}), material=carbon, supports=["left", "right"], settings=settings,
+                                 loads=[{"temperature": 50}, {"traction": [0, 0, -1e-3]}])
+
+        found, h = analysed(1).gradients(), 1e-2
+        up, down = analysed(1 + h).gradients(), analysed(1 - h).gradients()
+        for name in ("compliance", "von_mises_norm", "mass"):
+            difference = (getattr(up, name).value - getattr(down, name).value) / (2 * h)
+            self.assertLess(abs(getattr(found, name).gradient["swell"] - difference), 2e-3 * abs(difference), name)
+
     def test_arrays_are_views_of_the_values_at_the_points(self):
         model = vault()
         stress = batten.stress(model, **STEEL, loads={"pressure": -0.01}, modes=1)
