@@ -393,6 +393,26 @@ Json json_of(const StressReport::Case& c) {
   return json;
 }
 
+Json json_of(const StressReport::Spectrum& s) {
+  Json json = {{"modes", s.modes},
+               {"mass_fraction", s.mass_fraction},
+               {"max_displacement", s.displacement},
+               {"displacement_at", json_of(s.displacement_at)},
+               {"displacement_face", s.displacement_region},
+               {"max_von_mises", s.stress},
+               {"stress_at", json_of(s.stress_at)},
+               {"stress_face", s.stress_region}};
+  for (const auto& point : s.points)
+    json["points"].push_back({{"name", point.name},
+                              {"displacement", json_of(point.displacement)},
+                              {"von_mises", point.von_mises}});
+  json["reactions"] = Json::array();
+  for (const auto& r : s.reactions)
+    json["reactions"].push_back(
+        {{"support", r.support}, {"force", json_of(r.force)}, {"moment", json_of(r.moment)}});
+  return json;
+}
+
 Json json_of(const StressReport& s) {
   Json json = {{"unknowns", s.unknowns},
                {"thickness_over_radius", s.thickness_over_radius},
@@ -413,6 +433,7 @@ Json json_of(const StressReport& s) {
                                      {"case", d.load_case},
                                      {"max_displacement", d.displacement},
                                      {"compliance", d.compliance}});
+  if (s.spectrum) json["spectrum"] = json_of(*s.spectrum);
   if (s.frequencies.empty()) return json;
   json["frequencies"] = s.frequencies;
   json["mass"] = s.mass;

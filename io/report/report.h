@@ -127,6 +127,22 @@ struct StressReport {
     std::optional<CalculixResult> calculix;
   };
   std::vector<Case> cases;
+  /// Largest response to a spectrum of accelerations of the supports, at the vertices of the mesh.
+  struct Spectrum {
+    int modes = 0;
+    double mass_fraction = 0;  ///< part of the mass that belongs to these modes
+    double displacement = 0, stress = 0;
+    Vec3 displacement_at = Vec3::Zero(), stress_at = Vec3::Zero();
+    std::string displacement_region, stress_region;
+    struct Point {
+      std::string name;
+      Vec3 displacement;
+      double von_mises;
+    };
+    std::vector<Point> points;        ///< of the requested results at points
+    std::vector<Reaction> reactions;  ///< absolute values
+  };
+  std::optional<Spectrum> spectrum;
   /// One mesh of an adaptive refinement, with the maxima over all load cases.
   struct Mesh {
     double edge_length = 0;

@@ -78,7 +78,7 @@ const std::vector<std::string>& stress_keys() {
                                                 "materials",      "reference_surface",
                                                 "stiffeners",     "masses",
                                                 "results",        "rigid_curves",
-                                                "harmonic"};
+                                                "harmonic",       "spectrum"};
   return keys;
 }
 
@@ -431,6 +431,26 @@ void read_harmonic(const TomlTable& table, SceneStress& stress) {
   }
 }
 
+void read_spectrum(const TomlTable& table, SceneStress& stress) {
+  for (const TomlTable& t : table.table("spectrum", {"direction", "points", "damping"})) {
+    SceneStress::Spectrum spectrum;
+    spectrum.direction = t.direction("direction");
+    for (const VecX& row : t.rows("points", "frequency, acceleration")) {
+      const bool ascends = spectrum.points.empty() || row[0] > spectrum.points.back().first;
+      if (!(row[0] > 0 && row[1] > 0 && ascends))
+        t.fail("points", "[" + format_number(row[0]) + ", " + format_number(row[1]) + "]",
+               "ascending frequencies and accelerations, all above 0");
+      spectrum.points.emplace_back(row[0], row[1]);
+    }
+    spectrum.damping = t.positive("damping");
+    if (spectrum.damping >= 1)
+      t.fail("damping", format_number(spectrum.damping),
+             "a damping ratio below 1: 0.05 is 5 % of the critical damping");
+    if (!stress.has_density()) table.fail("spectrum", "spectrum without 'density'", "both");
+    stress.spectrum = spectrum;
+  }
+}
+
 void read_results(const TomlTable& table, SceneStress& stress) {
   for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face"})) {
     if (t.has("point") + t.has("curve") + t.has("face") != 1)
@@ -518,6 +538,8 @@ void require_supports(const TomlTable& table, const SceneStress& stress) {
     table.fail("inertia_relief", "supports and inertia_relief", "one of them");
   if (stress.inertia_relief && !stress.has_density())
     table.fail("inertia_relief", "inertia_relief without 'density'", "both");
+  if (stress.spectrum && stress.supports.empty())
+    table.fail("spectrum", "spectrum without supports", "supports");
   if (stress.harmonic && stress.supports.empty())
     table.fail("harmonic", "harmonic without supports", "supports");
   if (stress.inertia_relief && stress.sensitivities)
@@ -582,6 +604,7 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit,
     stress.masses.push_back({t.vector("point"), t.positive("mass"), t.location()});
   read_results(table, stress);
   read_harmonic(table, stress);
+  read_spectrum(table, stress);
   stress.modes = table.integer("modes", 1, 0);
   stress.inertia_relief = table.boolean("inertia_relief", false);
   if (stress.modes > 0 && !stress.has_density())

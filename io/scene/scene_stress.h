@@ -128,6 +128,12 @@ struct SceneStress {
     double from = 0, to = 0, damping = 0;
     int steps = 0;
   };
+  /// Response spectrum of an acceleration of all supports.
+  struct Spectrum {
+    Vec3 direction = Vec3::UnitZ();
+    std::vector<std::pair<double, double>> points;  ///< frequencies and accelerations
+    double damping = 0;
+  };
   /// A point, a curve or a face whose values are reported.
   struct Result {
     std::string name;
@@ -156,6 +162,7 @@ struct SceneStress {
   std::vector<Mass> masses;
   std::vector<Result> results;
   std::optional<Harmonic> harmonic;
+  std::optional<Spectrum> spectrum;
   NamedFields fields;  ///< of all [[field]]
   bool sensitivities = false;
   /// Number of natural modes, and of buckling load factors per load case, to compute; 0: none.

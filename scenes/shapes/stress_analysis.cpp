@@ -20,6 +20,7 @@
 #include "batten/scenes/shapes/stress_probes.h"
 #include "batten/scenes/shapes/stress_results.h"
 #include "batten/scenes/shapes/stress_setup.h"
+#include "batten/scenes/shapes/stress_spectrum.h"
 #include "batten/skinning/model/model_shapes.h"
 
 namespace batten {
@@ -78,6 +79,7 @@ class StressFiles : public StressVisitor {
   void visit_harmonic(const StressReport::Case& c, const std::vector<double>& frequencies,
                       const std::vector<std::string>& points,
                       const std::vector<std::vector<Eigen::Vector3cd>>& amplitudes) override;
+  void visit_spectrum(const StressReport::Spectrum& report, const SpectrumField& field) override;
   void visit_modes(const std::vector<double>& frequencies,
                    const std::vector<Points>& shapes) override;
 
@@ -157,6 +159,41 @@ void StressFiles::visit_harmonic(const StressReport::Case& c,
     }
   });
   run_.report.files.push_back(file);
+}
+
+/// NAME_spectrum.vtu and NAME_spectrum.png.
+void StressFiles::visit_spectrum(const StressReport::Spectrum&, const SpectrumField& field) {
+  const auto at = [&](int r, const Location& where) {
+    return layout().to_model_location(r, where);
+  };
+  VtkOptions options;
+  options.curvatures = false;
+  options.fields.push_back({"Displacement", 3, [&](int r, const Location& where) -> VecX {
+                              return field.displacement(at(r, where));
+                            }});
+  for (const auto& [side, height] :
+       {std::pair<const char*, double>{"top", 1}, {"middle", 0}, {"bottom", -1}})
+    options.fields.push_back({"Von_mises_" + std::string(side), 1,
+                              [&, h = height](int r, const Location& where) -> VecX {
+                                return VecX::Constant(1, field.von_mises(at(r, where), h));
+                              }});
+  const std::vector<SkinnedRegion> still = regions_of(shell_->shape());
+  const std::string stem = stress_stem(scene_, "spectrum");
+  write_vtu(run_.out.file(stem + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stem + ".vtu");
+  if (!can_draw(run_.report, stem + ".png")) return;
+  PictureScene picture = view();
+  picture.regions = pointers(still);
+  picture.field = PictureScene::Field::Value;
+  picture.value = {"von Mises stress" + stress_unit(scene_) +
+                       ", response to the spectrum, max of top and bottom",
+                   [&](int r, const Location& where) {
+                     return std::max(field.von_mises(at(r, where), 1),
+                                     field.von_mises(at(r, where), -1));
+                   },
+                   0};
+  draw_picture(run_.out.file(stem + ".png"), picture);
+  run_.report.files.push_back(stem + ".png");
 }
 
 void StressFiles::visit_modes(const std::vector<double>& frequencies,
@@ -416,6 +453,18 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
                          "to '" + d.parameter + "', case '" + d.load_case + "': displacement " +
                              three_digits(d.displacement) + " " + unit + ", work of the loads " +
                              three_digits(d.compliance) + ", per unit of the parameter");
+  if (report.spectrum) {
+    const StressReport::Spectrum& s = *report.spectrum;
+    text += summary_line(
+        "spectrum", std::to_string(s.modes) + " modes with " + three_digits(100 * s.mass_fraction) +
+                        " % of the mass: displacement " + three_digits(s.displacement) + " " +
+                        unit + " at " + format_rounded_point(s.displacement_at) + "; von Mises " +
+                        three_digits(s.stress) + " at " + format_rounded_point(s.stress_at));
+    for (const auto& point : s.points)
+      text += summary_line("", "'" + point.name + "': displacement " +
+                                   three_digits(point.displacement.norm()) + " " + unit +
+                                   ", von Mises " + three_digits(point.von_mises));
+  }
   std::string hertz;
   for (const double f : report.frequencies)
     if (f > 0) hertz += (hertz.empty() ? "" : ", ") + five_digits(f);

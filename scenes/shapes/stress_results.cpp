@@ -15,6 +15,7 @@
 #include "batten/scenes/shapes/stress_places.h"
 #include "batten/scenes/shapes/stress_probes.h"
 #include "batten/scenes/shapes/stress_setup.h"
+#include "batten/scenes/shapes/stress_spectrum.h"
 
 namespace batten {
 namespace {
@@ -189,6 +190,17 @@ void find_vibrations(const Scene& scene, const ShellModel& shell, const ShellMod
   visitor.visit_harmonic(c, frequencies, points, amplitudes);
 }
 
+void find_spectrum_response(const Scene& scene, const ShellModel& shell, StressReport& report,
+                            StressVisitor& visitor) {
+  const SceneStress::Spectrum& of = *scene.stress->spectrum;
+  const ResponseSpectrum spectrum(of.points);
+  const ShellModes modes = modes_up_to(shell, spectrum.last_frequency());
+  const SpectrumResponse response(shell, modes, spectrum, of.direction, of.damping);
+  const SpectrumField field(shell, response);
+  report.spectrum = spectrum_report(scene, shell, response, field);
+  visitor.visit_spectrum(*report.spectrum, field);
+}
+
 void find_modes(const Scene& scene, const ShellModel& shell, StressReport& report,
                 StressVisitor& visitor) {
   const ShellModes modes = natural_modes(shell, scene.stress->modes);
@@ -236,6 +248,7 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
     report.cases.push_back(std::move(c));
   };
   evaluate_load_cases(shell, cases, add, nullptr, progress);
+  if (scene.stress->spectrum) find_spectrum_response(scene, shell, report, visitor);
   if (scene.stress->modes > 0) find_modes(scene, shell, report, visitor);
   warn(report, shell.layout().size(), scene.unit, notes.warnings);
   return report;

@@ -14,6 +14,8 @@
 
 namespace batten {
 
+class SpectrumField;  // stress_spectrum.h
+
 /// Receives the results of compute_stresses() one by one, for example to write them to files. The
 /// arguments are valid during the call only.
 class StressVisitor {
@@ -31,6 +33,8 @@ class StressVisitor {
   virtual void visit_harmonic(const StressReport::Case&, const std::vector<double>& /*frequencies*/,
                               const std::vector<std::string>& /*points*/,
                               const std::vector<std::vector<Eigen::Vector3cd>>& /*amplitudes*/) {}
+  /// Called if the response to a spectrum is requested.
+  virtual void visit_spectrum(const StressReport::Spectrum&, const SpectrumField&) {}
   /// Called last if modes are requested. `shapes`: displacement dofs, n×3.
   virtual void visit_modes(const std::vector<double>& /*frequencies*/,
                            const std::vector<Points>& /*shapes*/) {}

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "batten/analysis/models/harmonic_response.h"
+#include "batten/analysis/models/response_spectrum.h"
 #include "batten/analysis/models/shell_modes.h"
 #include "batten/core/errors.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -348,4 +349,70 @@ TEST_CASE("a steady vibration converges with few modes, and solves the equation 
   CHECK(peak.imag().norm() > 10 * peak.real().norm());
   CHECK_THROWS_WITH(HarmonicResponse(few, F, 1), Contains("damping"));
   CHECK(modes_up_to(shell, 3 * first).frequencies.maxCoeff() > 3 * first);
+}
+
+TEST_CASE("a response spectrum is linear in logarithmic scales", "[analysis][modes]") {
+  const ResponseSpectrum spectrum({{1, 100}, {10, 1000}, {100, 10}});
+  CHECK(spectrum(0.1) == 100);
+  CHECK(spectrum(std::sqrt(10.0)) == Approx(100 * std::sqrt(10.0)));
+  CHECK(spectrum(10) == Approx(1000));
+  CHECK(spectrum(std::sqrt(1000.0)) == Approx(100));
+  CHECK(spectrum(500) == 10);
+  CHECK_THROWS_WITH(ResponseSpectrum({}), Contains("without points"));
+  CHECK_THROWS_WITH(ResponseSpectrum({{1, 0}}), Contains("above 0"));
+  CHECK_THROWS_WITH(ResponseSpectrum({{2, 1}, {1, 1}}), Contains("ascending"));
+}
+
+TEST_CASE("the responses to a constant spectrum add up to the static one, and combine by CQC",
+          "[analysis][modes]") {
+  const OnePlate plate(1, 0.125);
+  const ShellModel shell(plate.layout, plate.shape,
+                         plate.made_of(0.3, {LineSupport::clamped("a")}));
+  const ShellModes modes = natural_modes(shell, 5);
+  const double acceleration = 3;
+  const ResponseSpectrum constant({{1, acceleration}});
+  const SpectrumResponse response(shell, modes, constant, {0, 0, 2}, 0.05);
+  REQUIRE(response.displacements().size() == 6);
+  const VecX positions = plate.layout.position_dofs();
+  const Points F = acceleration * (shell.mass().selfadjointView<Eigen::Lower>() *
+                                   Points(positions * Eigen::RowVector3d(0, 0, 1)));
+  Points loads = Points::Zero(F.rows(), 3), sum = loads;
+  for (size_t k = 0; k < 6; ++k) {
+    loads += response.loads()[k];
+    sum += response.displacements()[k];
+    // Each one is the static response to its inertia forces.
+    CHECK((shell.solve(response.loads()[k]) - response.displacements()[k]).norm() <
+          1e-6 * sum.norm());
+  }
+  CHECK((loads - F).norm() < 1e-12 * F.norm());
+  CHECK((sum - shell.solve(F)).norm() < 1e-6 * sum.norm());
+  CHECK(response.mass_fraction() > 0.6);
+  CHECK(response.mass_fraction() < 1);
+  // One response is itself; two of different frequencies combine like perpendicular vectors.
+  VecX values = VecX::Zero(6);
+  values[0] = -2;
+  CHECK(response.combine(values) == Approx(2));
+  values[5] = 1;
+  CHECK(response.combine(values) == Approx(std::sqrt(5.0)));
+  std::vector<Mat3> stresses(6, Mat3::Zero());
+  stresses[2] << 3, 1, 0, 1, -2, 0, 0, 0, 0;
+  CHECK(response.combined_von_mises(stresses) == Approx(von_mises(stresses[2])));
+  CHECK_THROWS_WITH(SpectrumResponse(shell, modes, constant, Vec3::UnitZ(), 0),
+                    Contains("damping"));
+}
+
+TEST_CASE("equal frequencies combine by their sum", "[analysis][modes]") {
+  // The second and third mode of a square plate.
+  const OnePlate plate(Plates::W, Plates::W / 8);
+  std::vector<LineSupport> supports;
+  for (const std::string& edge : kEdges)
+    supports.push_back(held(edge, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}));
+  const ShellModel shell(plate.layout, plate.shape, plate.made_of(0.3, supports));
+  const SpectrumResponse response(shell, natural_modes(shell, 3), ResponseSpectrum({{1, 1}}),
+                                  Vec3::UnitZ(), 0.05);
+  VecX values(4);
+  values << 0, 1, 1, 0;
+  CHECK(response.combine(values) == Approx(2).epsilon(1e-3));
+  values << 1, 1, 0, 0;
+  CHECK(response.combine(values) == Approx(std::sqrt(2.0)).epsilon(0.01));
 }

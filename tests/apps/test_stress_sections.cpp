@@ -388,6 +388,33 @@ TEST_CASE("a steady vibration has the static limit, resonances and phases", "[ap
                  {"'density'"});
 }
 
+TEST_CASE("the response to a constant spectrum is nearly that to a weight", "[apps][stress]") {
+  const CliCase c("stress_spectrum");
+  const std::string steel = "material = \"steel\"\nthickness = 1\n" + kHeld +
+                            "gravity = [0, 0, -9810]\n"
+                            "results = [{name = \"tip\", point = [50, 100, 0]}]\n";
+  const auto report = report_of(
+      c, square_plate(steel +
+                      "spectrum = {direction = [0, 0, 1], damping = 0.05, points = [[1, 9810], "
+                      "[1000, 9810]]}\n"))["stress"];
+  const auto &weight = report["cases"][0], &spectrum = report["spectrum"];
+  // The first mode of a cantilever has 1.013 times the deflection of its tip.
+  CHECK(number(spectrum["points"][0]["displacement"][2]) ==
+        Approx(-1.013 * number(weight["results"][0]["displacement_vector"][2])).epsilon(0.02));
+  CHECK(number(spectrum["mass_fraction"]) > 0.8);
+  CHECK(number(spectrum["mass_fraction"]) <= 1);
+  CHECK(number(spectrum["reactions"][0]["force"][2]) < std::abs(number(weight["force"][2])));
+  CHECK(number(spectrum["reactions"][0]["force"][2]) > 0.6 * std::abs(number(weight["force"][2])));
+  CHECK(number(spectrum["max_von_mises"]) == Approx(number(weight["max_von_mises"])).epsilon(0.2));
+  CHECK(fs::exists(c / "out/plate_spectrum.vtu"));
+  expect_refusal(
+      c, steel + "spectrum = {direction = [0, 0, 1], damping = 0.05, points = [[2, 1], [1, 1]]}\n",
+      {"ascending"});
+  expect_refusal(c,
+                 steel + "spectrum = {direction = [0, 0, 0], damping = 0.05, points = [[1, 1]]}\n",
+                 {"direction"});
+}
+
 TEST_CASE("loads from files are those of formulas", "[apps][stress]") {
   const CliCase c("stress_fields");
   std::string table = "x [mm],y [mm],z [mm],p [Pa]\n";

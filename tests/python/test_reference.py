@@ -96,6 +96,7 @@ PROBES = {
     "scene/stress": [one("stress"), *(stress("stress", f"{key}.", key) for key in ("thicknesses", "pressures", "plies", "materials", "stiffeners", "masses", "results")),
                      Probe("stress", "stiffeners.section.", f'{STRESS}\nstiffeners = [{{ curve = "a", section = {{ probe = 1 }} }}]'),
                      Probe("stress", "harmonic.", f"{STRESS}\nharmonic = {{ probe = 1 }}"),
+                     Probe("stress", "spectrum.", f"{STRESS}\nspectrum = {{ probe = 1 }}"),
                      Probe("stress", "strength.", f"{STRESS}\nstrength = {{ probe = 1 }}"),
                      stress("stress", "combinations.", "loads = [{ pressure = 1 }]\ncombinations"),
                      stress("stress.supports", "", "supports"), stress("stress.loads", "", "loads"),
