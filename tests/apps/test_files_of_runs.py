@@ -92,12 +92,16 @@ def without_times(report):
 
 
 def state(folder, ignore_times=True):
-    """{file name: contents} of a folder; the times are removed from the report."""
+    """{file name: contents} of a folder; the times are removed from the report. Temporary folders of a killed run may
+    disappear meanwhile."""
     found = {}
-    for file in sorted(pathlib.Path(folder).rglob("*")):
-        if not file.is_file():
+    for file in sorted(pathlib.Path(root) / name for root, _, names in os.walk(folder) for name in names):
+        try:
+            text = file.read_bytes()
+        except FileNotFoundError:
+            if not str(file.relative_to(folder)).startswith("."):
+                raise
             continue
-        text = file.read_bytes()
         if file.name == "report.json" and ignore_times:
             text = json.dumps(without_times(json.loads(text)), sort_keys=True).encode()
         found[str(file.relative_to(folder))] = hashlib.sha256(text).hexdigest()
