@@ -96,6 +96,8 @@ def state(folder, ignore_times=True):
     disappear meanwhile."""
     found = {}
     for file in sorted(pathlib.Path(root) / name for root, _, names in os.walk(folder) for name in names):
+        if not file.is_file():
+            continue
         try:
             text = file.read_bytes()
         except FileNotFoundError:
