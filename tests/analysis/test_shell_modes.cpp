@@ -374,8 +374,9 @@ TEST_CASE("the responses to a constant spectrum add up to the static one, and co
   const SpectrumResponse response(shell, modes, constant, {0, 0, 2}, 0.05);
   REQUIRE(response.displacements().size() == 6);
   const VecX positions = plate.layout.position_dofs();
-  const Points F = acceleration * (shell.mass().selfadjointView<Eigen::Lower>() *
-                                   Points(positions * Eigen::RowVector3d(0, 0, 1)));
+  const Points inertia = shell.mass().selfadjointView<Eigen::Lower>() *
+                         Points(positions * Eigen::RowVector3d(0, 0, 1));
+  const Points F = acceleration * inertia;
   Points loads = Points::Zero(F.rows(), 3), sum = loads;
   for (size_t k = 0; k < 6; ++k) {
     loads += response.loads()[k];
