@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "batten/tests/support/test_model_builder.h"
 
@@ -35,6 +36,32 @@ struct Plates {
     builder.region({from, from + to + " W", to, from + to + " 0"});
   }
   Plates() { builder.options.edge_length = h; }
+};
+
+/// One plate of a given length in x and width Plates::W in y, with its elements.
+struct SinglePlate {
+  /// The supported lines: x = 0, x = length, y = 0 and y = W.
+  inline static const std::vector<std::string> edges = {"a", "b", "ab 0", "ab W"};
+  Plates plates;
+  ModelLayout layout;
+  Points shape;
+  double length;
+
+  SinglePlate(double plate_length, double edge_length)
+      : plates(lines(plate_length, edge_length)),
+        layout(plates.builder.model({})),
+        shape(layout.all_dofs(plates.builder.first)),
+        length(plate_length) {}
+
+ private:
+  static Plates lines(double length, double edge_length) {
+    Plates p;
+    p.h = p.builder.options.edge_length = edge_length;
+    p.across("a", {0, 0, 0}, {0, 0, 0});
+    p.across("b", {length, 0, 0}, {length, 0, 0});
+    p.plate("a", "b");
+    return p;
+  }
 };
 
 }  // namespace batten_test

@@ -19,26 +19,9 @@ namespace {
 
 constexpr double kDensity = 0.3;
 
-// One plate of width W and length L.
-struct OnePlate {
-  Plates plates;
-  ModelLayout layout;
-  Points shape;
-  double L;
-
-  static Plates lines(double L, double h) {
-    Plates p;
-    p.h = p.builder.options.edge_length = h;
-    p.across("a", {0, 0, 0}, {0, 0, 0});
-    p.across("b", {L, 0, 0}, {L, 0, 0});
-    p.plate("a", "b");
-    return p;
-  }
-  OnePlate(double length, double h)
-      : plates(lines(length, h)),
-        layout(plates.builder.model({})),
-        shape(layout.all_dofs(plates.builder.first)),
-        L(length) {}
+// One plate of material E, nu and density kDensity.
+struct OnePlate : SinglePlate {
+  using SinglePlate::SinglePlate;
   ShellDefinition made_of(double nu, std::vector<LineSupport> supports = {}) const {
     return {{{ShellMaterial::isotropic(Plates::E, nu, kDensity), Plates::t}},
             std::move(supports),
@@ -51,8 +34,6 @@ LineSupport held(const std::string& line, const std::vector<Vec3>& directions) {
   return {line, line, directions, Vec3::Zero(), false};
 }
 
-const std::vector<std::string> kEdges = {"a", "b", "ab 0", "ab W"};
-
 }  // namespace
 
 TEST_CASE("a simply supported plate has its frequencies, also where two are equal",
@@ -60,7 +41,7 @@ TEST_CASE("a simply supported plate has its frequencies, also where two are equa
   const OnePlate plate(Plates::W, Plates::W / 8);
   constexpr double nu = 0.3;
   std::vector<LineSupport> supports;
-  for (const std::string& edge : kEdges)
+  for (const std::string& edge : OnePlate::edges)
     supports.push_back(held(edge, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}));
   const ShellModel shell(plate.layout, plate.shape, plate.made_of(nu, supports));
   const ShellModes modes = natural_modes(shell, 5);
@@ -82,14 +63,14 @@ TEST_CASE("an unsupported strip has six rigid-body modes, then the bending modes
   CHECK(modes.rigid_body_count == 6);
   REQUIRE(modes.frequencies.size() == 8);
   const double root = 4.730041;
-  const double beam =
-      root * root / (2 * pi * strip.L * strip.L) * std::sqrt(Plates::EI / (kDensity * Plates::t));
+  const double beam = root * root / (2 * pi * strip.length * strip.length) *
+                      std::sqrt(Plates::EI / (kDensity * Plates::t));
   CHECK(modes.frequencies[6] == Approx(beam).epsilon(5e-3));
   const SparseMatrix M = shell.assembler().mass();
   const Points& u = modes.shapes[6];
   CHECK(u.cwiseProduct(M.selfadjointView<Eigen::Lower>() * u).sum() == Approx(1));
   // The rigid-body modes have the whole mass.
-  CHECK(modes.mass == Approx(kDensity * Plates::t * Plates::W * strip.L));
+  CHECK(modes.mass == Approx(kDensity * Plates::t * Plates::W * strip.length));
   Vec3 effective = Vec3::Zero();
   for (int k = 0; k < 6; ++k) effective += modes.participation[k].cwiseAbs2();
   for (int c = 0; c < 3; ++c) CHECK(effective[c] == Approx(modes.mass).epsilon(1e-6));
@@ -248,7 +229,7 @@ TEST_CASE("a square plate buckles under the pressure of two sides at the load of
   const OnePlate plate(Plates::W, Plates::W / 8);
   constexpr double nu = 0.3;
   std::vector<LineSupport> supports;
-  for (const std::string& edge : kEdges) supports.push_back(held(edge, {Vec3::UnitZ()}));
+  for (const std::string& edge : OnePlate::edges) supports.push_back(held(edge, {Vec3::UnitZ()}));
   supports.push_back(held("a", {Vec3::UnitX()}));
   ShellDefinition definition = plate.made_of(nu, supports);
   definition.points = {{"corner",
@@ -406,7 +387,7 @@ TEST_CASE("equal frequencies combine by their sum", "[analysis][modes]") {
   // The second and third mode of a square plate.
   const OnePlate plate(Plates::W, Plates::W / 8);
   std::vector<LineSupport> supports;
-  for (const std::string& edge : kEdges)
+  for (const std::string& edge : OnePlate::edges)
     supports.push_back(held(edge, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}));
   const ShellModel shell(plate.layout, plate.shape, plate.made_of(0.3, supports));
   const SpectrumResponse response(shell, natural_modes(shell, 3), ResponseSpectrum({{1, 1}}),

@@ -13,26 +13,8 @@ namespace {
 
 constexpr double kYoung = 1000, kPoisson = 0.3;
 
-/// A plate of length L in x and width Plates::W in y.
-struct SingleSheet {
-  Plates plates;
-  ModelLayout layout;
-  Points shape;
-
-  static Plates lines(double length, double edge) {
-    Plates p;
-    p.h = edge;
-    p.builder.options.edge_length = edge;
-    p.across("left", {0, 0, 0}, {0, 0, 0});
-    p.across("right", {length, 0, 0}, {length, 0, 0});
-    p.plate("left", "right");
-    return p;
-  }
-  SingleSheet(double length, double edge)
-      : plates(lines(length, edge)),
-        layout(plates.builder.model({})),
-        shape(layout.all_dofs(plates.builder.first)) {}
-
+struct SingleSheet : SinglePlate {
+  using SinglePlate::SinglePlate;
   ShellModel shell(const std::vector<LineSupport>& supports, double thickness,
                    double poisson = kPoisson) const {
     return {layout,
@@ -46,11 +28,9 @@ struct SingleSheet {
   }
 };
 
-const std::vector<std::string> kSides = {"left", "right", "leftright 0", "leftright W"};
-
 std::vector<LineSupport> all_sides(LineSupport (*support)(const std::string&)) {
   std::vector<LineSupport> supports;
-  for (const std::string& side : kSides) supports.push_back(support(side));
+  for (const std::string& side : SinglePlate::edges) supports.push_back(support(side));
   return supports;
 }
 
@@ -73,8 +53,8 @@ TEST_CASE("plates with edges that cannot move stiffen with the square of the dis
   const double t = 0.005, c = 0.375 * (1 - kPoisson * kPoisson) + 0.75 * (1 + kPoisson);
   const SingleSheet sheet(Plates::W, 0.05);
   std::vector<LineSupport> supports;
-  for (const std::string& side : kSides) {
-    const Vec3 across = side == "left" || side == "right" ? Vec3::UnitX() : Vec3::UnitY();
+  for (const std::string& side : SinglePlate::edges) {
+    const Vec3 across = side == "a" || side == "b" ? Vec3::UnitX() : Vec3::UnitY();
     supports.push_back({side, side, {across, Vec3::UnitZ()}, Vec3::Zero(), false});
   }
   const ShellModel shell = sheet.shell(supports, t);
@@ -92,7 +72,7 @@ TEST_CASE("plates with edges that cannot move stiffen with the square of the dis
 TEST_CASE("strips that bend freely do not stiffen", "[analysis][limits]") {
   const double t = 0.005;
   const SingleSheet sheet(1, 0.05);
-  const ShellModel shell = sheet.shell({LineSupport::clamped("left")}, t, 0);
+  const ShellModel shell = sheet.shell({LineSupport::clamped("a")}, t, 0);
   const Points F = sheet.pressure(2e-7);
   const Points q = shell.solve(F);
   CHECK(height(sheet.layout, q) > 0.4 * t);
@@ -105,8 +85,8 @@ TEST_CASE("compression softens: at half of the buckling load, displacements doub
   const double t = 0.02, I = t * t * t / 12;
   const SingleSheet sheet(1, 0.1);
   const ShellModel shell =
-      sheet.shell({LineSupport::pinned("left"),
-                   {"guided", "right", {Vec3::UnitY(), Vec3::UnitZ()}, Vec3::Zero(), false}},
+      sheet.shell({LineSupport::pinned("a"),
+                   {"guided", "b", {Vec3::UnitY(), Vec3::UnitZ()}, Vec3::Zero(), false}},
                   t, 0);
   constexpr double pi = std::numbers::pi;
   const double euler = pi * pi * kYoung * I;  // per width
@@ -114,7 +94,7 @@ TEST_CASE("compression softens: at half of the buckling load, displacements doub
       surface_traction(sheet.layout, sheet.shape, [&](const Vec3& x, const Vec3&) -> Vec3 {
         return {0, 0, 1e-4 * std::sin(pi * x.x())};
       });
-  const Points F = lateral + line_force(sheet.layout, sheet.shape, "right", {-0.2 * euler, 0, 0});
+  const Points F = lateral + line_force(sheet.layout, sheet.shape, "b", {-0.2 * euler, 0, 0});
   const Points q = shell.solve(F);
   const Points bent = shell.solve(lateral);
   // Relative to the energy of bending, that of the axial shortening left out.
