@@ -329,7 +329,8 @@ def compare_shells(program):
                 scene = os.path.join(folder, "roof.toml")
                 with open(scene, "w") as file:
                     file.write(ROOF.format(edge_length=edge_length))
-                done = subprocess.run([program, "stress", scene, "--out", folder, "--with-ccx", "--ccx-elements", elements],
+                done = subprocess.run([program, "stress", scene, "--accuracy", "0", "--out", folder, "--with-ccx", "--ccx-elements",
+                                       elements],
                                       capture_output=True, text=True)
                 if not os.path.exists(os.path.join(folder, "report.json")):
                     print(done.stderr)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 
 import batten
 from published_cases import RIM, STEEL, STEEL_D, case, displacement, fixed_in_plane, held, outline, rounded
-from validation import arc, stress
+from validation import analyse, arc, stress
 
 # Laminates: a plate of 100 × 80 mm under a sinusoidal pressure, Navier's solutions of classical lamination theory.
 
@@ -51,7 +51,7 @@ def laminated_plate(angles, angle_ply, accuracy):
     model = outline([[0, 0, 0], [A, 0, 0], [A, B, 0], [0, B, 0]], ["south", "east", "north", "west"], unit="mm")
     across = {"south": 1, "north": 1, "east": 0, "west": 0}
     supports = [held(name, 2, axis if angle_ply else 1 - axis) for name, axis in across.items()]
-    result = batten.stress(model, supports=supports, loads=[{"traction": [0, 0, f"{PRESSURE} * sin(pi * x / {A}) * sin(pi * y / {B})"]}],
+    result = analyse(model, supports=supports, loads=[{"traction": [0, 0, f"{PRESSURE} * sin(pi * x / {A}) * sin(pi * y / {B})"]}],
                            settings=CARBON + f'layup = "[{"/".join(str(a) for a in angles)}]"\nply_thickness = {PLY}', accuracy=accuracy)
     one = result.load_case()
     return result.at([A / 2, B / 2, 0]).displacement[2], one.max_displacement_error / one.max_displacement
@@ -95,7 +95,7 @@ def cylinder_of_plies(angles, accuracy):
                         settings='[[face]]\nname = "wall"\nloops = [["low"], ["high"]]\nannulus = true')
     outwards = 1 if model.normals[0] @ (model.points[0] * [1, 1, 0]) > 0 else -1
     plies = "/".join(str(outwards * angle) for angle in angles[::outwards])  # from the inside to the outside
-    result = batten.stress(model, loads=[{"pressure": outwards * PRESSURE}], supports=["low", "high"], accuracy=accuracy,
+    result = analyse(model, loads=[{"pressure": outwards * PRESSURE}], supports=["low", "high"], accuracy=accuracy,
                            settings=CARBON.replace("[1, 0, 0]", "[0, 0, 1]") + f'layup = "[{plies}]"\nply_thickness = {THICK_PLY}')
     one = result.load_case()
     direction = np.array([math.cos(0.7), math.sin(0.7), 0])
@@ -116,7 +116,7 @@ def bimetal(accuracy):
     model = outline([[0, 0, 0], [40, 0, 0], [40, 10, 0], [0, 10, 0]], unit="mm")
     brass, steel = ('{ name = "%s", young = %g, poisson = 0.3, expansion = %g }' % one for one in (("brass", 1e5, 19e-6), ("steel", 2e5, 11e-6)))
     plies = ['{ material = "brass", thickness = 0.5 }', '{ material = "steel", thickness = 0.5 }']
-    result = batten.stress(model, accuracy=accuracy, loads=[{"temperature": 100}],
+    result = analyse(model, accuracy=accuracy, loads=[{"temperature": 100}],
                            settings=f"materials = [{brass}, {steel}]\nplies = [{', '.join(plies)}]",
                            supports=[{"point": [0, 0, 0]}, {"point": [0, 10, 0], "directions": [[1, 0, 0], [0, 0, 1]]},
                                      {"curve": "side 4", "type": "prescribed", "directions": [[1, 0, 0]], "rotation": True}])
@@ -128,7 +128,7 @@ def bimetal(accuracy):
 @case("square plate, simply supported, heated on one side: deflection in the middle", "m", 0.0736713 * 1.3 * 12e-6 * 50 / 0.01, "Timoshenko1959")
 def heated_plate(accuracy):
     model = outline([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    result = batten.stress(model, accuracy=accuracy, material="steel", thickness=0.01, loads=[{"temperature_difference": 50}],
+    result = analyse(model, accuracy=accuracy, material="steel", thickness=0.01, loads=[{"temperature_difference": 50}],
                            supports=[held(f"side {k + 1}", 2) for k in range(4)] + fixed_in_plane([0.5, 0.5, 0], [0.6, 0.5, 0]))
     one = result.load_case()
     return abs(result.at([0.5, 0.5, 0]).displacement[2]), one.max_displacement_error / one.max_displacement
@@ -254,7 +254,7 @@ def ribbed_cantilever(accuracy):
     model = batten.skin({"south": [[0, -half, 0], [SPAN, -half, 0]], "tip": [[SPAN, -half, 0], [SPAN, half, 0]],
                          "north": [[SPAN, half, 0], [0, half, 0]], "root": [[0, half, 0], [0, -half, 0]],
                          "rib": [[0, 0, 0], [SPAN, 0, 0]]}, inner=["rib"], unit="mm")
-    result = batten.stress(model, accuracy=accuracy, thickness=SHEET, supports=["root"], loads=[{"curve": "tip", "force": [0, 0, 10 / BREADTH]}],
+    result = analyse(model, accuracy=accuracy, thickness=SHEET, supports=["root"], loads=[{"curve": "tip", "force": [0, 0, 10 / BREADTH]}],
                            settings=f'young = 210e3\npoisson = 0\nstiffeners = [{{ curve = "rib", rectangle = [{RIB}, {HEIGHT}] }}]')
     one = result.load_case()
     return result.at([SPAN, 0, 0]).displacement[2], one.max_displacement_error / one.max_displacement
@@ -268,7 +268,7 @@ def stiffened_panel(accuracy):
               "rib": [[400, 0, 0], [400, 600, 0]]}
     model = batten.skin(curves, unit="mm")
     supports = [held("south 1", 1, 2), held("south 2", 1, 2), held("north 1", 2), held("north 2", 2), held("east", 2), held("west", 0, 2)]
-    result = batten.stress(model, material="steel", thickness=4, accuracy=accuracy, supports=supports, loads=[{"traction": [0, 0, -0.002]}],
+    result = analyse(model, material="steel", thickness=4, accuracy=accuracy, supports=supports, loads=[{"traction": [0, 0, -0.002]}],
                            settings='stiffeners = [{ curve = "rib", rectangle = [4, 30] }]')
     one = result.load_case()
     return one.max_displacement, one.max_displacement_error / one.max_displacement

@@ -20,9 +20,18 @@ def record(name, values, reference):
     print(f"{name:34} reference {reference:<12.6g} " + "  ".join(f"{v:.6g} ({100 * e:+.3f} %)" for v, e in zip(values, errors)))
 
 
+analyses = []  # results of analyse()
+
+
+def analyse(model, accuracy=0, **arguments):
+    """Analyses the elements of the model, or finer ones for an accuracy."""
+    analyses.append(batten.stress(model, accuracy=accuracy, **arguments))
+    return analyses[-1]
+
+
 def stress(model, young, poisson, density=None, **arguments):
     settings = f"young = {young}\npoisson = {poisson}\n" + (f"density = {density}\n" if density else "")
-    return batten.stress(model, settings=settings, **arguments)
+    return analyse(model, settings=settings, **arguments)
 
 
 def arc(centre, x, y, start, end, count=49):

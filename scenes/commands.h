@@ -44,8 +44,9 @@ struct StressTask {
   ShellDeck::Element element = ShellDeck::Element::S6;  ///< element type of the CalculiX deck
   /// Linear solver backend; empty: SparseCholesky.
   BackendFactory factors = {};
-  /// Relative accuracy of displacements and stresses (refine_adaptively()); 0: edge_length as given.
-  double accuracy = 0;
+  /// Relative error of displacements and stresses below which the elements are refined; 0: no
+  /// refinement. nullopt: 0.02, with a limited number of unknowns (StressAccuracy).
+  std::optional<double> accuracy = {};
   bool animations = false;  ///< draw an animation of each mode shape
 };
 /// Like run_scene(), and analyses the shape as the shell of [stress]: analyse(). Also throws

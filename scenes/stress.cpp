@@ -273,6 +273,8 @@ StressCase stress_case(const StressReport::Case& c) {
   result.stress_side = c.side;
   result.stress_spread = c.spread;
   result.near_singularity = c.near_singularity;
+  for (const auto& place : c.singular_places)
+    result.singular_places.push_back({place.at, place.radius});
   result.stress_ply = c.ply;
   for (const auto& r : c.reserves) result.reserve_factors[r.criterion] = r.factor;
   result.safety_factor = c.safety;
@@ -285,33 +287,18 @@ StressCase stress_case(const StressReport::Case& c) {
   return result;
 }
 
-/// Replaces the model by one with elements that are small enough for this accuracy; 0: keeps it.
-/// Returns the results on each mesh.
-std::vector<StressReport::Mesh> refine(StressData& data, const Scene& scene, double accuracy,
-                                       RunReport& notes, const Progress& progress) {
-  if (accuracy == 0) return {};
-  if (!(accuracy > 0) || !std::isfinite(accuracy))
-    throw InputError("accuracy: found " + format_number(accuracy) +
-                     ", expected a relative error above 0, or 0 for the elements of the model");
-  const ModelData& model = *data.model;
-  RefinedShape refined = refine_adaptively(scene, model.shape, accuracy, {}, progress);
-  refined.check_accuracy(accuracy, notes);
-  if (refined.meshes.size() > 1)
-    data.model = std::make_shared<const ModelData>(model.text, model.scene, model,
-                                                   std::move(refined.shape), std::nullopt);
-  return std::move(refined.meshes);
-}
-
 /// Analyses the shape of a model. `scene`: its scene with the [stress] to use; `file`: that of the
 /// model, to which the locations of all other tables belong.
-void analyse_into(StressData& data, Scene scene, const std::filesystem::path& file, double accuracy,
-                  const Progress& progress) {
+void analyse_into(StressData& data, Scene scene, const std::filesystem::path& file,
+                  const StressAccuracy& accuracy, const Progress& progress) {
   RunReport notes;
-  const std::vector<StressReport::Mesh> meshes = refine(data, scene, accuracy, notes, progress);
+  const RefinedShape refined = refine_adaptively(scene, data.model->shape, accuracy, {}, progress);
+  if (refined.meshes.size() > 1)
+    data.model = std::make_shared<const ModelData>(data.model->text, data.model->scene, *data.model,
+                                                   refined.shape, std::nullopt);
   const ModelData& model = *data.model;
   StressCollector collector(data);
-  data.report = compute_stresses(scene, model.shape, {}, notes, collector, progress);
-  data.report.meshes = meshes;
+  data.report = compute_stresses(scene, refined, accuracy, {}, notes, collector, progress);
   if (scene.stress->sensitivities) {
     scene.file = file;
     data.report.sensitivities =
@@ -356,7 +343,7 @@ Stress stress_of_table(const Model& model, const StressTable& table, const Progr
       throw InputError(scene.name +
                        ": found no [stress], expected one, or settings with material, thickness, "
                        "supports and loads");
-    analyse_into(*data, std::move(scene), file, table.accuracy, progress);
+    analyse_into(*data, std::move(scene), file, stress_accuracy(table.accuracy), progress);
     return Stress(std::move(data));
   }
   const std::string unit = scene.unit;
@@ -364,7 +351,7 @@ Stress stress_of_table(const Model& model, const StressTable& table, const Progr
     scene.stress = parsed_table(table, unit);
     scene.file = kStressFile;
     data->table = StressText(table, unit).table();
-    analyse_into(*data, std::move(scene), file, table.accuracy, progress);
+    analyse_into(*data, std::move(scene), file, stress_accuracy(table.accuracy), progress);
   } catch (const InputError& e) {
     const std::string message = with_settings(table, unit, e.what());
     if (message == e.what()) throw;

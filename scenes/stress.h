@@ -81,8 +81,9 @@ struct StressSettings {
   std::vector<ShellLoad> loads = {};
   int modes = 0;     ///< number of natural frequencies
   int buckling = 0;  ///< number of buckling factors of each load case
-  /// Relative error of the displacements: the elements are refined adaptively until the estimated
-  /// error is below it (refine_shell()). 0: the elements of the model.
+  /// Relative error of displacements and largest stresses: the elements are refined adaptively until
+  /// the estimated errors are below it (refine_shell()); larger errors are failed_checks(). 0: the
+  /// elements of the model, as of a session, and a warning for stresses that are uncertain on them.
   double accuracy = 0;
   /// Further keys as TOML text, such as "hinges = [\"lid\"]".
   std::string settings = {};
@@ -92,6 +93,13 @@ struct StressSettings {
 struct ShellReaction {
   std::string support;                               ///< such as "clamped front"
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  ///< on the shell; moment about the origin
+};
+
+/// A place at which stresses grow without limit as the elements become smaller, and the distance up
+/// to which they are left out of the largest stress.
+struct StressSingularity {
+  Vec3 at = Vec3::Zero();
+  double radius = 0;  ///< model units
 };
 
 /// Results of one load case, or of a combination of load cases. The members have the names of
@@ -111,6 +119,7 @@ struct StressCase {
   /// Largest difference between `max_von_mises` and the stresses of the surrounding elements.
   double stress_spread = 0;
   bool near_singularity = false;  ///< whether the maximum is next to a point load or support
+  std::vector<StressSingularity> singular_places;  ///< found if StressSettings::accuracy is set
   int stress_ply =
       0;  ///< ply of a laminate with the largest stress, from 1, from the bottom; 0: none
   /// Smallest factors by which the stresses of the plies can grow until they fail, by the name of the

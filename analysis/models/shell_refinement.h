@@ -20,6 +20,8 @@ struct ShellRefinementOptions {
   /// Fraction of the total error that the bisected triangles contain (Dörfler marking); above 0, at
   /// most 1.
   double bulk_fraction = 0.7;
+  /// Limit of the unknowns of all meshes after the first one together; 0: none.
+  long max_total_unknowns = 0;
   BackendFactory backend_factory = {};  ///< linear solver; empty: SparseCholesky
 };
 
@@ -27,30 +29,33 @@ struct ShellRefinementOptions {
 struct RefinedShell {
   std::shared_ptr<const ModelLayout> layout;  ///< model with the last mesh
   Points shape;  ///< absolute dofs of the middle surface on this layout, n×3
+  std::shared_ptr<const ShellModel> shell;  ///< analysis of this shape, with its factorization
   /// One mesh, with the maxima over all load cases.
   struct Mesh {
     double edge_length = 0;   ///< √(twice the mean area of the triangles), model units
     int unknowns = 0;         ///< number of unknowns of the constrained system
     double displacement = 0;  ///< largest displacement, model units
     double von_mises = 0;     ///< largest von Mises stress, force per area
-    /// Estimated relative error of the displacements: the larger of the error of the largest
-    /// displacement and the error of the work of the loads (energy_norm_error²).
+    /// Estimated relative error of the displacements: `error_ratio` times the larger one of the
+    /// error of the largest displacement and the error of the work of the loads
+    /// (energy_norm_error²).
     double error = 0;
-    /// Estimated relative error of the largest stress of each load case, without `singularities`:
-    /// the larger of its change since the mesh before and ShellStresses::Peak::spread.
+    /// Estimated relative error of the largest stress of each load case, outside of
+    /// `singular_places`: the larger of its change since the mesh before and
+    /// ShellStresses::Peak::spread.
     double stress_error = 0;
   };
   std::vector<Mesh> meshes;  ///< all meshes in their order; the last one is that of `layout`
   /// True: on the last mesh, `error` and `stress_error` are at most `accuracy`.
   bool converged = false;
-  /// A load case whose largest stress grows with each refinement (a re-entrant corner, the end of a
-  /// support). Stresses at point forces and point supports are not refined either, nor listed here
-  /// (ShellCaseResult::near_singularity).
-  struct Singularity {
-    std::string load_case;
-    Vec3 at;
-  };
-  std::vector<Singularity> singularities;
+  /// Ratio of the error to its estimate by stress recovery on the last mesh, 1 to 5. The estimate is
+  /// about the change by halved elements. The ratio is the sum of the geometric series of such
+  /// changes, by their observed reduction; 5 on the first mesh.
+  double error_ratio = 1;
+  /// For each load case, places with singular stresses (StressConvergence): point forces and point
+  /// supports, and places where the largest stress grows with each refinement (a re-entrant corner,
+  /// the end of a support).
+  std::vector<std::vector<SingularPlace>> singular_places;
 };
 
 /// Refines the mesh of a shell until the displacements and the largest stresses of all load cases
@@ -61,13 +66,12 @@ struct RefinedShell {
 /// the stages "mesh 1", "mesh 2", …, and those of evaluate_load_cases().
 ///
 /// Each round solves the load cases, estimates the errors (evaluate_load_cases()), and bisects the
-/// triangles that contribute most to them (Dörfler marking [Dorfler1996], ModelLayout::refine()),
-/// and those around the largest stress of each case. A stress is singular if its relative increase
-/// is at least 2 % in three successive rounds, and does not halve from the first to the last of
-/// them; it is then not refined further.
+/// triangles that contribute most to them (Dörfler marking [Dorfler1996]), several times those that
+/// contribute much more than others, and those around the largest stress of each case
+/// (StressConvergence).
 /// The surface is transferred to the new mesh by interpolate_onto(). The refinement stops at
-/// `max_meshes`, and before a mesh that does not fit into memory; the last mesh is then returned
-/// with `converged` = false.
+/// `max_meshes`, and before a mesh that does not fit into memory or exceeds `max_total_unknowns`; the
+/// last mesh is then returned with `converged` = false.
 ///
 /// Throws InputError for invalid options, and the exceptions of ShellModel and of the functions in
 /// `problem`. A MemoryError after the first mesh is not thrown: the refinement stops. Cost per

@@ -36,13 +36,6 @@ void visit_sample_points(const Surface& surface, const Visit& visit) {
   }
 }
 
-// Edge length √(twice the area) of a triangle.
-double edge_length(const Surface& surface, int t) {
-  const double area =
-      surface.mesh().shape(t).area * surface.jet({t, Vec3::Constant(1.0 / 3)}).area_vector().norm();
-  return std::sqrt(2 * area);
-}
-
 void measure_balance(const ShellModel& shell, const Points& load, ShellCaseResult& result) {
   result.load = resultant(shell.layout(), shell.shape(), load);
   result.reactions = shell.reactions(result.displacement, load);
@@ -78,10 +71,12 @@ void estimate_displacement_error(const ShellModel& shell, const ShellStresses& s
   largest.error = add(stresses.goal_error_per_triangle(ShellStresses(shell, adjoint)));
 }
 
-void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_points,
+void measure_stress(const ShellModel& shell, const ShellLoadCase& load_case,
                     const ShellStresses& stresses, ShellCaseResult& result) {
   const Surface& surface = shell.assembler().surface();
-  const ShellStresses::Peak peak = stresses.peak();
+  const ShellStresses::Peak peak = load_case.singular_places.empty()
+                                       ? stresses.peak()
+                                       : stresses.largest_outside(load_case.singular_places);
   result.max_stress = peak;
   const double middle = shell.assembler().section(peak.where.triangle).offset;
   result.max_stress_point = peak.at + (middle + 0.5 * peak.height) *
@@ -90,15 +85,37 @@ void measure_stress(const ShellModel& shell, const std::vector<Vec3>& singular_p
   result.tsai_hill = stresses.smallest_reserve_factor(FailureCriterion::TsaiHill);
   result.hoffman = stresses.smallest_reserve_factor(FailureCriterion::Hoffman);
   result.energy_norm_error = stresses.energy_norm_error();
-  constexpr double near = 3;  // in edge lengths
-  const double reach = near * edge_length(surface, peak.where.triangle);
-  const auto look = [&](const Vec3& p) { result.near_singularity |= (p - peak.at).norm() < reach; };
-  for (const Vec3& p : singular_points) look(p);
-  for (const PointSupport& support : shell.definition().points)
-    look(surface.position(support.position.where));
+  result.near_singularity =
+      singular_point_near(shell, load_case, load_case.singular_places, peak).has_value();
 }
 
 }  // namespace
+
+double triangle_edge_length(const Surface& surface, int triangle) {
+  const double area = surface.mesh().shape(triangle).area *
+                      surface.jet({triangle, Vec3::Constant(1.0 / 3)}).area_vector().norm();
+  return std::sqrt(2 * area);
+}
+
+std::optional<Vec3> singular_point_near(const ShellModel& shell, const ShellLoadCase& load_case,
+                                        const std::vector<SingularPlace>& known,
+                                        const ShellStresses::Peak& peak) {
+  const Surface& surface = shell.assembler().surface();
+  constexpr double near = 3;  // in edge lengths
+  const double reach = near * triangle_edge_length(surface, peak.where.triangle);
+  std::optional<Vec3> nearest;
+  const auto look = [&](const Vec3& p) {
+    const bool is_known = std::any_of(
+        known.begin(), known.end(), [&](const SingularPlace& place) { return place.contains(p); });
+    const double distance = (p - peak.at).norm();
+    if (!is_known && distance < reach && !(nearest && distance >= (*nearest - peak.at).norm()))
+      nearest = p;
+  };
+  for (const Vec3& p : load_case.singular_points) look(p);
+  for (const PointSupport& support : shell.definition().points)
+    look(surface.position(support.position.where));
+  return nearest;
+}
 
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved) {
   MaxDisplacement largest;
@@ -142,7 +159,7 @@ std::vector<ShellCaseResult> evaluate_load_cases(const ShellModel& shell,
           stresses.energy() + shell.stiffeners().energy(result.displacement, one.temperature);
     result.stiffeners = shell.stiffeners().results(result.displacement, one.temperature);
     estimate_displacement_error(shell, stresses, result.max_displacement, error_indicators);
-    measure_stress(shell, one.singular_points, stresses, result);
+    measure_stress(shell, one, stresses, result);
     if (visit) visit(result, stresses);
   }
   return results;
@@ -158,8 +175,9 @@ ThinShellRatios thin_shell_ratios(const ShellModel& shell) {
     const double k = std::max(std::abs(bend.k1), std::abs(bend.k2));
     const double thickness = shell.assembler().section(t).thickness;
     ratios.thickness_over_radius = std::max(ratios.thickness_over_radius, thickness * k);
-    ratios.edge_over_boundary_layer = std::max(ratios.edge_over_boundary_layer,
-                                               edge_length(surface, t) * std::sqrt(k / thickness));
+    ratios.edge_over_boundary_layer =
+        std::max(ratios.edge_over_boundary_layer,
+                 triangle_edge_length(surface, t) * std::sqrt(k / thickness));
   }
   return ratios;
 }

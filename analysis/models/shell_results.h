@@ -20,6 +20,8 @@ struct ShellLoadCase {
   Points load;  ///< load vector, n×3 (shell_loads.h)
   /// Points of application of point forces, at which stresses are singular.
   std::vector<Vec3> singular_points = {};
+  /// Places that the search for the largest stress leaves out (refine_shell()).
+  std::vector<SingularPlace> singular_places = {};
   /// Stiffness of loads that follow the surface (follower_stiffness()), for buckling; empty: none.
   SparseMatrix follower = {};
   /// Change of the temperature, whose load (ShellAssembler::thermal_load()) `load` contains.
@@ -62,7 +64,8 @@ struct ShellCaseResult {
   double energy = 0;             ///< strain energy, without that of springs
   double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;
-  ShellStresses::Peak max_stress;        ///< largest von Mises stress
+  /// Largest von Mises stress outside of ShellLoadCase::singular_places.
+  ShellStresses::Peak max_stress;
   Vec3 max_stress_point = Vec3::Zero();  ///< point of `max_stress` on the top or bottom side
   /// Smallest reserve factors by Tsai-Hill and Hoffman; empty: no material has strengths.
   std::optional<ShellStresses::Reserve> tsai_hill = {}, hoffman = {};
@@ -75,6 +78,14 @@ struct ShellCaseResult {
 /// and from there a local maximum within the triangle. `moved`: a surface on the same mesh whose
 /// positions are the displacements. O(triangles).
 MaxDisplacement max_displacement(const Surface& surface, const Surface& moved);
+
+/// Edge length of a triangle: √(twice its area), model units.
+double triangle_edge_length(const Surface& surface, int triangle);
+
+/// The point force or point support within three edge lengths of a stress, outside of `known`.
+std::optional<Vec3> singular_point_near(const ShellModel& shell, const ShellLoadCase& load_case,
+                                        const std::vector<SingularPlace>& known,
+                                        const ShellStresses::Peak& peak);
 
 /// Function called after each load case, with the results and the recovered stresses. Both
 /// arguments are valid during the call only.

@@ -59,7 +59,7 @@ ShellStresses::ShellStresses(const ShellAssembler& shell, const Points& q,
   update_progress("stresses", 0.5);
   fit();
   update_progress("stresses", 0.9);
-  find_peak();
+  peak_ = find_peak({});
   update_progress("stresses", 1);
 }
 
@@ -285,25 +285,34 @@ void ShellStresses::for_each_sample_location(const Visit& visit) const {
   }
 }
 
-void ShellStresses::find_peak() {
+ShellStresses::Peak ShellStresses::largest_outside(const std::vector<SingularPlace>& places) const {
+  const Peak peak = find_peak(places);
+  return peak.value > 0 ? peak : peak_;
+}
+
+ShellStresses::Peak ShellStresses::find_peak(const std::vector<SingularPlace>& places) const {
   const Surface& surface = shell_.surface();
   const Trim* trim = surface.trim().get();
   const auto largest_at = [&](const Location& where) {
-    return at(where).largest_von_mises().value;
+    const bool singular = std::any_of(places.begin(), places.end(), [&](const SingularPlace& p) {
+      return p.contains(surface.position(where));
+    });
+    return singular ? 0.0 : at(where).largest_von_mises().value;
   };
   LargestSamples largest;
   for_each_sample_location([&](const Location& where) { largest.take(where, largest_at(where)); });
-  if (largest.empty()) return;
+  if (largest.empty()) return {};
   constexpr double accuracy = 1e-2;
   const Location where = largest.climb(
       accuracy, largest_at, [&](int t) { return !trim || trim->side(t) != Trim::Side::Cut; });
   const ShellStress::Largest found = at(where).largest_von_mises();
-  peak_ = {found.value, found.height, found.ply, 0, where, surface.position(where)};
-  for (const Sample& s : samples_[peak_.where.triangle]) {
+  Peak peak{found.value, found.height, found.ply, 0, where, surface.position(where)};
+  for (const Sample& s : samples_[where.triangle]) {
     const ShellStress own = stress_of(s.parts, s.where, shell_.point(s.where));
-    peak_.spread = std::max(peak_.spread, std::abs(von_mises(own.at(peak_.height)) -
-                                                   von_mises(at(s.where).at(peak_.height))));
+    peak.spread = std::max(peak.spread, std::abs(von_mises(own.at(peak.height)) -
+                                                 von_mises(at(s.where).at(peak.height))));
   }
+  return peak;
 }
 
 std::optional<ShellStresses::Reserve> ShellStresses::smallest_reserve_factor(

@@ -11,6 +11,13 @@
 
 namespace batten {
 
+/// A ball around a point at which stresses are singular, such as a re-entrant corner or a point force.
+struct SingularPlace {
+  Vec3 at = Vec3::Zero();
+  double radius = 0;  ///< model units
+  bool contains(const Vec3& x) const { return (x - at).norm() <= radius; }
+};
+
 /// Recovered stresses of a shell: superconvergent patch recovery ([ZienkiewiczZhu1992]).
 ///
 /// Raw stresses jump between elements. They are evaluated at the centroids of the three cubics of
@@ -65,6 +72,8 @@ class ShellStresses {
     Vec3 at = Vec3::Zero();
   };
   Peak peak() const { return peak_; }
+  /// The largest stress outside of `places`; peak() if they cover the whole shell.
+  Peak largest_outside(const std::vector<SingularPlace>& places) const;
   /// The smallest reserve factor of the plies, sought at the vertices and, in cut triangles, at
   /// sampling points. nullopt: no material has strengths, or there is no stress.
   struct Reserve {
@@ -104,7 +113,8 @@ class ShellStresses {
   /// Visits the vertices and, in cut triangles, the sampling points and points of the boundary.
   template <class Visit>
   void for_each_sample_location(const Visit& visit) const;
-  void find_peak();
+  /// The largest stress outside of `places`; a value of 0 if they cover the shell.
+  Peak find_peak(const std::vector<SingularPlace>& places) const;
   ShellStress stress_of(const Parts& parts, const Location& where, const ShellPoint& point) const;
   TemperatureAt temperature_at(const Location& where) const {
     return shell_.temperature_at(temperature_, where.triangle, where.L);

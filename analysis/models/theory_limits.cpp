@@ -115,8 +115,13 @@ double transverse_shear_energy(const ShellAssembler& shell, const ShellStresses&
     const Location centre{t, Vec3::Constant(1.0 / 3)};
     const double area = surface.mesh().shape(t).area * surface.jet(centre).area_vector().norm();
     const ShellSection& section = shell.section(t);
-    energies[static_cast<size_t>(t)] = 0.5 * area * shear_forces(shell, stresses, t).squaredNorm() /
-                                       shear_stiffness(section, section.thickness_at(centre.L));
+    const double shear = 0.5 * area * shear_forces(shell, stresses, t).squaredNorm() /
+                         shear_stiffness(section, section.thickness_at(centre.L));
+    double moments = 0;  // the largest one, squared
+    for (int i = 0; i < 3; ++i)
+      moments = std::max(moments, stresses.at({t, Vec3::Unit(i)}).moments.squaredNorm());
+    const double bending = 0.5 * area * moments / section.bending_stiffness();
+    energies[static_cast<size_t>(t)] = std::min(shear, bending);
   });
   return std::accumulate(energies.begin(), energies.end(), 0.0);
 }

@@ -28,7 +28,9 @@ double nonlinearity(const ShellModel& shell, const Points& q, double energy,
 /// Energy of the transverse shear that the theory of thin shells neglects, ½ ∬ V²/(5/6 G t) dA, with
 /// the shear forces V_α = M_αβ,β of the recovered moments and the shear modulus G (of laminates, the
 /// harmonic mean of the in-plane moduli of the plies). Divided by the strain energy, it estimates by how
-/// much the displacements are too small. Triangles that the trim cuts are left out. O(triangles).
+/// much the displacements are too small. The energy of a triangle is limited to its bending energy: within a
+/// thickness of a singular point, the shear forces of the theory have no meaning. Triangles that the
+/// trim cuts are left out. O(triangles).
 double transverse_shear_energy(const ShellAssembler& shell, const ShellStresses& stresses);
 
 }  // namespace batten

@@ -167,6 +167,11 @@ CommandOption Subcommand::option(const char* name, double& value,
   return added(app_->add_option(bare(name), value), name, description);
 }
 
+CommandOption Subcommand::option(const char* name, std::optional<double>& value,
+                                 const std::string& description) const {
+  return added(app_->add_option(bare(name), value), name, description);
+}
+
 CommandOption Subcommand::option(const char* name, int& value,
                                  const std::string& description) const {
   return added(app_->add_option(bare(name), value), name, description);

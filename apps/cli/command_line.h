@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -93,6 +94,8 @@ class Subcommand {
   CommandOption option(const char* name, std::filesystem::path& value,
                        const std::string& description) const;
   CommandOption option(const char* name, double& value, const std::string& description) const;
+  CommandOption option(const char* name, std::optional<double>& value,
+                       const std::string& description) const;
   CommandOption option(const char* name, int& value, const std::string& description) const;
   CommandOption option(const char* name, std::vector<std::string>& values,
                        const std::string& description) const;

@@ -168,9 +168,9 @@ Command add_stress(CommandLine& program, CommonOptions& common) {
   subcommand
       .option("--accuracy NUMBER", a->stress.accuracy,
               "refine the mesh until the estimated relative errors of the displacements and of the "
-              "largest stresses are below this value; 0.01 is 1 %")
-      .positive()
-      .default_text("no refinement");
+              "largest stresses are below this value (0.01 is 1 %), or fail; 0: no refinement")
+      .in_range(0.0, 1.0)
+      .default_text("0.02, with a limited number of unknowns");
   subcommand.flag("--animations", a->stress.animations,
                   "draw an animation (GIF) of each natural mode and buckling mode");
   const CommandOption with_ccx =
@@ -193,8 +193,8 @@ Command add_stress(CommandLine& program, CommonOptions& common) {
                      "stresses and natural frequencies of a car door under 100 N");
   subcommand.example(
       "batten stress examples/07-plate-with-hole/scene.toml --out out/hole "
-      "--accuracy 0.02",
-      "a mesh that is refined to a relative error of 2 %");
+      "--accuracy 0.01",
+      "a mesh that is refined to a relative error of 1 %");
   return {subcommand, [a, &common] { return stress(*a, common); }};
 }
 

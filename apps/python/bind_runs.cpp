@@ -87,7 +87,7 @@ py::list run_conversion(const py::object& from, const py::object& to, double cho
 }  // namespace
 
 py::object run_stress_file(const py::object& path, const py::object& out, const py::object& values,
-                           double accuracy, const py::object& progress) {
+                           std::optional<double> accuracy, const py::object& progress) {
   Scene scene = scene_of_file(path_from(path));
   set_values(scene, values);
   const std::string folder = path_from(out);

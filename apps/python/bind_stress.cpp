@@ -75,8 +75,8 @@ void refuse_arguments(const std::vector<std::pair<std::string, bool>>& given,
 py::object analyse(const py::object& source, const py::object& out, const py::object& material,
                    const py::object& thickness, const py::object& supports, const py::object& loads,
                    const py::object& yield_stress, int modes, int buckling,
-                   const std::string& settings, const py::object& values, double accuracy,
-                   const py::object& progress) {
+                   const std::string& settings, const py::object& values,
+                   std::optional<double> accuracy, const py::object& progress) {
   if (!py::isinstance<Model>(source)) {
     refuse_arguments({{"material", !material.is_none()},
                       {"thickness", !thickness.is_none()},
@@ -93,7 +93,7 @@ py::object analyse(const py::object& source, const py::object& out, const py::ob
   refuse_arguments({{"out", !out.is_none()}}, "with a model: no files are written");
   detail::StressTable table = stress_table_from(material, thickness, supports, loads, yield_stress,
                                                 modes, buckling, settings);
-  table.accuracy = accuracy;
+  table.accuracy = accuracy.value_or(0);
   const auto numbers = values_from(values);
   auto model = source.cast<Model>();
   return py::cast(KernelCall(progress)([&](const Progress& hook) {
@@ -221,6 +221,18 @@ void bind_case(py::module_& m) {
                     "elements.")
       .def_readonly("near_singularity", &StressCase::near_singularity,
                     "Whether the largest stress is next to a point load or point support.")
+      .def_property_readonly(
+          "singular_places",
+          [](const StressCase& c) {
+            py::list places;
+            for (const StressSingularity& place : c.singular_places)
+              places.append(py::make_tuple(stress_vector(place.at), place.radius));
+            return places;
+          },
+          "[(point, radius)]: places where the stress grows without limit as the elements become "
+          "smaller; max_von_mises is the largest stress outside of these radii. Found if "
+          "`accuracy` "
+          "is given.")
       .def_readonly("stress_ply", &StressCase::stress_ply,
                     "Ply of a laminate with the largest stress, from 1, from the bottom; 0: none.")
       .def_readonly("reserve_factors", &StressCase::reserve_factors,
@@ -389,7 +401,8 @@ derivatives of the shape, and two stiffness matrices per parameter. Raises Input
       "stress", &analyse, "source"_a, "out"_a = py::none(), py::kw_only(),
       "material"_a = py::none(), "thickness"_a = py::none(), "supports"_a = py::none(),
       "loads"_a = py::none(), "yield_stress"_a = py::none(), "modes"_a = 0, "buckling"_a = 0,
-      "settings"_a = "", "values"_a = py::none(), "accuracy"_a = 0.0, "progress"_a = py::none(),
+      "settings"_a = "", "values"_a = py::none(), "accuracy"_a = py::none(),
+      "progress"_a = py::none(),
       R"(Analyses a Model as a linear thin shell, in memory; or runs `batten stress` of a scene file.
 
 stress(model, …) returns a Stress. `material`: a name such as "steel", or the keys of a material,
@@ -403,8 +416,10 @@ load case. `values`: parameters of the model.
 
 stress(path, out) writes the files of `batten stress` into a folder and returns the report.
 
-`accuracy`: relative error of the displacements below which the elements are refined adaptively, on
-the same surface; 0: no refinement. Stress.model is the model on these elements.
+`accuracy`: estimated relative error of the displacements and of the largest stresses down to which
+the elements are refined, on the same surface; Stress.model is the model on these elements. 0: no
+refinement. None: the elements of the model, with a warning if stresses are uncertain on them; of a
+file, the default of the command.
 
 Raises InputError, ConflictError for contradictory supports, NoSolutionError that names an
 unconstrained motion. Reference: docs/theory/shells.md (Kirchhoff-Love theory).)");

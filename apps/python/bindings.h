@@ -27,7 +27,7 @@ void bind_runs(py::module_& module);
 
 /// Same as `batten stress` of a scene or curve file; the result is the report (bind_runs.cpp).
 py::object run_stress_file(const py::object& path, const py::object& out, const py::object& values,
-                           double accuracy, const py::object& progress);
+                           std::optional<double> accuracy, const py::object& progress);
 
 /// Gives all functions and methods of a module or class the signature that inspect.signature() reads
 /// (__text_signature__), and messages that name unknown keyword arguments. Call it last.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
-// Writes CalculiX (ccx) input decks: linear static shell problems on models, and the natural
-// frequencies of shell meshes.
+// Writes CalculiX (ccx) input decks: linear static shell problems, buckling and frequencies of models,
+// and the natural frequencies of shell meshes.
 #pragma once
 
 #include <array>
@@ -11,15 +11,21 @@
 #include <vector>
 
 #include "batten/core/eigen.h"
+#include "batten/core/errors.h"
 #include "batten/core/geometry.h"
 #include "batten/mesh/shell_mesh.h"
 #include "batten/skinning/region/skinned_region.h"
 
 namespace batten {
 
-// Linear static problems.
+/// Exception for a support, load or section that a CalculiX deck cannot represent.
+struct DeckLimitError : InputError {
+  using InputError::InputError;
+};
 
-/// A linear static shell problem on a model of one or more faces. Any consistent system of units
+// Models.
+
+/// A linear shell problem on a model of one or more faces. Any consistent system of units
 /// can be used (for example mm, N and MPa, with the density in t/mm³ and gravity in mm/s²).
 struct ShellDeck {
   /// Shell element type of the deck.
@@ -28,24 +34,49 @@ struct ShellDeck {
     S3,  ///< three-node triangles, four per triangle of the surface mesh
     S8R  ///< eight-node quadrilaterals, three per triangle of the surface mesh
   };
-  /// A support (displacement boundary condition) on a curve or on an area.
+  /// A support (displacement boundary condition) on a curve, an area or at a point.
   struct Support {
-    enum class Kind {
-      Pinned,  ///< no displacement in the constrained directions
-      Clamped  ///< no displacement in the constrained directions, no rotation
+    /// Rotations that a support prevents, in addition to `rotation_axes`.
+    enum class Rotations {
+      None,
+      Tangent  ///< rotation about the tangent of `line`
     };
     std::string line;  ///< name of a curve of the model; "": the support is on an area
-    Kind kind = Kind::Pinned;
-    std::string region = {};       ///< name of the face of an area support; "": all faces
-    std::optional<Box3> box = {};  ///< if set, only nodes inside this box are supported
-    /// The components x, y, z of the displacement that are constrained.
-    std::array<bool, 3> constrained = {true, true, true};
-    /// Prescribed displacement; only its constrained components are used.
+    /// Directions along which the displacement is prescribed.
+    std::vector<Vec3> directions = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+    std::vector<Vec3> rotation_axes = {};  ///< axes about which nodes do not rotate
+    Rotations rotations = Rotations::None;
+    std::string region = {};         ///< name of the face of an area support; "": all faces
+    std::optional<Box3> box = {};    ///< if set, only nodes inside this box are supported
+    std::optional<Vec3> point = {};  ///< if set, only the node nearest to this point
+    /// Prescribed displacement; only its components along `directions` are used.
     Vec3 displacement = Vec3::Zero();
+    /// Base vectors (columns) to which all vectors of the support refer at a point, such as the
+    /// radial, hoop and axial directions; empty: x, y and z.
+    std::function<Mat3(const Vec3& x)> axes = {};
+
+    static Support pinned(const std::string& line) { return {line}; }
+    /// Without rotations about any axis.
+    static Support clamped(const std::string& line) { return {line, all_axes(), all_axes()}; }
+    static std::vector<Vec3> all_axes() { return {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}; }
+  };
+  /// Springs between a curve, an area or a point and the ground.
+  struct Spring {
+    std::string line;  ///< name of a curve; "": the springs are on an area or at a point
+    std::string region = {};
+    std::optional<Box3> box = {};
+    std::optional<Vec3> point = {};
+    /// Stiffness along x, y, z: force per displacement at a point, per length, or per area.
+    Vec3 stiffness = Vec3::Zero();
+    double foundation = 0;  ///< stiffness along the normal, per area
   };
   struct PointForce {
     Vec3 at;  ///< point of application; the force acts on the nearest node
     Vec3 force;
+  };
+  struct PointMass {
+    Vec3 at;
+    double mass = 0;
   };
 
   struct Pressure {
@@ -58,32 +89,74 @@ struct ShellDeck {
     std::string region;
     double thickness = 0;
   };
-  /// Force per unit length along a curve, optionally only inside a box.
-  struct LineForce {
+  /// A point of a curve, with the tangent in the direction of the curve and the unit vector in the
+  /// tangent plane of one adjacent face that points away from it.
+  struct CurvePoint {
+    Vec3 x, tangent, outwards;
+  };
+  /// Force and moment per unit length along a curve, optionally only inside a box.
+  struct LineLoad {
     std::string line;
-    Vec3 per_length;
+    std::function<Vec3(const CurvePoint&at)> force = {}, moment = {};  ///< empty: none
+    std::optional<Box3> box = {};
+
+    static LineLoad constant(const std::string& line, const Vec3& per_length) {
+      return {line, [per_length](const CurvePoint&) { return per_length; }};
+    }
+  };
+  /// A force and a moment about its centroid, spread evenly over a curve or an area (spread_load()).
+  struct SpreadLoad {
+    std::vector<std::string> lines;  ///< names of curves; empty: the load is on an area
+    std::string region;
     std::optional<Box3> box;
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  };
+  /// Centrifugal load of a rotation about an axis through `origin`.
+  struct Rotation {
+    double angular_velocity = 0;  ///< radians per time
+    Vec3 axis = Vec3::UnitZ(), origin = Vec3::Zero();
+  };
+  /// An orthotropic layer; the angle, in radians, counts from `along` towards the cross product of
+  /// the normal and `along`.
+  struct Ply {
+    double thickness = 0, angle = 0;
+    double young = 0, young_across = 0, poisson = 0, shear = 0;
+    double expansion = 0, expansion_across = 0, density = 0;
+  };
+  /// What the deck computes.
+  enum class Analysis {
+    Static,
+    Buckling,    ///< `count` buckling factors of the loads
+    Frequencies  ///< `count` natural frequencies; loads are left out
   };
 
   Element element = Element::S6;
+  Analysis analysis = Analysis::Static;
+  int count = 1;
   double thickness = 0, young = 0, poisson = 0;
+  std::vector<Ply> plies;  ///< from the bottom to the top, instead of the material; S6 and S8R only
+  Vec3 along = Vec3::UnitX();  ///< direction, projected onto the surface, from which angles count
   std::vector<Thickness> thicknesses;  ///< faces whose thickness differs from `thickness`
-  double density = 0;                  ///< mass density; used for gravity loads only
+  double density = 0;                  ///< mass density; 0: none
   std::string units;              ///< names of the units for a comment in the deck: "mm, N, MPa"
-  std::vector<Support> supports;  ///< at least one support is required
-  double pressure = 0;            ///< force per unit area on all faces, positive along the normals
+  std::vector<Support> supports;  ///< at least one is required, but for frequencies
+  std::vector<Spring> springs;
+  std::vector<PointMass> masses;
+  double pressure = 0;  ///< force per unit area on all faces, positive along the normals
   std::vector<Pressure> pressures;  ///< pressures on single faces, added to `pressure`
   /// Force per unit area at the point x, with unit normal n, of the face `region`; empty: none.
   std::function<Vec3(const std::string& region, const Vec3& x, const Vec3& n)> area_force;
-  std::vector<LineForce> line_forces;
+  std::vector<LineLoad> line_loads;
+  std::vector<SpreadLoad> spread_loads;
   std::vector<PointForce> point_forces;
   Vec3 gravity = Vec3::Zero();  ///< gravitational acceleration
+  std::vector<Rotation> rotations;
   double expansion = 0;  ///< thermal expansion per degree
   /// Change of temperature at a point: in the middle of the shell, and from bottom to top; empty: none.
   std::function<std::array<double, 2>(const Vec3& x)> temperature;
 };
 
-/// Writes a linear static shell analysis of faces of a model as a CalculiX deck `path` (.inp). Run
+/// Writes a linear shell analysis of faces of a model as a CalculiX deck `path` (.inp). Run
 /// it with `ccx -i <path without .inp>`. The file is written atomically.
 ///
 /// Each triangle of the surface mesh becomes one S6 element, or is split into S3 or S8R elements.
@@ -105,7 +178,9 @@ struct ShellDeck {
 /// letters and digits. A name that does not begin with a letter gets the prefix CURVE_ or FACE_;
 /// numbers are appended to make names unique. Area and line forces become consistent nodal loads,
 /// integrated over the exact surface with quadratic shape functions. Supports in boxes get the node
-/// sets SUPPORT_1, SUPPORT_2, … Numbers are written with 20 characters, the most that ccx reads, so
+/// sets SUPPORT_1, SUPPORT_2, …, and nodes with conditions along other directions than x, y and z a
+/// local coordinate system (*TRANSFORM). Springs are SPRINGA elements to fixed nodes. Plies become
+/// a section COMPOSITE, with the orientation of each element. Numbers are written with 20 characters, the most that ccx reads, so
 /// their relative error is at most 1e-13.
 ///
 /// Throws InputError if there is no face; a thickness or Young's modulus is not above 0; Poisson's

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "batten/core/containers.h"
@@ -298,6 +299,45 @@ std::vector<FrdFace> outer_faces(const FrdMesh& mesh) {
            faces_of(mesh.elements[face.element].type)->solid;
   });
   return faces;
+}
+
+namespace {
+
+// The numbers in one column of the rows "1  a  b …" after a heading, until another heading.
+std::vector<double> column_after(const std::filesystem::path& path, const std::string& heading,
+                                 size_t column) {
+  std::ifstream in(path);
+  if (!in) throw InputError(path.string() + ": cannot be read");
+  std::vector<double> numbers;
+  std::string line;
+  bool inside = false;
+  while (std::getline(in, line)) {
+    if (line.find(heading) != std::string::npos) {
+      inside = true;
+      continue;
+    }
+    if (!inside) continue;
+    std::istringstream words(line);
+    size_t number = 0;
+    if (!(words >> number) || number != numbers.size() + 1) {
+      if (!numbers.empty()) break;
+      continue;
+    }
+    double value = 0;
+    for (size_t k = 1; k <= column; ++k) words >> value;
+    if (words) numbers.push_back(value);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<double> read_ccx_frequencies(const std::filesystem::path& path) {
+  return column_after(path, "E I G E N V A L U E   O U T P U T", 3);
+}
+
+std::vector<double> read_ccx_buckling_factors(const std::filesystem::path& path) {
+  return column_after(path, "B U C K L I N G   F A C T O R   O U T P U T", 1);
 }
 
 }  // namespace batten

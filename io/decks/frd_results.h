@@ -58,4 +58,9 @@ struct FrdFace {
 /// O(faces).
 std::vector<FrdFace> outer_faces(const FrdMesh& mesh);
 
+/// Numbers of the table of a .dat file of ccx: natural frequencies (cycles per time) and buckling
+/// factors; empty if it has none. Throws InputError if the file cannot be read.
+std::vector<double> read_ccx_frequencies(const std::filesystem::path& path);
+std::vector<double> read_ccx_buckling_factors(const std::filesystem::path& path);
+
 }  // namespace batten

@@ -360,12 +360,15 @@ Json json_of(const StressReport::Case& c) {
                {"stress_side", c.side},
                {"stress_spread", c.spread},
                {"near_singularity", c.near_singularity},
+               {"singular_places", Json::array()},
                {"strain_energy", c.energy},
                {"error_estimate", c.error},
                {"max_displacement_error", c.displacement_error},
                {"equilibrium_residual", c.equilibrium_residual},
                {"nonlinearity", c.nonlinearity},
                {"shear_energy_share", c.shear_share}};
+  for (const auto& place : c.singular_places)
+    json["singular_places"].push_back({{"at", json_of(place.at)}, {"radius", place.radius}});
   if (c.safety > 0) json["safety_factor"] = c.safety;
   if (c.ply > 0) json["stress_ply"] = c.ply;
   for (const auto& r : c.reserves)
@@ -386,6 +389,8 @@ Json json_of(const StressReport::Case& c) {
                         {"max_von_mises", c.calculix->stress},
                         {"displacement_at_same_point", c.calculix->displacement_there},
                         {"von_mises_at_same_point", c.calculix->stress_there}};
+  if (c.calculix && !c.calculix->buckling.empty())
+    json["calculix"]["buckling_factors"] = c.calculix->buckling;
   json["reactions"] = Json::array();
   for (const auto& r : c.reactions)
     json["reactions"].push_back(
@@ -436,6 +441,7 @@ Json json_of(const StressReport& s) {
   if (s.spectrum) json["spectrum"] = json_of(*s.spectrum);
   if (s.frequencies.empty()) return json;
   json["frequencies"] = s.frequencies;
+  if (!s.calculix_frequencies.empty()) json["calculix_frequencies"] = s.calculix_frequencies;
   json["mass"] = s.mass;
   for (const Vec3& factor : s.participation) {
     json["participation_factors"].push_back(json_of(factor));

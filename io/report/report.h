@@ -48,6 +48,7 @@ struct StressReport {
   struct CalculixResult {
     std::string elements;
     double displacement = 0, stress = 0, displacement_there = 0, stress_there = 0;
+    std::vector<double> buckling;  ///< factors, if requested
   };
   /// Results of one load case, or of one combination of load cases.
   struct Case {
@@ -68,6 +69,12 @@ struct StressReport {
     double spread = 0;
     /// True if the largest stress is next to a point load or support, where stresses are singular.
     bool near_singularity = false;
+    /// A ball around a singular stress, outside of which `stress` is the largest one.
+    struct SingularPlace {
+      Vec3 at = Vec3::Zero();
+      double radius = 0;
+    };
+    std::vector<SingularPlace> singular_places;
     double safety = 0;  ///< safety factor against yield, yield / stress; 0: no yield stress given
     int ply = 0;        ///< ply with the largest stress, from 1, from the bottom; 0: no laminate
     /// The smallest factor by which the stress in a ply can grow until a failure criterion is met.
@@ -143,6 +150,7 @@ struct StressReport {
     std::vector<Reaction> reactions;  ///< absolute values
   };
   std::optional<Spectrum> spectrum;
+  std::vector<double> calculix_frequencies;  ///< elastic modes by CalculiX, if requested
   /// One mesh of an adaptive refinement, with the maxima over all load cases.
   struct Mesh {
     double edge_length = 0;

@@ -340,22 +340,19 @@ Scene scene_of_lines(const std::vector<std::filesystem::path>& outline,
 
 namespace {
 
-// Analyses the shell of a shape, on a refined mesh if an accuracy is requested.
+// Analyses the shell of a shape, on a refined mesh.
 void stress_into(RunContext& run, const Scene& scene, const BuiltModel& made,
                  const SolvedShape& shape, const StressTask& task, const Progress& progress) {
-  RefinedShape accurate{shape, {}, true};
-  if (task.accuracy > 0)
-    accurate = refine_adaptively(scene, shape, task.accuracy, task.factors, progress);
-  analyse(run, scene, accurate.shape, task.factors, task.animations, progress);
+  const StressAccuracy accuracy = stress_accuracy(task.accuracy);
+  const RefinedShape refined = refine_adaptively(scene, shape, accuracy, task.factors, progress);
+  analyse(run, scene, refined, accuracy, task.factors, task.animations, progress);
   if (!run.report.stress) return;
-  run.report.stress->meshes = accurate.meshes;
-  accurate.check_accuracy(task.accuracy, run.report);
   if (scene.stress->sensitivities) {
     run.report.stress->sensitivities =
         compute_sensitivities(*run.report.stress, scene, made, shape, progress);
     run.watch.lap("sensitivities");
   }
-  if (task.with_calculix) check_with_calculix(run, scene, accurate.shape, task.element, progress);
+  if (task.with_calculix) check_with_calculix(run, scene, refined.shape, task.element, progress);
 }
 
 Report run_all(const Scene& scene, const std::filesystem::path& folder, const StressTask* stress,

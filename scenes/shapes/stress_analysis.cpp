@@ -9,7 +9,6 @@
 #include <numbers>
 #include <utility>
 
-#include "batten/analysis/models/shell_refinement.h"
 #include "batten/analysis/models/shell_stresses.h"
 #include "batten/core/errors.h"
 #include "batten/io/decks/frd_results.h"
@@ -18,7 +17,6 @@
 #include "batten/io/pictures/image.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/scenes/shapes/stress_probes.h"
-#include "batten/scenes/shapes/stress_results.h"
 #include "batten/scenes/shapes/stress_setup.h"
 #include "batten/scenes/shapes/stress_spectrum.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -60,7 +58,6 @@ std::string stress_unit(const Scene& scene) {
 
 /// File name of a load case without extension: NAME_CASE, with NAME of the scene. It consists of
 /// letters, digits, '-' and '_'.
-std::string stress_stem(const Scene& scene, const std::string& name);
 std::string stress_stem(const Scene& scene, const std::string& name) {
   return safe_file_name(scene.name) + "_" + safe_file_name(name);
 }
@@ -87,8 +84,8 @@ class StressFiles : public StressVisitor {
   /// Writes a load case: NAME_CASE.vtu on the undeformed shape and NAME_CASE.png, the equivalent
   /// stress on the deformed shape. The .vtu has Displacement, Von_mises_top, _middle and _bottom,
   /// Stress_top, _middle and _bottom, Forces, Moments and Thickness (tensors as xx, yy, zz, xy, yz,
-  /// xz). `largest`: largest displacement.
-  void write_case(const std::string& name, const Points& displacement, double largest,
+  /// xz). Colours end at the largest stress outside of singular places.
+  void write_case(const StressReport::Case& c, const Points& displacement,
                   const ShellStresses& stresses);
 
   /// Stresses (σ1, σ2, τ12) on the faces of plies, in their directions, and reserve factors.
@@ -118,7 +115,7 @@ void StressFiles::visit_shell(const ShellModel& shell) {
 
 void StressFiles::visit_case(const StressReport::Case& c, const ShellCaseResult& result,
                              const ShellStresses& stresses) {
-  write_case(c.name, result.displacement, c.displacement, stresses);
+  write_case(c, result.displacement, stresses);
   for (const SceneStress::Result& of : scene_.stress->results) {
     if (of.line.text.empty()) continue;
     const std::string file = stress_stem(scene_, c.name) + "_" + safe_file_name(of.name) + ".csv";
@@ -252,7 +249,7 @@ void StressFiles::add_ply_fields(
          }});
 }
 
-void StressFiles::write_case(const std::string& name, const Points& displacement, double largest,
+void StressFiles::write_case(const StressReport::Case& c, const Points& displacement,
                              const ShellStresses& stresses) {
   const auto at = [&](int r, const Location& where) {
     return stresses.at(layout().to_model_location(r, where));
@@ -282,11 +279,11 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
                               return VecX::Constant(1, at(r, where).thickness);
                             }});
   const std::vector<SkinnedRegion> still = regions_of(shell_->shape());
-  write_vtu(run_.out.file(stress_stem(scene_, name) + ".vtu"), pointers(still), options);
-  run_.report.files.push_back(stress_stem(scene_, name) + ".vtu");
+  write_vtu(run_.out.file(stress_stem(scene_, c.name) + ".vtu"), pointers(still), options);
+  run_.report.files.push_back(stress_stem(scene_, c.name) + ".vtu");
 
-  if (!can_draw(run_.report, stress_stem(scene_, name) + ".png")) return;
-  const double times = deformation_scale(largest, layout().size());
+  if (!can_draw(run_.report, stress_stem(scene_, c.name) + ".png")) return;
+  const double times = deformation_scale(c.displacement, layout().size());
   const std::vector<SkinnedRegion> regions = regions_of(shell_->shape() + times * displacement);
   PictureScene picture = view();
   picture.regions = pointers(regions);
@@ -299,9 +296,9 @@ void StressFiles::write_case(const std::string& name, const Points& displacement
         const ShellStress stress = at(r, where);
         return stress.largest_von_mises().value;
       },
-      0};
-  draw_picture(run_.out.file(stress_stem(scene_, name) + ".png"), picture);
-  run_.report.files.push_back(stress_stem(scene_, name) + ".png");
+      c.singular_places.empty() ? 0 : c.stress};
+  draw_picture(run_.out.file(stress_stem(scene_, c.name) + ".png"), picture);
+  run_.report.files.push_back(stress_stem(scene_, c.name) + ".png");
 }
 
 void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<Points>& shapes,
@@ -365,11 +362,13 @@ void StressFiles::write_mode_shapes(const std::string& kind, const std::vector<P
 
 }  // namespace
 
-void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
-             const BackendFactory& factors, bool animations, const Progress& progress) {
-  if (!shape.layout) return;
+void analyse(RunContext& run, const Scene& scene, const RefinedShape& refined,
+             const StressAccuracy& accuracy, const BackendFactory& factors, bool animations,
+             const Progress& progress) {
+  if (!refined.shape.layout) return;
   StressFiles files(run, scene, animations);
-  run.report.stress = compute_stresses(scene, shape, factors, run.report, files, progress);
+  run.report.stress =
+      compute_stresses(scene, refined, accuracy, factors, run.report, files, progress);
   run.watch.lap("stress files");
 }
 
@@ -381,21 +380,31 @@ std::string format_rounded_point(const Vec3& p) {
   return text + ")";
 }
 
+/// The first and the last mesh of a refinement.
+std::string meshes_summary(const std::vector<StressReport::Mesh>& meshes, const std::string& unit) {
+  if (meshes.size() < 2) return "";
+  std::string text;
+  for (const StressReport::Mesh* m : {&meshes.front(), &meshes.back()})
+    text += summary_line(
+        m == &meshes.front() ? "meshes" : "",
+        (m == &meshes.front() ? "first"
+                              : "after " + std::to_string(meshes.size() - 1) +
+                                    (meshes.size() == 2 ? " refinement" : " refinements")) +
+            ": " + std::to_string(m->unknowns) + " unknowns, edge length " +
+            three_digits(m->edge_length) + " " + unit + ", displacement " +
+            three_digits(m->displacement) + " ± " + three_digits(100 * m->error) +
+            " %, von Mises " + three_digits(m->stress) + " ± " +
+            three_digits(100 * m->stress_error) + " %");
+  return text;
+}
+
 }  // namespace
 
 std::string stress_summary(const StressReport& report, const std::string& unit) {
   std::string text =
       summary_line("stress", std::to_string(report.unknowns) + " unknowns" +
                                  (report.material.empty() ? "" : ", " + report.material));
-  for (const auto& m : report.meshes)
-    text += summary_line(
-        &m == &report.meshes[0] ? "meshes" : "",
-        "edge length " + three_digits(m.edge_length) + " " + unit + ": " +
-            std::to_string(m.unknowns) + " unknowns, displacement " + three_digits(m.displacement) +
-            ", von Mises " + three_digits(m.stress) + ", error " + three_digits(100 * m.error) +
-            " %" +
-            (m.stress_error == 0 ? ""
-                                 : ", of the stress " + three_digits(100 * m.stress_error) + " %"));
+  text += meshes_summary(report.meshes, unit);
   for (const auto& c : report.cases) {
     std::string stress = "von Mises " + three_digits(c.stress) + " at " +
                          format_rounded_point(c.max_stress_at) + ", " + c.side + " of '" +
@@ -438,7 +447,10 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
                                    ", at the same point " +
                                    three_digits(c.calculix->displacement_there) + "; von Mises " +
                                    three_digits(c.calculix->stress) + ", at the same point " +
-                                   three_digits(c.calculix->stress_there));
+                                   three_digits(c.calculix->stress_there) +
+                                   (c.calculix->buckling.empty()
+                                        ? ""
+                                        : "; buckles at " + five_digits(c.calculix->buckling[0])));
     if (c.buckling_requested)
       text += summary_line(
           "", c.buckling.empty() ? "does not buckle under this load"
@@ -474,6 +486,10 @@ std::string stress_summary(const StressReport& report, const std::string& unit) 
         "frequencies",
         hertz + " Hz" +
             (rigid ? ", after " + std::to_string(rigid) + " rigid-body modes at 0 Hz" : ""));
+  std::string by_calculix;
+  for (const double f : report.calculix_frequencies)
+    by_calculix += (by_calculix.empty() ? "" : ", ") + five_digits(f);
+  if (!by_calculix.empty()) text += summary_line("", "CalculiX: " + by_calculix + " Hz");
   if (report.mass > 0) {
     Vec3 sum = Vec3::Zero();
     for (const Vec3& factor : report.participation) sum += factor.cwiseAbs2();
@@ -498,7 +514,10 @@ double equivalent(const Mat3& s) {
 void run_ccx(const std::filesystem::path& deck) {
   run_external_program({"ccx", "CCX", "CalculiX (calculix-ccx)"}, {"-i", deck.stem().string()},
                        deck.parent_path());
-  // Files that ccx leaves beside its results.
+}
+
+// Removes the files that ccx leaves beside its results.
+void remove_leftovers(const std::filesystem::path& deck) {
   for (const char* ending : {".dat", ".sta", ".cvg", ".12d"})
     std::filesystem::remove(std::filesystem::path(deck).replace_extension(ending));
   std::filesystem::remove(deck.parent_path() / "spooles.out");
@@ -530,72 +549,99 @@ const char* element_name(ShellDeck::Element element) {
 
 }  // namespace
 
+namespace {
+
+/// Writes decks, runs ccx on them, and reads its results. What ccx does not solve is a warning.
+class CalculixRun {
+ public:
+  CalculixRun(RunContext& run, const Scene& scene, const SolvedShape& shape,
+              ShellDeck::Element element)
+      : run_(run), scene_(scene), shape_(shape), element_(element) {}
+
+  /// Calls `read` with the path of the deck without extension, after ccx has run on it.
+  template <class Read>
+  void solve(const std::string& what, const std::string& load_case, ShellDeck::Analysis analysis,
+             int count, const Read& read) {
+    const std::string stem = stress_stem(scene_, what) + "_ccx";
+    const std::filesystem::path deck = run_.out.file(stem + ".inp");
+    try {
+      ShellDeck shell = deck_of(scene_, *shape_.layout, load_case, stem + ".inp");
+      shell.element = element_;
+      shell.analysis = analysis;
+      shell.count = count;
+      write_calculix(deck, shape_.all(), shell);
+    } catch (const DeckLimitError& e) {
+      run_.report.warnings.push_back("'" + what + "' is not compared with CalculiX: " + e.what());
+      return;
+    }
+    run_.report.files.push_back(stem + ".inp");
+    run_ccx(deck);
+    try {
+      read(run_.out.file(stem));
+    } catch (const InputError&) {
+      run_.report.warnings.push_back("'" + what +
+                                     "' is not compared with CalculiX, which gave no " +
+                                     "results: `ccx -i " + stem + "` prints its messages");
+    }
+    remove_leftovers(deck);
+    if (std::filesystem::exists(run_.out.file(stem + ".frd")))
+      run_.report.files.push_back(stem + ".frd");
+  }
+
+ private:
+  RunContext& run_;
+  const Scene& scene_;
+  const SolvedShape& shape_;
+  ShellDeck::Element element_;
+};
+
+}  // namespace
+
 void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape& shape,
                          ShellDeck::Element element, const Progress& progress) {
-  for (StressReport::Case& c : run.report.stress->cases) {
+  StressReport& report = *run.report.stress;
+  const SceneStress& stress = *scene.stress;
+  CalculixRun ccx(run, scene, shape, element);
+  const auto with = [](const std::filesystem::path& stem, const char* ending) {
+    return std::filesystem::path(stem.string() + ending);
+  };
+  using Analysis = ShellDeck::Analysis;
+  for (StressReport::Case& c : report.cases) {
     if (c.combination) continue;
     progress.update("CalculiX, case " + c.name, 0);
-    const std::string stem = stress_stem(scene, c.name) + "_ccx";
-    const auto deck = run.out.file(stem + ".inp");
-    ShellDeck shell;
-    try {
-      shell = deck_of(scene, *shape.layout, c.name, stem + ".inp");
-    } catch (const DeckLimitError& e) {
-      run.report.warnings.push_back("case '" + c.name +
-                                    "' is not compared with CalculiX: " + e.what());
-      continue;
-    }
-    shell.element = element;
-    write_calculix(deck, shape.all(), shell);
-    run_ccx(deck);
-    c.calculix = calculix_result(read_frd(run.out.file(stem + ".frd")), c);
-    c.calculix->elements = element_name(element);
-    run.report.files.push_back(stem + ".inp");
-    run.report.files.push_back(stem + ".frd");
+    ccx.solve(c.name, c.name, Analysis::Static, 0, [&](const std::filesystem::path& stem) {
+      c.calculix = calculix_result(read_frd(with(stem, ".frd")), c);
+      c.calculix->elements = element_name(element);
+    });
+    if (stress.buckling == 0 || !c.calculix) continue;
+    ccx.solve(c.name + " buckling", c.name, Analysis::Buckling, stress.buckling,
+              [&](const std::filesystem::path& stem) {
+                c.calculix->buckling = read_ccx_buckling_factors(with(stem, ".dat"));
+              });
+    const bool follows =
+        stress.follower_pressure &&
+        std::any_of(stress.loads.begin(), stress.loads.end(), [&](const SceneStress::Load& load) {
+          return load.load_case == c.name && (load.type == SceneStress::Load::Type::Pressure ||
+                                              load.type == SceneStress::Load::Type::Hydrostatic);
+        });
+    if (follows)
+      run.report.warnings.push_back(
+          "case '" + c.name +
+          "': in the buckling analysis of CalculiX, pressures keep their direction; "
+          "follower_pressure = false does so in Batten");
+  }
+  if (stress.modes > 0) {
+    progress.update("CalculiX, natural frequencies", 0);
+    const int rigid =
+        static_cast<int>(std::count(report.frequencies.begin(), report.frequencies.end(), 0.0));
+    ccx.solve("modes", "", Analysis::Frequencies, rigid + stress.modes,
+              [&](const std::filesystem::path& stem) {
+                const std::vector<double> all = read_ccx_frequencies(with(stem, ".dat"));
+                report.calculix_frequencies.assign(
+                    all.begin() + std::min<long>(rigid, static_cast<long>(all.size())), all.end());
+              });
   }
   run.watch.lap("CalculiX");
-}
-
-void RefinedShape::check_accuracy(double accuracy, RunReport& notes) const {
-  for (const RefinedShell::Singularity& one : singularities)
-    notes.warnings.push_back("case '" + one.load_case + "': the stress at " +
-                             format_rounded_point(one.at) +
-                             " grows with each refinement without limit (a re-entrant "
-                             "corner, the end of a support); the accuracy does not apply to it");
-  if (converged) return;
-  const auto check = [&](double value, const std::string& of) {
-    if (!(value <= accuracy))
-      notes.failed_checks.push_back(
-          {"stress.accuracy of " + of,
-           "is " + format_number(value) + ", expected at most " + format_number(accuracy)});
-  };
-  check(meshes.back().error, "displacements");
-  check(meshes.back().stress_error, "the largest stress");
-}
-
-RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
-                               const BackendFactory& factors, const Progress& progress) {
-  RefinedShape result{shape, {}, false};
-  if (!shape.layout) return result;
-  ShellRefinementOptions options;
-  options.accuracy = accuracy;
-  options.backend_factory = factors;
-  const RefinedShell refined =
-      refine_shell(shape.layout, shape.dofs, shell_problem(scene), options, progress);
-  result.converged = refined.converged;
-  for (const RefinedShell::Mesh& mesh : refined.meshes)
-    result.meshes.push_back({mesh.edge_length, mesh.unknowns, mesh.displacement, mesh.von_mises,
-                             mesh.error, mesh.stress_error});
-  result.singularities = refined.singularities;
-  if (refined.meshes.size() == 1) return result;
-  SolvedShape& finer = result.shape;
-  finer.layout = refined.layout;
-  finer.dofs = refined.shape;
-  finer.unloaded = interpolate_onto(*shape.layout, shape.unloaded, *refined.layout);
-  finer.regions.clear();
-  for (int r = 0; r < finer.layout->region_count(); ++r)
-    finer.regions.push_back(finer.layout->skinned(r, finer.dofs));
-  return result;
 }
 
 }  // namespace batten

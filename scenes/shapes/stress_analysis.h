@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MPL-2.0
-// Stress analysis of a scene's shape: files, pictures and summary; comparison with CalculiX;
-// refinement. The results themselves are computed in stress_results.h.
+// Stress analysis of a scene's shape: files, pictures and summary; comparison with CalculiX.
+// The results themselves are computed in stress_results.h.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "batten/analysis/models/shell_refinement.h"
 #include "batten/core/solvers/linear_solver_backend.h"
 #include "batten/io/decks/calculix_decks.h"
 #include "batten/io/report/report.h"
 #include "batten/scenes/shapes/shape_files.h"
 #include "batten/scenes/shapes/solved_shape.h"
+#include "batten/scenes/shapes/stress_results.h"
 
 namespace batten {
 
@@ -29,8 +29,9 @@ namespace batten {
 ///
 /// Fills report.stress and report.warnings; adds a failed check if the reactions do not balance the
 /// loads. Throws the exceptions of compute_stresses().
-void analyse(RunContext& run, const Scene& scene, const SolvedShape& shape,
-             const BackendFactory& factors, bool animations, const Progress& progress);
+void analyse(RunContext& run, const Scene& scene, const RefinedShape& refined,
+             const StressAccuracy& accuracy, const BackendFactory& factors, bool animations,
+             const Progress& progress);
 
 /// Magnification of drawn displacements for a model of this size: a factor 1, 2 or 5 times a power
 /// of ten, so that the largest displacement is at most a twentieth of the size.
@@ -48,20 +49,5 @@ std::string stress_summary(const StressReport& report, const std::string& unit);
 /// missing executable, or a run without results.
 void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape& shape,
                          ShellDeck::Element element, const Progress& progress);
-
-// Adaptive mesh refinement for a given accuracy of displacements and stresses.
-
-/// A solved shape on smaller elements of the same surface, by refine_shell(). Throws its exceptions.
-struct RefinedShape {
-  SolvedShape shape;
-  std::vector<StressReport::Mesh> meshes;  ///< results on each mesh
-  bool converged = false;
-  std::vector<RefinedShell::Singularity> singularities = {};
-
-  /// Adds a failed check if the accuracy was not reached, and a warning for each singular stress.
-  void check_accuracy(double accuracy, RunReport& notes) const;
-};
-RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape, double accuracy,
-                               const BackendFactory& factors, const Progress& progress);
 
 }  // namespace batten

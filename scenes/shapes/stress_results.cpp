@@ -127,6 +127,21 @@ void warn(const StressReport& s, double size, const std::string& unit,
                        " % of the size, so that results depend strongly on their exact position");
   for (const auto& c : s.cases) warn_of_limits(c, size, unit, warnings);
   for (const auto& c : s.cases)
+    for (const auto& place : c.singular_places)
+      warnings.push_back(
+          "case '" + c.name + "': the stress at " + format_point(place.at) +
+          " is singular: it grows without limit as the elements become smaller (a "
+          "point force or point support, a re-entrant corner, the end of a support). "
+          "The largest stress is that at a distance of " +
+          format_number(place.radius) + " " + unit + " or more from there");
+  constexpr double uncertain = 0.1;
+  for (const auto& c : s.cases)
+    if (s.meshes.empty() && !c.combination && !c.near_singularity &&
+        c.spread > uncertain * c.stress)
+      warnings.push_back("case '" + c.name + "': the largest stress is uncertain by about " +
+                         format_number(std::round(100 * c.spread / c.stress)) +
+                         " % on these elements; an accuracy of 0.02 refines them");
+  for (const auto& c : s.cases)
     if (c.near_singularity)
       warnings.push_back("case '" + c.name +
                          "': the maximum stress is next to a point load or point support, a "
@@ -210,29 +225,104 @@ void find_modes(const Scene& scene, const ShellModel& shell, StressReport& repor
   visitor.visit_modes(report.frequencies, modes.shapes);
 }
 
+bool is_free(const SceneStress& stress) {
+  return stress.supports.empty() && !stress.inertia_relief;
+}
+
+// A failed check or a warning if the accuracy was not reached.
+void check_accuracy(const RefinedShape& refined, const StressAccuracy& accuracy, RunReport& notes) {
+  if (refined.converged) return;
+  const auto check = [&](double error, const std::string& of) {
+    if (error <= accuracy.value) return;
+    if (accuracy.required)
+      notes.failed_checks.push_back(
+          {"stress.accuracy of " + of,
+           "is " + format_number(error) + ", expected at most " + format_number(accuracy.value)});
+    else
+      notes.warnings.push_back("the estimated error of " + of + " is " +
+                               format_number(std::round(1000 * error) / 10) + " %; --accuracy " +
+                               format_number(accuracy.value) + " refines the elements further");
+  };
+  check(refined.meshes.back().error, "the displacements");
+  check(refined.meshes.back().stress_error, "the largest stress");
+}
+
 }  // namespace
 
-StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
-                              const BackendFactory& factors, RunReport& notes,
-                              StressVisitor& visitor, const Progress& progress) {
+StressAccuracy stress_accuracy(const std::optional<double>& argument) {
+  if (!argument) return {};
+  if (!(*argument >= 0) || !std::isfinite(*argument))
+    throw InputError("accuracy: found " + format_number(*argument) +
+                     ", expected a relative error above 0, or 0 for no refinement");
+  return {*argument, true};
+}
+
+RefinedShape refine_adaptively(const Scene& scene, const SolvedShape& shape,
+                               const StressAccuracy& accuracy, const BackendFactory& factors,
+                               const Progress& progress) {
+  RefinedShape result{shape};
+  if (!shape.layout || accuracy.value == 0 || is_free(*scene.stress)) return result;
+  ShellRefinementOptions options;
+  options.accuracy = accuracy.value;
+  options.backend_factory = factors;
+  if (!accuracy.required) {
+    constexpr long least = 100000;
+    constexpr double times = 3;
+    options.max_total_unknowns =
+        std::max(least, static_cast<long>(times * 3 * static_cast<double>(shape.dofs.rows())));
+  }
+  const RefinedShell refined =
+      refine_shell(shape.layout, shape.dofs, shell_problem(scene), options, progress);
+  result.shell = refined.shell;
+  result.converged = refined.converged;
+  result.error_ratio = refined.error_ratio;
+  result.singular_places = refined.singular_places;
+  for (const RefinedShell::Mesh& mesh : refined.meshes)
+    result.meshes.push_back({mesh.edge_length, mesh.unknowns, mesh.displacement, mesh.von_mises,
+                             mesh.error, mesh.stress_error});
+  if (refined.meshes.size() == 1) return result;
+  SolvedShape& finer = result.shape;
+  finer.layout = refined.layout;
+  finer.dofs = refined.shape;
+  finer.unloaded = interpolate_onto(*shape.layout, shape.unloaded, *refined.layout);
+  finer.regions.clear();
+  for (int r = 0; r < finer.layout->region_count(); ++r)
+    finer.regions.push_back(finer.layout->skinned(r, finer.dofs));
+  return result;
+}
+
+StressReport compute_stresses(const Scene& scene, const RefinedShape& refined,
+                              const StressAccuracy& accuracy, const BackendFactory& factors,
+                              RunReport& notes, StressVisitor& visitor, const Progress& progress) {
   progress.update("stress", 0);
+  const SolvedShape& shape = refined.shape;
   const ShellProblem problem = shell_problem(scene);
   const ShellDefinition definition = problem.definition(*shape.layout, shape.dofs);
-  const bool free = scene.stress->supports.empty() && !definition.inertia_relief;
+  const bool free = is_free(*scene.stress);
   using Handling = ShellModel::RigidBodyHandling;
-  const ShellModel shell(*shape.layout, shape.dofs, definition,
-                         free ? Handling::Shifted : Handling::Refused, factors);
+  const std::shared_ptr<const ShellModel> model =
+      refined.shell ? refined.shell
+                    : std::make_shared<const ShellModel>(
+                          *shape.layout, shape.dofs, definition,
+                          free ? Handling::Shifted : Handling::Refused, factors);
+  const ShellModel& shell = *model;
   visitor.visit_shell(shell);
   StressReport report = shell_report(*scene.stress, shell);
-  const std::vector<ShellLoadCase> cases =
+  report.meshes = refined.meshes;
+  std::vector<ShellLoadCase> cases =
       free ? std::vector<ShellLoadCase>{}
            : problem.load_cases(*shape.layout, shape.dofs, definition);
+  for (size_t c = 0; c < std::min(cases.size(), refined.singular_places.size()); ++c)
+    cases[c].singular_places = refined.singular_places[c];
   // Modes up to twice the highest frequency; the static correction stands for the others.
   std::optional<ShellModes> vibration_modes;
   if (scene.stress->harmonic) vibration_modes = modes_up_to(shell, 2 * scene.stress->harmonic->to);
   const auto add = [&](const ShellCaseResult& result, const ShellStresses& stresses) {
     StressReport::Case c = case_report(*scene.stress, shell.layout(), result);
     const ShellLoadCase& load_case = cases[report.cases.size()];
+    c.displacement_error *= refined.error_ratio;
+    for (const SingularPlace& place : load_case.singular_places)
+      c.singular_places.push_back({place.at, place.radius});
     estimate_limits(shell, load_case, result, stresses, c);
     c.results = requested_results(scene, shell, result, stresses);
     visitor.visit_case(c, result, stresses);
@@ -251,6 +341,7 @@ StressReport compute_stresses(const Scene& scene, const SolvedShape& shape,
   if (scene.stress->spectrum) find_spectrum_response(scene, shell, report, visitor);
   if (scene.stress->modes > 0) find_modes(scene, shell, report, visitor);
   warn(report, shell.layout().size(), scene.unit, notes.warnings);
+  check_accuracy(refined, accuracy, notes);
   return report;
 }
 

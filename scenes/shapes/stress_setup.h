@@ -28,11 +28,6 @@ ShellProblem shell_problem(const Scene& scene);
 
 // [stress] as a CalculiX deck.
 
-/// Exception for a support, load or section that a CalculiX deck cannot represent.
-struct DeckLimitError : InputError {
-  using InputError::InputError;
-};
-
 /// The shell of a scene under one load case. Throws DeckLimitError, with the location in the scene,
 /// for features that the deck cannot represent; `file` names the deck in messages.
 ShellDeck deck_of(const Scene& scene, const ModelLayout& layout, const std::string& load_case,

@@ -581,7 +581,8 @@ TEST_CASE("a roof finds its form and stands, and a door is leaned on", "[apps][e
   CHECK(door.code == kDone);
   const auto& lean = door.report["stress"]["cases"][0];
   CHECK(lean["max_displacement"].get<double>() == Approx(0.867).epsilon(0.01));
-  CHECK(lean["near_singularity"]);
+  CHECK_FALSE(lean["singular_places"].empty());
+  CHECK_FALSE(lean["near_singularity"]);
   CHECK(lean["equilibrium_residual"].get<double>() < 1e-8);
   CHECK(door.report["stress"]["frequencies"][0].get<double>() == Approx(89.8).epsilon(5e-3));
 }

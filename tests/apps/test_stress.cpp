@@ -432,7 +432,7 @@ TEST_CASE("an accuracy applies to the stress at a hole, and stresses that have n
                              "supports = [{curve = \"left\"}]\nloads = [{curve = \"right\", force "
                              "= [100, 0, 0]}]\n");
   const auto clamped = at("clamped");
-  CHECK(clamped["warnings"].dump().find("grows with each refinement") != std::string::npos);
+  CHECK(clamped["warnings"].dump().find("is singular") != std::string::npos);
 }
 
 TEST_CASE("loads that vary with the position", "[apps][stress]") {

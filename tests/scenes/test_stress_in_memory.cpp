@@ -55,7 +55,7 @@ Report run_of(const std::string& scene) {
   unsetenv("DISPLAY");  // no pictures
   setenv("BATTEN_XVFB", "", 1);
   const auto folder = batten_test::scratch("stress_in_memory");
-  return run_stress(parse_scene(scene, folder / "scene.toml"), folder / "out", {});
+  return run_stress(parse_scene(scene, folder / "scene.toml"), folder / "out", {.accuracy = 0});
 }
 
 double distance(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
@@ -138,7 +138,7 @@ TEST_CASE("adaptive refinement in memory is that of the command", "[scenes][stre
   CHECK(accurate.report() == to_json(*report.stress));
   CHECK(accurate.failed_checks().empty());
   CHECK(accurate.model().element_count() > model.element_count());
-  CHECK(accurate.model().area() == Approx(model.area()).epsilon(1e-9));
+  CHECK(accurate.model().area() == Approx(model.area()).epsilon(1e-7));
   CHECK(accurate.von_mises().size() == accurate.model().facets().points.size() / 3);
   settings.accuracy = 10;  // the elements of the model are small enough
   CHECK(stress(model, settings).model().element_count() == model.element_count());

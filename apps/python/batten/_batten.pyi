@@ -579,6 +579,8 @@ class StressCase:
     @property
     def near_singularity(self) -> bool: ...
     @property
+    def singular_places(self) -> list[tuple[Array, float]]: ...
+    @property
     def stress_ply(self) -> int: ...
     @property
     def reserve_factors(self) -> dict[str, float]: ...
@@ -686,7 +688,7 @@ def skin(
 def stress(
     source: Path, out: Path, *, material: None = ..., thickness: None = ..., supports: None = ..., loads: None = ...,
     yield_stress: None = ..., modes: int = ..., buckling: int = ..., settings: str = ...,
-    values: Values | None = ..., accuracy: float = ..., progress: Progress | None = ...,
+    values: Values | None = ..., accuracy: float | None = ..., progress: Progress | None = ...,
 ) -> dict[str, Any]: ...
 @overload
 def stress(
@@ -694,6 +696,6 @@ def stress(
     supports: str | dict[str, Any] | Iterable[str | dict[str, Any]] | None = ...,
     loads: dict[str, Any] | Iterable[dict[str, Any]] | None = ...,
     yield_stress: float | None = ..., modes: int = ..., buckling: int = ..., settings: str = ...,
-    values: Values | None = ..., accuracy: float = ..., progress: Progress | None = ...,
+    values: Values | None = ..., accuracy: float | None = ..., progress: Progress | None = ...,
 ) -> Stress: ...
 def write_curves(path: Path, curves: dict[str, ArrayLike | Curve | FairCurve], *, unit: str = ...) -> list[str]: ...

@@ -83,7 +83,7 @@ ShellDeck plate(double thickness) {
   deck.poisson = 0.3;
   deck.units = "mm, N, MPa, t, s";
   for (const auto& side : kSides)
-    deck.supports.push_back({side, ShellDeck::Support::Kind::Clamped});
+    deck.supports.push_back(ShellDeck::Support::clamped(side));
   return deck;
 }
 
@@ -166,8 +166,8 @@ TEST_CASE("set names of curves are accepted by ccx, and distinct", "[io][calculi
   const std::array<std::string, 4> names{"top edge (left)", "Top-edge_left_", "7", lengthy};
   const SkinnedRegion region = region_of(1, flat(1), names);
   ShellDeck deck = plate(0.1);
-  deck.supports = {{lengthy, ShellDeck::Support::Kind::Pinned},
-                   {"7", ShellDeck::Support::Kind::Clamped}};
+  deck.supports = {ShellDeck::Support::pinned(lengthy),
+                   ShellDeck::Support::clamped("7")};
   write_calculix(path, {&region}, deck);
   const auto found = sections(path);
   for (const std::string name : {"TOP_EDGE__LEFT_", "TOP_EDGE_LEFT_", "CURVE_7"})
@@ -177,7 +177,7 @@ TEST_CASE("set names of curves are accepted by ccx, and distinct", "[io][calculi
   CHECK(found.at("*BOUNDARY") == expected);
 
   const SkinnedRegion same = region_of(1, flat(1), {"rim", "Rim", "all", "nall"});
-  deck.supports = {{"Rim", ShellDeck::Support::Kind::Pinned}};
+  deck.supports = {ShellDeck::Support::pinned("Rim")};
   write_calculix(path, {&same}, deck);
   for (const std::string name : {"RIM", "RIM_2", "ALL_2", "NALL_2"})
     CHECK(sections(path).count("*NSET,NSET=" + name) == 1);
@@ -254,7 +254,7 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
                                  {Vec3(0, a, 0), Vec3(a, a, 0)},
                                  {Vec3(0, 0, 0), Vec3(0, a, 0)},
                                  {Vec3(a, 0, 0), Vec3(a, a, 0)}}) {
-    deck.supports.push_back({"", ShellDeck::Support::Kind::Clamped});
+    deck.supports.push_back(ShellDeck::Support::clamped(""));
     deck.supports.back().box = Box3(from - Vec3::Constant(more), to + Vec3::Constant(more));
   }
   write_calculix(path, {&region}, deck);
@@ -286,7 +286,7 @@ TEST_CASE("a clamped square plate bends as in theory, along the normal", "[io][c
   // Pinned edges cannot move, but can rotate: 0.00406 q a⁴/D.
   deck.point_forces.clear();
   deck.pressure = -q;
-  for (auto& support : deck.supports) support.kind = ShellDeck::Support::Kind::Pinned;
+  for (auto& support : deck.supports) support.rotation_axes.clear();
   write_calculix(path, {&region}, deck);
   CHECK(run_ccx(path).moved.z() == Approx(-0.00406235 * q * std::pow(a, 4) / D).epsilon(0.03));
 }
@@ -322,7 +322,7 @@ TEST_CASE("a plate with an embedded hole: sets on its curves, loads inside only"
   const double a = 100, b = 40, t = 1, q = 0.01;
   const SkinnedRegion region = flat_ring(a, b, 12);
   ShellDeck deck = plate(t);
-  deck.supports = {{"rim", ShellDeck::Support::Kind::Clamped}};
+  deck.supports = {ShellDeck::Support::clamped("rim")};
   deck.area_force = everywhere({0, 0, q});
   const fs::path path = batten_test::scratch("ring") / "ring.inp";
   write_calculix(path, {&region}, deck);

@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Counts = std::map<int, int>;
-using Kind = ShellDeck::Support::Kind;
 
 SurfaceModel model_of(const std::vector<CharacterLine>& lines, double edge_length) {
   const CurveNetwork network(lines);
@@ -52,7 +51,7 @@ ShellDeck deck_of(double thickness, const std::vector<std::string>& lines) {
   deck.thickness = thickness;
   deck.young = 210000;
   deck.poisson = 0.3;
-  for (const auto& line : lines) deck.supports.push_back({line, Kind::Clamped});
+  for (const auto& line : lines) deck.supports.push_back(ShellDeck::Support::clamped(line));
   return deck;
 }
 
@@ -337,7 +336,7 @@ TEST_CASE("the sculpted mouse is one closed shell of elements that carries its l
   const fs::path path = scratch("mouse_deck") / "mouse.inp";
   ShellDeck deck = deck_of(0.8, {});
   for (const auto& [name, sides] : sides_of(regions))
-    if (name.starts_with("base")) deck.supports.push_back({name, Kind::Clamped});
+    if (name.starts_with("base")) deck.supports.push_back(ShellDeck::Support::clamped(name));
   const Vec3 per_area{0.01, -0.02, -0.03};
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
@@ -379,7 +378,7 @@ TEST_CASE("sketches become conforming shells", "[io][calculix]") {
   // balance to seven digits. Several curves, to prevent free rotations.
   ShellDeck deck = deck_of(5e-4, {});
   for (const auto& [line, sides] : sides_of(regions))
-    if (deck.supports.size() < 8) deck.supports.push_back({line, Kind::Pinned});
+    if (deck.supports.size() < 8) deck.supports.push_back(ShellDeck::Support::pinned(line));
   const Vec3 per_area{1, 2, 3};
   deck.area_force = everywhere(per_area);
   write_calculix(path, regions, deck);
