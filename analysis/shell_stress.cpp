@@ -35,6 +35,17 @@ std::array<double, 2> principal(const Mat3& stress) {
   return {mean + radius, mean - radius};
 }
 
+Vec3 principal_direction(const Mat3& stress, const Vec3& normal) {
+  const Mat3 in_plane = Mat3::Identity() - normal * normal.transpose();
+  const auto [first, second] = principal(stress);
+  if (!(first > second)) return normal.unitOrthogonal();
+  // Its columns are multiples of the direction.
+  const Mat3 onto = in_plane * stress * in_plane - second * in_plane;
+  int longest;
+  onto.colwise().norm().maxCoeff(&longest);
+  return onto.col(longest).normalized();
+}
+
 ShellStress::ShellStress(const Mat3& of_forces, const Mat3& of_moments, const ShellSection& section,
                          double of_thickness, const ShellPoint& point,
                          const TemperatureAt& temperature)

@@ -13,6 +13,9 @@ namespace batten {
 double von_mises(const Mat3& stress);
 /// Principal stresses σ1 ≥ σ2 of a plane stress.
 std::array<double, 2> principal(const Mat3& stress);
+/// Direction of σ1 of a plane stress in the plane with this unit normal, a unit vector; any direction
+/// in the plane if σ1 = σ2.
+Vec3 principal_direction(const Mat3& stress, const Vec3& normal);
 
 /// A stress on the bottom or top of a ply.
 struct PlyStress {
@@ -39,6 +42,12 @@ class ShellStress {
   /// σ = forces/t + height · 6 moments/t², if the reference surface is the middle. On the common face
   /// of two plies, the stress is that in the upper one.
   Mat3 at(double height) const;
+
+  /// Stress linearised over the thickness t, as codes for pressure vessels use it: the membrane stress
+  /// N/t, and the bending stress 6 M/t² at the top, with the moments M about the middle. With one
+  /// material and without temperature, at(h) = membrane() + h bending().
+  Mat3 membrane() const { return forces / thickness; }
+  Mat3 bending() const { return 6 / (thickness * thickness) * moments_about_middle(); }
 
   /// Calls `visit` for the bottom and the top of each ply, from the bottom.
   void for_each_ply_face(const std::function<void(const PlyStress&)>& visit) const;

@@ -223,9 +223,9 @@ void bind_case(py::module_& m) {
                     "Whether the largest stress is next to a point load or point support.")
       .def_property_readonly(
           "singular_places",
-          [](const StressCase& c) {
+          [](const StressCase& of) {
             py::list places;
-            for (const StressSingularity& place : c.singular_places)
+            for (const StressSingularity& place : of.singular_places)
               places.append(py::make_tuple(stress_vector(place.at), place.radius));
             return places;
           },

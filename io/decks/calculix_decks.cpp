@@ -160,14 +160,16 @@ void check(const Regions& regions, const ShellDeck& deck) {
 void write_pressures(std::ostream& out, const Regions& regions,
                      const std::vector<std::string>& sets, const ShellDeck& deck) {
   if (deck.pressures.empty()) {
-    if (deck.pressure != 0) out << "*DLOAD\nALL,P," << ccx_number(deck.pressure) << '\n';
+    if (deck.pressure != 0)
+      out << "*DLOAD\nALL,P," << ccx_number(deck.load_factor * deck.pressure) << '\n';
     return;
   }
   for (size_t r = 0; r < regions.size(); ++r) {
     double sum = deck.pressure;
     for (const auto& p : deck.pressures)
       if (p.region == regions[r]->name) sum += p.pressure;
-    if (sum != 0) out << "*DLOAD\n" << sets[r] << ",P," << ccx_number(sum) << '\n';
+    if (sum != 0)
+      out << "*DLOAD\n" << sets[r] << ",P," << ccx_number(deck.load_factor * sum) << '\n';
   }
 }
 
@@ -369,6 +371,8 @@ class DeckWriter {
         out << "*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n";
         return;
       case ShellDeck::Analysis::Buckling:
+        if (deck_.load_factor != 1)
+          out << "** All loads times " << ccx_number(deck_.load_factor) << '\n';
         out << "*STEP\n*BUCKLE\n" << deck_.count << '\n';
         write_loads(out, supports);
         out << "*NODE FILE\nU\n*END STEP\n";
@@ -384,15 +388,17 @@ class DeckWriter {
     if (!loads.empty()) {
       out << "*CLOAD\n";
       for (const auto& [node, load] : loads) {
-        write_components(out, node, 1, supports.local(node, load.force));
-        write_components(out, node, 4, supports.local(node, load.moment));
+        write_components(out, node, 1, deck_.load_factor * supports.local(node, load.force));
+        write_components(out, node, 4, deck_.load_factor * supports.local(node, load.moment));
       }
     }
     write_pressures(out, regions_, region_sets_, deck_);
     if (const double g = deck_.gravity.norm(); g > 0)
-      out << "*DLOAD\nALL,GRAV," << ccx_number(g) << ',' << ccx_vector(deck_.gravity / g) << '\n';
+      out << "*DLOAD\nALL,GRAV," << ccx_number(deck_.load_factor * g) << ','
+          << ccx_vector(deck_.gravity / g) << '\n';
     for (const ShellDeck::Rotation& of : deck_.rotations)
-      out << "*DLOAD\nALL,CENTRIF," << ccx_number(of.angular_velocity * of.angular_velocity) << ','
+      out << "*DLOAD\nALL,CENTRIF,"
+          << ccx_number(deck_.load_factor * of.angular_velocity * of.angular_velocity) << ','
           << ccx_vector(of.origin) << ',' << ccx_vector(of.axis.normalized()) << '\n';
     if (deck_.temperature) write_temperatures(out);
   }
@@ -407,8 +413,8 @@ class DeckWriter {
     out << "*TEMPERATURE\n";
     for (size_t i = 0; i < elements_.positions.size(); ++i) {
       const auto [middle, difference] = deck_.temperature(elements_.positions[i]);
-      out << i + 1 << ',' << ccx_number(middle) << ',' << ccx_number(difference / deck_.thickness)
-          << '\n';
+      out << i + 1 << ',' << ccx_number(deck_.load_factor * middle) << ','
+          << ccx_number(deck_.load_factor * difference / deck_.thickness) << '\n';
     }
   }
 

@@ -103,7 +103,8 @@ void write_set(std::ostream& out, const std::string& name, const std::vector<int
 
 DeckSupports::DeckSupports(const std::vector<const SkinnedRegion*>& regions,
                            const ModelElements& model, const DeckDiscretization& elements,
-                           const ShellDeck& deck, const std::vector<std::string>& line_sets) {
+                           const ShellDeck& deck, const std::vector<std::string>& line_sets)
+    : load_factor_(deck.load_factor) {
   std::vector<std::set<int>> supported;
   for (const Support& support : deck.supports) {
     supported.push_back(nodes_of(regions, model, elements, support));
@@ -126,7 +127,7 @@ DeckSupports::DeckSupports(const std::vector<const SkinnedRegion*>& regions,
       const Mat3 axes = support.axes ? support.axes(elements.positions[node]) : Mat3::Identity();
       for (const Vec3& d : support.directions) {
         of.directions.emplace_back(axes * d);
-        of.values.push_back(d.dot(support.displacement));
+        of.values.push_back(deck.load_factor * d.dot(support.displacement));
       }
       for (const Vec3& r : support.rotation_axes) of.rotations.emplace_back(axes * r);
       if (const auto tangent = tangents.find(node); tangent != tangents.end())
@@ -191,7 +192,7 @@ void DeckSupports::write_boundary(std::ostream& out) const {
       continue;
     }
     for (int c = 0; c < 3; ++c)
-      if (held(c, c) > 0.5) write_row(out, set.name, c + 1, support.displacement[c]);
+      if (held(c, c) > 0.5) write_row(out, set.name, c + 1, load_factor_ * support.displacement[c]);
     if (turns.isIdentity(kSame))
       out << set.name << ",4,6\n";
     else

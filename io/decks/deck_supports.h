@@ -43,6 +43,7 @@ class DeckSupports {
   };
   void find_axes();
 
+  double load_factor_;
   std::vector<Set> sets_;
   std::map<int, Node> nodes_;  // of supports that are not along the axes
 };

@@ -331,6 +331,15 @@ Json json_of(const StressReport::Case::Result& r) {
   json["displacement_vector"] = json_of(r.point->displacement);
   json["von_mises_top_middle_bottom"] = r.point->von_mises;
   json["principal_top_middle_bottom"] = r.point->principal;
+  for (const Vec3& d : r.point->principal_directions)
+    json["principal_directions_top_middle_bottom"].push_back(json_of(d));
+  json["von_mises_membrane"] = r.point->membrane;
+  json["von_mises_bending"] = r.point->bending;
+  if (!r.point->hoop.empty()) {
+    json["hoop_top_middle_bottom"] = r.point->hoop;
+    json["meridional_top_middle_bottom"] = r.point->meridional;
+    json["shear_top_middle_bottom"] = r.point->shear;
+  }
   json["forces"] = tensor(r.point->forces);
   json["moments"] = tensor(r.point->moments);
   return json;

@@ -105,6 +105,10 @@ struct StressReport {
         /// At the top, in the middle and at the bottom: von Mises and principal stresses.
         std::vector<double> von_mises;
         std::vector<std::array<double, 2>> principal;
+        std::vector<Vec3> principal_directions;  ///< of the larger principal stress
+        double membrane = 0, bending = 0;        ///< von Mises stresses of the linearised stress
+        /// Components about the axis of the result at the top, in the middle and at the bottom.
+        std::vector<double> hoop, meridional, shear;
         Mat3 forces = Mat3::Zero(), moments = Mat3::Zero();
       };
       std::string name, kind;      ///< kind: "point", "curve" or "face"

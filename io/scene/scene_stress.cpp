@@ -452,7 +452,7 @@ void read_spectrum(const TomlTable& table, SceneStress& stress) {
 }
 
 void read_results(const TomlTable& table, SceneStress& stress) {
-  for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face"})) {
+  for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face", "axis", "origin"})) {
     if (t.has("point") + t.has("curve") + t.has("face") != 1)
       t.fail("name", "a result without a location, or with several",
              "one of point, curve and face");
@@ -461,6 +461,11 @@ void read_results(const TomlTable& table, SceneStress& stress) {
     if (t.has("point")) result.point = t.vector("point");
     if (t.has("curve")) result.line = {t.text("curve"), t.location("curve")};
     if (t.has("face")) result.region = {t.text("face"), t.location("face")};
+    if (t.has("axis")) result.axis = t.direction("axis").normalized();
+    if (t.has("origin")) result.origin = t.vector("origin");
+    if (t.has("origin") && !result.axis) t.fail("origin", "'origin' without 'axis'", "both");
+    if (result.axis && !result.region.text.empty())
+      t.fail("axis", "an axis for a face", "one for a point or a curve");
     const std::string usual = result.point ? "point " + std::to_string(stress.results.size() + 1)
                                            : result.line.text + result.region.text;
     result.name = t.text("name", usual);

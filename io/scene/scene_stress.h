@@ -139,6 +139,9 @@ struct SceneStress {
     std::string name;
     std::optional<Vec3> point;
     LocatedString line, region;  ///< alternatives to `point`
+    /// Axis of revolution, for hoop and meridional stresses, and a point of it.
+    std::optional<Vec3> axis;
+    Vec3 origin = Vec3::Zero();
     SourceLocation location;
   };
   /// A linear combination of load cases.

@@ -561,7 +561,7 @@ class CalculixRun {
   /// Calls `read` with the path of the deck without extension, after ccx has run on it.
   template <class Read>
   void solve(const std::string& what, const std::string& load_case, ShellDeck::Analysis analysis,
-             int count, const Read& read) {
+             int count, double load_factor, const Read& read) {
     const std::string stem = stress_stem(scene_, what) + "_ccx";
     const std::filesystem::path deck = run_.out.file(stem + ".inp");
     try {
@@ -569,6 +569,7 @@ class CalculixRun {
       shell.element = element_;
       shell.analysis = analysis;
       shell.count = count;
+      shell.load_factor = load_factor;
       write_calculix(deck, shape_.all(), shell);
     } catch (const DeckLimitError& e) {
       run_.report.warnings.push_back("'" + what + "' is not compared with CalculiX: " + e.what());
@@ -609,14 +610,17 @@ void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape&
   for (StressReport::Case& c : report.cases) {
     if (c.combination) continue;
     progress.update("CalculiX, case " + c.name, 0);
-    ccx.solve(c.name, c.name, Analysis::Static, 0, [&](const std::filesystem::path& stem) {
+    ccx.solve(c.name, c.name, Analysis::Static, 0, 1, [&](const std::filesystem::path& stem) {
       c.calculix = calculix_result(read_frd(with(stem, ".frd")), c);
       c.calculix->elements = element_name(element);
     });
     if (stress.buckling == 0 || !c.calculix) continue;
-    ccx.solve(c.name + " buckling", c.name, Analysis::Buckling, stress.buckling,
+    constexpr double accurate = 5;  // buckling factor at which ccx is accurate
+    const double load_factor = c.buckling.empty() ? 1 : c.buckling[0] / accurate;
+    ccx.solve(c.name + " buckling", c.name, Analysis::Buckling, stress.buckling, load_factor,
               [&](const std::filesystem::path& stem) {
-                c.calculix->buckling = read_ccx_buckling_factors(with(stem, ".dat"));
+                for (const double factor : read_ccx_buckling_factors(with(stem, ".dat")))
+                  c.calculix->buckling.push_back(load_factor * factor);
               });
     const bool follows =
         stress.follower_pressure &&
@@ -634,7 +638,7 @@ void check_with_calculix(RunContext& run, const Scene& scene, const SolvedShape&
     progress.update("CalculiX, natural frequencies", 0);
     const int rigid =
         static_cast<int>(std::count(report.frequencies.begin(), report.frequencies.end(), 0.0));
-    ccx.solve("modes", "", Analysis::Frequencies, rigid + stress.modes,
+    ccx.solve("modes", "", Analysis::Frequencies, rigid + stress.modes, 1,
               [&](const std::filesystem::path& stem) {
                 const std::vector<double> all = read_ccx_frequencies(with(stem, ".dat"));
                 report.calculix_frequencies.assign(

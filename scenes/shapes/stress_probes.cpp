@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MPL-2.0
 #include "batten/scenes/shapes/stress_probes.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "batten/analysis/models/shell_samples.h"
+#include "batten/core/errors.h"
 #include "batten/io/files/text.h"
 #include "batten/scenes/shapes/stress_places.h"
 
@@ -47,6 +50,24 @@ std::vector<CurveSample> samples_on(const Scene& scene, const ShellModel& shell,
   return all;
 }
 
+/// Stresses in the directions of a surface of revolution about the axis of a result.
+struct RevolutionStress {
+  double hoop, meridional, shear;
+};
+/// `normal`: of the surface at x. Throws InputError on the axis, where there is no hoop direction.
+RevolutionStress about_axis(const Scene& scene, const SceneStress::Result& of, const Vec3& x,
+                            const Vec3& normal, const Mat3& stress) {
+  const Vec3 around = of.axis->cross(x - of.origin);
+  const Vec3 hoop = around - around.dot(normal) * normal;
+  constexpr double none = 1e-6;
+  if (!(hoop.norm() > none * (x - of.origin).norm()))
+    throw InputError(scene.at(of.location) +
+                     "found a result on its axis, where there is no hoop "
+                     "direction, expected one beside it");
+  const Vec3 h = hoop.normalized(), m = normal.cross(h);
+  return {h.dot(stress * h), m.dot(stress * m), h.dot(stress * m)};
+}
+
 Result at_point(const Scene& scene, const ShellModel& shell, const Surface& moved,
                 const ShellStresses& stresses, const SceneStress::Result& of) {
   const ShellLocation place =
@@ -61,10 +82,19 @@ Result at_point(const Scene& scene, const ShellModel& shell, const Surface& move
   point.displacement = moved.position(place.where);
   point.forces = stress.forces;
   point.moments = stress.moments;
+  const Vec3 normal = shell.assembler().surface().jet(place.where).normal();
   for (const double height : {1.0, 0.0, -1.0}) {
     point.von_mises.push_back(von_mises(stress.at(height)));
     point.principal.push_back(principal(stress.at(height)));
+    point.principal_directions.push_back(principal_direction(stress.at(height), normal));
+    if (!of.axis) continue;
+    const RevolutionStress own = about_axis(scene, of, point.at, normal, stress.at(height));
+    point.hoop.push_back(own.hoop);
+    point.meridional.push_back(own.meridional);
+    point.shear.push_back(own.shear);
   }
+  point.membrane = von_mises(stress.membrane());
+  point.bending = von_mises(stress.bending());
   return result;
 }
 
@@ -124,6 +154,12 @@ void write_curve_values(std::ostream& out, const Scene& scene, const ShellModel&
   for (const char* side : {"top", "middle", "bottom"}) out << ",von_mises_" << side << stress_unit;
   for (const char* name : {"N_along", "N_across", "N_shear"}) out << "," << name << force;
   for (const char* name : {"M_along", "M_across", "M_twist"}) out << "," << name << moment;
+  for (const char* name : {"von_mises_membrane", "von_mises_bending"})
+    out << "," << name << stress_unit;
+  if (of.axis)
+    for (const char* name : {"hoop", "meridional", "shear"})
+      for (const char* side : {"top", "middle", "bottom"})
+        out << "," << name << "_" << side << stress_unit;
   out << "\n";
   const Surface moved = shell.layout().surface(result.displacement);
   for (const CurveSample& sample : samples_on(scene, shell, of.line)) {
@@ -139,6 +175,16 @@ void write_curve_values(std::ostream& out, const Scene& scene, const ShellModel&
       out << "," << exact_number(sample.tangent.dot(tensor * sample.tangent)) << ","
           << exact_number(across.dot(tensor * across)) << ","
           << exact_number(sample.tangent.dot(tensor * across));
+    out << "," << exact_number(von_mises(stress.membrane())) << ","
+        << exact_number(von_mises(stress.bending()));
+    if (of.axis) {
+      std::array<RevolutionStress, 3> own;
+      for (size_t k = 0; k < 3; ++k)
+        own[k] = about_axis(scene, of, sample.at, normal, stress.at(1.0 - static_cast<double>(k)));
+      for (const auto component :
+           {&RevolutionStress::hoop, &RevolutionStress::meridional, &RevolutionStress::shear})
+        for (const RevolutionStress& one : own) out << "," << exact_number(one.*component);
+    }
     out << "\n";
   }
 }

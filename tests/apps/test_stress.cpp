@@ -341,7 +341,7 @@ TEST_CASE("CalculiX is asked about the same shell, and a missing one is named", 
 TEST_CASE("a deck that cannot hold the loads of a scene is refused", "[apps][stress]") {
   const CliCase c("stress_deck");
   const std::string deck = "\n[output]\ncalculix = \"p.inp\"";
-  c.file("s.toml", plate(kSteel + kClamped + "loads = [{curve = \"c\", moment = 1}]" + deck));
+  c.file("s.toml", plate(kSteel + kClamped + "hinges = [\"a\"]\npressure = 1" + deck));
   const CliResult r = c.run({"run", "s.toml", "--out", "out"});
   CHECK(r.code == 1);
   CHECK(r.err.find("which 'p.inp' cannot contain; use `batten stress`") != std::string::npos);

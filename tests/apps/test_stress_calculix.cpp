@@ -114,7 +114,7 @@ TEST_CASE("CalculiX finds the displacements of all supports, loads and sections 
         "{total_force = [0, 0, 10], total_moment = [200, 0, 0]}",
         "{angular_velocity = 100, axis = [0, 0, 1]}",
         "{curve = \"b\", force = [\"0\", \"0\", \"0.01 * y\"]}"})
-    check(plate(kSteel + "density = 7.85e-9\n" + clamped({"d"}) + "loads = [" + load + "]\n"));
+    check(plate(kSteel + clamped({"d"}) + "loads = [" + load + "]\n"));
   check(cylinder(kSteel + clamped({"low"}) + "loads = [{curve = \"high\", edge_force = 5}]\n"));
   check(cylinder(
       kSteel +
@@ -162,9 +162,9 @@ TEST_CASE("what a CalculiX deck cannot contain is not compared, and the analysis
           "[apps][stress]") {
   if (!have_ccx()) return;
   const CliCase c("stress_ccx_not");
-  const auto report = compared(
-      c, plate(kSteel + clamped({"d"}) +
-               "stiffeners = [{curve = \"a\", height = 10, width = 2}]\npressure = 0.001\n"));
+  const auto report =
+      compared(c, plate(kSteel + clamped({"d"}) +
+                        "stiffeners = [{curve = \"a\", rectangle = [2, 10]}]\npressure = 0.001\n"));
   CHECK_FALSE(report["stress"]["cases"][0].contains("calculix"));
   CHECK(report["warnings"].dump().find("not compared with CalculiX") != std::string::npos);
   // Conditions without a common coordinate system at the corner of both curves.

@@ -491,3 +491,66 @@ TEST_CASE("invalid plies, stacking sequences and temperatures are refused", "[ap
                      "strength = {tension = 1, compression = -1, shear = 1}\n",
                  {"a stress above 0"});
 }
+
+TEST_CASE("hoop and meridional stresses of a cylinder under pressure, and the linearised stress",
+          "[apps][stress]") {
+  const CliCase c("stress_revolution");
+  const auto arc = [](const std::string& name, int z) {
+    std::ostringstream points;
+    points.precision(15);
+    for (int k = 0; k <= 18; ++k) {
+      const double t = k * std::acos(0.0) / 18;
+      points << (k ? ", [" : "[") << 100 * std::cos(t) << ", " << 100 * std::sin(t) << ", " << z
+             << "]";
+    }
+    return "[[curve]]\nname = \"" + name + "\"\npoints = [" + points.str() + "]\n";
+  };
+  const auto shell = [&](const std::string& more) {
+    return "name = \"shell\"\nunit = \"mm\"\n[mesh]\nedge_length = 12\n" + arc("low", 0) +
+           "[[curve]]\nname = \"gy\"\npoints = [[0, 100, 0], [0, 100, 80]]\n" + arc("high", 80) +
+           "[[curve]]\nname = \"gx\"\npoints = [[100, 0, 0], [100, 0, 80]]\n[stress]\n"
+           "material = \"steel\"\nthickness = 1\nsupports = [{curve = \"gx\", type = "
+           "\"symmetric\", "
+           "normal = [0, 1, 0]}, {curve = \"gy\", type = \"symmetric\", normal = [1, 0, 0]}, "
+           "{curve = \"low\", directions = [[0, 0, 1]]}]\n" +
+           more;
+  };
+  // Pressure and an axial force: p R/t around, F along.
+  const double p = 0.1, along = 5;
+  const std::string axis = "axis = [0, 0, 1]";
+  const auto report =
+      report_of(c, shell("results = [{name = \"wall\", point = [70.71, 70.71, 40], " + axis +
+                         "}, {curve = \"high\", " + axis +
+                         "}]\nloads = [{pressure = 0.1}, {curve = \"high\", "
+                         "force = [0, 0, 5]}]\n"));
+  const auto& wall = report["stress"]["cases"][0]["results"][0];
+  const double around = std::abs(number(wall["hoop_top_middle_bottom"][1]));
+  CHECK(around == Approx(p * 100).epsilon(2e-3));
+  for (size_t k = 0; k < 3; ++k) {
+    CHECK(number(wall["meridional_top_middle_bottom"][k]) == Approx(along).epsilon(0.01));
+    CHECK(std::abs(number(wall["shear_top_middle_bottom"][k])) < 0.01 * p * 100);
+  }
+  // The normal may point inwards: the pressure is then compressive, and the axial stress the larger.
+  const bool outwards = number(wall["hoop_top_middle_bottom"][1]) > 0;
+  const auto& direction = wall["principal_directions_top_middle_bottom"][1];
+  CHECK(std::abs(number(direction[2])) == Approx(outwards ? 0 : 1).margin(0.01));
+  const double hoop = number(wall["hoop_top_middle_bottom"][1]);
+  CHECK(number(wall["von_mises_membrane"]) ==
+        Approx(std::sqrt(hoop * hoop - hoop * along + along * along)).epsilon(5e-3));
+  CHECK(number(wall["von_mises_bending"]) < 0.02 * p * 100);
+  const std::string table = contents(c / "out/shell_loads_high.csv");
+  CHECK(table.find(",von_mises_membrane [N/mm²],von_mises_bending [N/mm²],hoop_top [N/mm²],"
+                   "hoop_middle [N/mm²],hoop_bottom [N/mm²],meridional_top") != std::string::npos);
+  // There is no hoop direction on the axis, no axis of a face, and no origin without an axis.
+  for (const auto& [results, message] :
+       {std::pair<std::string, std::string>{
+            "{point = [100, 0, 40], axis = [0, 0, 1], origin = [100, 0, 0]}", "no hoop direction"},
+        {"{face = \"shell\", " + axis + "}", "an axis for a face"},
+        {"{curve = \"high\", origin = [0, 0, 0]}", "'origin' without 'axis'"}}) {
+    c.file("s.toml", shell("results = [" + results + "]\npressure = 0.1\n"));
+    const CliResult r = c.run({"stress", "s.toml", "--out", "out2"});
+    INFO(results << "\n" << r.err);
+    CHECK(r.code == 1);
+    CHECK(r.err.find(message) != std::string::npos);
+  }
+}
