@@ -261,7 +261,7 @@ void add_file_tasks(std::vector<Task>& tasks, const fs::path& folder) {
                      deck.thickness = 1;
                      deck.young = 210000;
                      deck.poisson = 0.3;
-                     deck.supports = {{"outline", ShellDeck::Support::Kind::Clamped}};
+                     deck.supports = {ShellDeck::Support::clamped("outline")};
                      deck.pressure = 0.01;
                      write_calculix(folder / "door.inp", {door.get()}, deck);
                    }});

@@ -124,32 +124,44 @@ Points ShellModel::adjoint(const Points& G) const {
   return prescribed ? Points(a - solver_.solve_refined(Points::Zero(G.rows(), 3))) : a;
 }
 
-std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
+template <class Visit>
+void ShellModel::for_each_constraint_force(const Points& q, const Points& F,
+                                           const Visit& visit) const {
   const VecX lambda =
       solver_.reduction().rhs_to_particular().transpose() * stacked(residual_forces(q, F));
-  std::vector<Points> forces(supports_.size(), Points::Zero(q.rows(), 3));
-  // Nodal forces of the support with this name; ties are not supports and give null.
-  const auto forces_of = [&](const std::string& name) -> Points* {
-    const auto found = std::find(supports_.begin(), supports_.end(), name);
-    return found == supports_.end() ? nullptr : &forces[found - supports_.begin()];
-  };
-  const auto add = [](const ShellSprings::Entries& entries, double factor, Points& sum) {
-    for (const auto& e : entries) sum.row(e.dof) += factor * e.coefficient.transpose();
-  };
   const auto first = static_cast<long>(3 * ties_.constraints.constraints().size());
   for (size_t r = 0; r < ties_.constraints.coupled_constraints().size(); ++r) {
     const ConstraintSet::CoupledConstraint& row = ties_.constraints.coupled_constraints()[r];
-    if (Points* sum = forces_of(ties_.constraints.names()[row.name]))
-      add(row.entries, lambda[first + static_cast<long>(r)], *sum);
+    visit(ties_.constraints.names()[row.name], row.entries, lambda[first + static_cast<long>(r)]);
   }
   for (const ShellSprings::Spring& spring : ties_.springs.springs())
-    if (Points* sum = forces_of(ties_.springs.names()[spring.name]))
-      add(spring.entries, ShellSprings::pull(spring, q), *sum);
+    visit(ties_.springs.names()[spring.name], spring.entries, ShellSprings::pull(spring, q));
+}
+
+std::vector<SupportReaction> ShellModel::reactions(const Points& q, const Points& F) const {
+  std::vector<Points> forces(supports_.size(), Points::Zero(q.rows(), 3));
+  for_each_constraint_force(
+      q, F, [&](const std::string& name, const ShellSprings::Entries& entries, double factor) {
+        const auto found = std::find(supports_.begin(), supports_.end(), name);
+        if (found == supports_.end()) return;
+        Points& sum = forces[found - supports_.begin()];
+        for (const auto& e : entries) sum.row(e.dof) += factor * e.coefficient.transpose();
+      });
   std::vector<SupportReaction> result;
   for (size_t s = 0; s < supports_.size(); ++s)
     result.push_back({supports_[s], resultant(layout_, shape_, forces[s]),
                       magnitudes(layout_, shape_, forces[s])});
   return result;
+}
+
+Resultant ShellModel::tie_resultant(const Points& q, const Points& F) const {
+  Points forces = Points::Zero(q.rows(), 3);
+  for_each_constraint_force(
+      q, F, [&](const std::string& name, const ShellSprings::Entries& entries, double factor) {
+        if (std::find(supports_.begin(), supports_.end(), name) != supports_.end()) return;
+        for (const auto& e : entries) forces.row(e.dof) += factor * e.coefficient.transpose();
+      });
+  return resultant(layout_, shape_, forces);
 }
 
 ShellSystem ShellModel::assemble_system(const Points& shape,

@@ -89,6 +89,10 @@ class ShellModel {
   /// constraints, from K q - F = Cᵀ λ (C: coefficients of the constraints), and the forces of the
   /// springs.
   std::vector<SupportReaction> reactions(const Points& q, const Points& F) const;
+  /// Resultant of the forces of the ties between faces for the displacement q under the load F: zero
+  /// if the faces meet exactly. Across a gap of width g between two faces, a tie that transmits the
+  /// force f adds a moment of at most f g.
+  Resultant tie_resultant(const Points& q, const Points& F) const;
   /// Assembles the system for another shape on the same layout, with other sections and supports:
   /// one stiffness matrix, no factorization. Throws NoSolutionError if there are unconstrained
   /// motions, and InputError if this shell has a shift().
@@ -145,6 +149,9 @@ class ShellModel {
   int unknowns() const { return solver_.reduction().free_count(); }
 
  private:
+  /// Calls visit(name, entries, factor) for the force factor · entries of each constraint and spring.
+  template <class Visit>
+  void for_each_constraint_force(const Points& q, const Points& F, const Visit& visit) const;
   // Stiffness matrix of the shell, including the springs of ties and supports.
   SparseMatrix stiffness();
   // Forces that the constraints exert on the dofs: K q - F, including the load of the springs.

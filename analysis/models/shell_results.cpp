@@ -47,10 +47,14 @@ void measure_balance(const ShellModel& shell, const Points& load, ShellCaseResul
     size.force += r.magnitudes.force;
     size.moment += r.magnitudes.moment;
   }
+  const Resultant ties = shell.tie_resultant(result.displacement, load);
+  sum.force += ties.force;
+  sum.moment += ties.moment;
   sum.moment -= centre(shell.layout(), shell.shape()).cross(sum.force);
   const auto relative = [](const Vec3& a, double b) { return b > 0 ? a.norm() / b : 0.0; };
   result.equilibrium_residual =
       std::max(relative(sum.force, size.force), relative(sum.moment, size.moment));
+  result.tie_moment = relative(ties.moment, size.moment);
   result.energy = shell.energy(result.displacement);
 }
 

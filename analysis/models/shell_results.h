@@ -59,8 +59,11 @@ struct ShellCaseResult {
   Resultant load;
   std::vector<SupportReaction> reactions;
   /// Larger one of |Σ forces| / Σ |force| and |Σ moments| / Σ |moment| over all nodal forces of
-  /// loads and supports, with moments about centre() (ForceMagnitudes).
+  /// loads, supports and ties, with moments about centre() (ForceMagnitudes).
   double equilibrium_residual = 0;
+  /// Moment of the forces of the ties across gaps between faces (ShellModel::tie_resultant()),
+  /// relative to Σ |moment|.
+  double tie_moment = 0;
   double energy = 0;             ///< strain energy, without that of springs
   double energy_norm_error = 0;  ///< estimated relative error in the energy norm, see ShellStresses
   MaxDisplacement max_displacement;

@@ -331,6 +331,14 @@ StressReport compute_stresses(const Scene& scene, const RefinedShape& refined,
       notes.failed_checks.push_back(
           {"stress.equilibrium_residual of " + c.name,
            "is " + format_number(c.equilibrium_residual) + ", expected at most 1e-8"});
+    constexpr double little = 1e-3;
+    if (result.tie_moment > little)
+      notes.warnings.push_back(
+          "case '" + c.name +
+          "': the faces do not meet exactly: forces across the gaps between them "
+          "have a moment of " +
+          format_number(std::round(1000 * result.tie_moment) / 10) +
+          " % of the moments on the shell; a smaller edge_length closes the gaps");
     if (scene.stress->buckling > 0)
       find_buckling(scene, shell, load_case, result.displacement, c, visitor);
     if (vibration_modes)
