@@ -156,19 +156,21 @@ double CylindricalAxes::turning(const Vec3& x, const Vec3& along) const {
 
 Stiffener rigid_line(const ModelLayout& model, const std::vector<ShellSection>& sections,
                      const std::string& line) {
-  constexpr double alpha = 1000;
+  constexpr double stiff = 100;
   LineSides sides(model);
   const JoinEdge side = sides(model.model_line(line));
-  double length = 0, membrane = 0;
+  double length = 0, membrane = 0, bending = 0;
   for_each_line_point(side, side, [&](double, double dl) { length += dl; });
-  for (const ShellSection& section : sections)
+  for (const ShellSection& section : sections) {
     membrane = std::max(membrane, section.membrane_stiffness());
+    bending = std::max(bending, section.bending_stiffness());
+  }
   const double radius = length / (2 * std::numbers::pi);
   StiffenerSection rigid;
-  rigid.young = 2;
-  rigid.shear_modulus = 2;
-  rigid.area = alpha * membrane * radius / rigid.young;
-  rigid.inertia = rigid.lateral_inertia = rigid.torsion = rigid.area * radius * radius;
+  rigid.young = rigid.shear_modulus = stiff;
+  rigid.area = membrane * radius;
+  rigid.lateral_inertia = membrane * radius * radius * radius;
+  rigid.inertia = rigid.torsion = bending * radius;
   return {"rigid " + line, line, rigid};
 }
 

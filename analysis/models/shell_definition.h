@@ -142,9 +142,14 @@ std::vector<ShellSection> triangle_sections(const ModelLayout& model,
 ShellTies shell_ties(const ModelLayout& model, const Points& shape,
                      const ShellDefinition& definition);
 
-/// A stiffener that keeps a curve of a shell rigid: with the radius r of the curve (its length/2π) and
-/// the membrane stiffness A11 t of the stiffest section, EA = α A11 t r and EI = GJ = EA r², α = 1000.
-/// The curve then deforms by about 1/α of what a free one does.
+/// A stiffener that keeps a curve of a shell rigid: with the radius r of the curve (its length/2π), the
+/// membrane stiffness A = A11 t and the bending stiffness D = D11 t³ of the stiffest section,
+///
+///     EA = α A r,   EI = GJ = α D r,   EI = α A r³ in the plane of the shell,   α = 100
+///
+/// The curve then deforms by about 1/α of what a free one does. Stiffer ones would stiffen the whole
+/// elements that an embedded curve cuts: with EI = 1000 A r³, the moment on the rigid hole of a clamped
+/// annulus turned it by up to 29 % too little, and with these values within 1.5 %.
 Stiffener rigid_line(const ModelLayout& model, const std::vector<ShellSection>& sections,
                      const std::string& line);
 

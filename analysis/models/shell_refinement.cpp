@@ -79,7 +79,6 @@ std::vector<int> bisections(const VecX& indicators, double bulk_fraction) {
 // 1.07 for smooth solutions, and 4.1 at a simply supported corner of 150 degrees.
 class ErrorRatio {
  public:
-  // Of the first mesh, whose q is unknown, and the largest one.
   static constexpr double most = 5;
 
   void refine(const ModelLayout& before, const VecX& contributions,
@@ -90,7 +89,7 @@ class ErrorRatio {
   }
   // The ratio on the next mesh.
   double update(const ModelLayout& refined, const VecX& contributions) {
-    if (!before_) return value_ = most;
+    if (!before_) return value_;
     double sum_before = 0, sum = 0, weighted_levels = 0;
     for (size_t t = 0; t < levels_.size(); ++t) {
       if (levels_[t] == 0) continue;
@@ -100,7 +99,8 @@ class ErrorRatio {
     const std::vector<int> parents = ParentTriangles(*before_).of_all(refined);
     for (size_t t = 0; t < parents.size(); ++t)
       if (levels_[static_cast<size_t>(parents[t])] > 0) sum += contributions[static_cast<long>(t)];
-    if (!(sum_before > 0)) return value_;
+    // Few of the contributions, where only stresses are refined, say little.
+    if (!(sum_before > 0.5 * contributions_.sum())) return value_;
     // Over two rounds: a bisection shortens the edges in one direction, and the next one in the other.
     const double halvings = 0.5 * weighted_levels / sum_before;
     const double log_reduction = std::log(sum / sum_before);
@@ -115,7 +115,7 @@ class ErrorRatio {
   VecX contributions_;
   std::vector<int> levels_;
   double log_reduction_ = 0, halvings_ = 0;  // of the last round
-  double value_ = most;
+  double value_ = std::sqrt(most);           // of the first mesh, whose q is unknown
 };
 
 // The rounds of refine_shell().
@@ -141,6 +141,8 @@ class Refinement {
         if (!refine()) break;
       } catch (const MemoryError&) {
         break;  // keep the largest mesh that fits into memory
+      } catch (const NoSolutionError&) {
+        break;  // too small elements for the precision of the numbers
       }
     }
     for (const StressConvergence& of : stresses_)
@@ -149,14 +151,28 @@ class Refinement {
   }
 
  private:
-  // Analyses the next mesh. Returns false if it exceeds the limit of unknowns.
+  // Elements far smaller than the thickness add digits to the theory, not to the shell.
+  void keep_small_triangles(const Surface& surface, std::vector<int>& levels) const {
+    constexpr double small = 0.01;
+    const ShellAssembler& shell = result_.shell->assembler();
+    for (int t = 0; t < isize(levels); ++t)
+      if (levels[static_cast<size_t>(t)] > 0 &&
+          triangle_edge_length(surface, t) < small * shell.section(t).thickness)
+        levels[static_cast<size_t>(t)] = 0;
+  }
+
+  // Analyses the next mesh. Returns false if there is nothing to refine, or beyond the limit of
+  // unknowns.
   bool refine() {
     progress_.update("mesh " + std::to_string(result_.meshes.size() + 1), 0);
     std::vector<int> levels(static_cast<size_t>(contributions_.size()), 0);
-    if (!(result_.meshes.back().error <= options_.accuracy))
+    if (!(checked_error_ <= options_.accuracy))
       levels = bisections(contributions_, options_.bulk_fraction);
     const Surface surface = result_.layout->surface(result_.shape);
-    for (const StressConvergence& of : stresses_) of.mark(surface, options_.accuracy, levels);
+    for (const StressConvergence& of : stresses_) of.mark(surface, levels);
+    keep_small_triangles(surface, levels);
+    if (std::all_of(levels.begin(), levels.end(), [](int level) { return level == 0; }))
+      return false;
     const auto finer = std::make_shared<const ModelLayout>(bisected(*result_.layout, levels));
     const Points dofs = interpolate_onto(*result_.layout, result_.shape, *finer);
     total_unknowns_ += 3 * dofs.rows();
@@ -175,7 +191,8 @@ class Refinement {
                                                           options_.backend_factory);
     std::vector<ShellLoadCase> load_cases = problem_.load_cases(*layout, dofs, definition);
     while (stresses_.size() < load_cases.size())
-      stresses_.emplace_back(first_, first_edge_lengths_);
+
+      stresses_.emplace_back(first_, first_edge_lengths_, options_.accuracy);
     for (size_t c = 0; c < load_cases.size(); ++c)
       load_cases[c].singular_places = stresses_[c].singular_places();
     size_t index = 0;
@@ -207,7 +224,9 @@ class Refinement {
       mesh.stress_error = std::max(mesh.stress_error, stresses_[c].error());
     }
     result_.meshes.push_back(mesh);
-    result_.converged = mesh.error <= options_.accuracy && mesh.stress_error <= options_.accuracy;
+    checked_error_ = result_.meshes.size() == 1 ? ErrorRatio::most * estimate : mesh.error;
+    result_.converged =
+        checked_error_ <= options_.accuracy && mesh.stress_error <= options_.accuracy;
   }
 
   const ShellRefinementOptions& options_;
@@ -219,6 +238,7 @@ class Refinement {
   std::vector<StressConvergence> stresses_;  // of each load case
   ErrorRatio ratio_;
   VecX contributions_;
+  double checked_error_ = 0;  // of the displacements; on the first mesh, the largest possible one
   long total_unknowns_ = 0;
   RefinedShell result_;
 };

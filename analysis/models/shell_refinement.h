@@ -16,7 +16,7 @@ namespace batten {
 struct ShellRefinementOptions {
   /// Largest accepted relative error of displacements and of the largest stresses, above 0.
   double accuracy = 0.01;
-  int max_meshes = 20;  ///< number of meshes including the first one, 1 or more
+  int max_meshes = 40;  ///< number of meshes including the first one, 1 or more
   /// Fraction of the total error that the bisected triangles contain (Dörfler marking); above 0, at
   /// most 1.
   double bulk_fraction = 0.7;
@@ -50,7 +50,8 @@ struct RefinedShell {
   bool converged = false;
   /// Ratio of the error to its estimate by stress recovery on the last mesh, 1 to 5. The estimate is
   /// about the change by halved elements. The ratio is the sum of the geometric series of such
-  /// changes, by their observed reduction; 5 on the first mesh.
+  /// changes, by their observed reduction; √5 on the first mesh, where it is unknown. A first mesh has
+  /// converged if five times the estimate is below `accuracy`.
   double error_ratio = 1;
   /// For each load case, places with singular stresses (StressConvergence): point forces and point
   /// supports, and places where the largest stress grows with each refinement (a re-entrant corner,
@@ -69,12 +70,13 @@ struct RefinedShell {
 /// triangles that contribute most to them (Dörfler marking [Dorfler1996]), several times those that
 /// contribute much more than others, and those around the largest stress of each case
 /// (StressConvergence).
-/// The surface is transferred to the new mesh by interpolate_onto(). The refinement stops at
-/// `max_meshes`, and before a mesh that does not fit into memory or exceeds `max_total_unknowns`; the
+/// The surface is transferred to the new mesh by interpolate_onto(). Triangles smaller than a
+/// hundredth of the thickness are not bisected. The refinement stops at `max_meshes`, and before a mesh that does not fit into memory or exceeds `max_total_unknowns`; the
 /// last mesh is then returned with `converged` = false.
 ///
 /// Throws InputError for invalid options, and the exceptions of ShellModel and of the functions in
-/// `problem`. A MemoryError after the first mesh is not thrown: the refinement stops. Cost per
+/// `problem`. A MemoryError or NoSolutionError after the first mesh is not thrown: the refinement
+/// stops. Cost per
 /// mesh: one factorization, and evaluate_load_cases().
 RefinedShell refine_shell(std::shared_ptr<const ModelLayout> layout, const Points& shape,
                           const ShellProblem& problem, const ShellRefinementOptions& options = {},

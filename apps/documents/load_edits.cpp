@@ -26,9 +26,13 @@ std::vector<toml::table> list_of(const SceneText& scene, const std::string& key)
   if (!in_braces(scene, key)) return tables;
   const std::string value = scene.value(kStress, key);
   const toml::table root = parse_toml("list = " + value, {}, "a list");
-  if (const toml::array* list = root["list"].as_array())
-    for (const toml::node& one : *list)
-      if (const toml::table* table = one.as_table()) tables.push_back(*table);
+  const toml::array* list = root["list"].as_array();
+  if (!list) return tables;
+  for (const toml::node& one : *list)
+    if (const toml::table* table = one.as_table())
+      tables.push_back(*table);
+    else if (const auto* name = one.as_string())  // the curve of a clamped support
+      tables.push_back(toml::table{{"curve", name->get()}});
   return tables;
 }
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "batten/io/decks/calculix_decks.h"
+#include "batten/io/decks/shell_deck.h"
 #include "batten/skinning/facets/model_elements.h"
 
 namespace batten {

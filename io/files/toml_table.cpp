@@ -338,4 +338,22 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key,
   return tables;
 }
 
+std::vector<TomlTable::TableOrName> TomlTable::tables_or_names(
+    const std::string& key, const std::vector<std::string>& keys) const {
+  std::vector<TableOrName> items;
+  if (!has(key)) return items;
+  const toml::node& value = *table_->get(key);
+  const auto* array = value.as_array();
+  if (!array) fail_node(value, describe(value) + " for '" + key + "'", "a list of tables or names");
+  for (const toml::node& item : *array) {
+    if (const auto* name = item.as_string())
+      items.push_back({std::nullopt, {name->get(), location_of(item.source())}});
+    else if (item.is_table())
+      items.push_back({TomlTable(file_, *item.as_table(), "[[" + key + "]]", keys), {}});
+    else
+      fail_node(item, describe(item), "a table or a name");
+  }
+  return items;
+}
+
 }  // namespace batten

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -125,6 +126,10 @@ class TomlTable {
   /// {…}]. The result is empty if `key` is missing.
   std::vector<TomlTable> table(const std::string& key, std::vector<std::string> keys) const;
   std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> keys) const;
+  /// The items of a list of tables and names, such as ["left", {curve = "top"}].
+  struct TableOrName;
+  std::vector<TableOrName> tables_or_names(const std::string& key,
+                                           const std::vector<std::string>& keys) const;
 
   /// Throws InputError "FILE:LINE:COLUMN: found …, expected …" with the location of `key`.
   [[noreturn]] void fail(const std::string& key, const std::string& found,
@@ -143,6 +148,12 @@ class TomlTable {
   std::string file_;
   const toml::table* table_;
   std::string what_;
+};
+
+/// An item of TomlTable::tables_or_names().
+struct TomlTable::TableOrName {
+  std::optional<TomlTable> table;  ///< nullopt: `name` is set
+  LocatedString name;
 };
 
 }  // namespace batten

@@ -452,7 +452,8 @@ void read_spectrum(const TomlTable& table, SceneStress& stress) {
 }
 
 void read_results(const TomlTable& table, SceneStress& stress) {
-  for (const TomlTable& t : table.tables("results", {"name", "point", "curve", "face", "axis", "origin"})) {
+  for (const TomlTable& t :
+       table.tables("results", {"name", "point", "curve", "face", "axis", "origin"})) {
     if (t.has("point") + t.has("curve") + t.has("face") != 1)
       t.fail("name", "a result without a location, or with several",
              "one of point, curve and face");
@@ -598,10 +599,18 @@ SceneStress read_stress(const TomlTable& table, const std::string& unit,
       table.fail(table.has("gravity") ? "gravity" : "loads", "gravity without 'density'", "both");
   }
   read_combinations(table, stress);
-  for (const TomlTable& t : table.tables(
+  for (const auto& item : table.tables_or_names(
            "supports", {"curve", "point", "type", "directions", "normal", "rotation",
-                        "displacement", "foundation", "spring", "face", "box", "axis", "origin"}))
-    stress.supports.push_back(read_support(t));
+                        "displacement", "foundation", "spring", "face", "box", "axis", "origin"})) {
+    if (item.table) {
+      stress.supports.push_back(read_support(*item.table));
+      continue;
+    }
+    SceneStress::Support& clamped = stress.supports.emplace_back();
+    clamped.line = item.name;
+    clamped.location = item.name.location;
+    clamped.rotation = true;
+  }
   stress.hinges = table.names("hinges");
   stress.rigid_curves = table.names("rigid_curves");
   read_stiffeners(table, unit, stress);

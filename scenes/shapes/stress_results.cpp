@@ -109,6 +109,23 @@ void warn_of_limits(const StressReport::Case& c, double size, const std::string&
                        percent(c.shear_share));
 }
 
+std::string singular_warning(const StressReport::Case& c, const std::string& unit) {
+  constexpr size_t most = 4;  // points in the text
+  std::string points;
+  double radius = 0;
+  for (const auto& place : c.singular_places) {
+    const auto index = static_cast<size_t>(&place - c.singular_places.data());
+    if (index < most) points += (index > 0 ? ", " : "") + format_point(place.at);
+    if (index == most) points += ", …";
+    radius = std::max(radius, place.radius);
+  }
+  return "case '" + c.name + "': the stress is singular at " + points +
+         ": there it grows without limit as the elements become smaller (a point force or point "
+         "support, a re-entrant corner, the end of a support). The largest stress is that at a "
+         "distance of " +
+         format_number(radius) + " " + unit + " or more";
+}
+
 void warn(const StressReport& s, double size, const std::string& unit,
           std::vector<std::string>& warnings) {
   constexpr double thin = 0.1, coarse = 1.5;
@@ -127,13 +144,7 @@ void warn(const StressReport& s, double size, const std::string& unit,
                        " % of the size, so that results depend strongly on their exact position");
   for (const auto& c : s.cases) warn_of_limits(c, size, unit, warnings);
   for (const auto& c : s.cases)
-    for (const auto& place : c.singular_places)
-      warnings.push_back(
-          "case '" + c.name + "': the stress at " + format_point(place.at) +
-          " is singular: it grows without limit as the elements become smaller (a "
-          "point force or point support, a re-entrant corner, the end of a support). "
-          "The largest stress is that at a distance of " +
-          format_number(place.radius) + " " + unit + " or more from there");
+    if (!c.singular_places.empty()) warnings.push_back(singular_warning(c, unit));
   constexpr double uncertain = 0.1;
   for (const auto& c : s.cases)
     if (s.meshes.empty() && !c.combination && !c.near_singularity &&

@@ -375,6 +375,18 @@ loads = [{ pressure = 0.001, face = "rim" }, { point = [1, 2, 0], force = [0, 0,
   CHECK(remove_stress_part(scene, parts[1]).empty());  // the second support no longer exists
 }
 
+TEST_CASE("a support that is the name of a curve is clamped, and changed like others",
+          "[apps][documents]") {
+  const SceneText scene("[stress]\nthickness = 1\nsupports = [\"left\", { curve = \"top\" }]\n");
+  CHECK(support_of(scene, "left") == "clamped");
+  REQUIRE(stress_parts(scene).size() == 2);
+  const auto edits = support_edits(scene, "left", "pinned");
+  REQUIRE(edits.size() == 1);
+  CHECK(edits[0].text.find("top") != std::string::npos);
+  CHECK(edits[0].text.find("pinned") != std::string::npos);
+  CHECK(edits[0].text.find("left, {") == std::string::npos);
+}
+
 TEST_CASE("stresses of a document are those of batten stress", "[apps][documents]") {
   const fs::path scene = BATTEN_SOURCE_DIR "/examples/18-lean/scene.toml";
   Document document;

@@ -183,8 +183,21 @@ TEST_CASE("supports that hardly hold are warned of", "[apps][stress]") {
   const CliResult r = c.run({"stress", "s.toml", "--out", "out"});
   INFO(r.err);
   CHECK(r.err.find("the supports hardly prevent a rigid-body motion: the whole model can rotate "
-                   "about the axis along "
-                   "[1, 0, 0]") != std::string::npos);
+                   "about the axis along [1, ") != std::string::npos);
+}
+
+TEST_CASE("the name of a curve in 'supports' clamps it", "[apps][stress]") {
+  const CliCase c("stress_names");
+  const std::string loads = "pressure = -1e-3";
+  const auto tables = stress_of(
+      c,
+      plate(kSteel + "supports = [{curve = \"a\"}, {curve = \"b\", type = \"pinned\"}]\n" + loads));
+  const auto names = stress_of(
+      c, plate(kSteel + "supports = [\"a\", {curve = \"b\", type = \"pinned\"}]\n" + loads));
+  CHECK(names == tables);
+  const CliCase wrong("stress_wrong_names");
+  refused(wrong, kSteel + "supports = [\"aa\"]", 1, {"found the curve 'aa'"});
+  refused(wrong, kSteel + "supports = [3]", 1, {"expected a table or a name"});
 }
 
 TEST_CASE("the same plate in m and in mm has the same stresses", "[apps][stress]") {
@@ -262,7 +275,7 @@ TEST_CASE("smaller elements where the error is make displacements as exact as as
     return nlohmann::json::parse(contents(c / out / "report.json"))["stress"];
   };
   const auto coarse = at("0.01", "coarse"), fine = at("0.001", "fine");
-  REQUIRE(fine["meshes"].size() > coarse["meshes"].size());
+  CHECK(fine["unknowns"].get<int>() > coarse["unknowns"].get<int>());
   const auto of = [](const auto& s) {
     return s["cases"][0]["max_displacement"].template get<double>();
   };

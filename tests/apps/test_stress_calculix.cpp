@@ -167,11 +167,10 @@ TEST_CASE("what a CalculiX deck cannot contain is not compared, and the analysis
                         "stiffeners = [{curve = \"a\", rectangle = [2, 10]}]\npressure = 0.001\n"));
   CHECK_FALSE(report["stress"]["cases"][0].contains("calculix"));
   CHECK(report["warnings"].dump().find("not compared with CalculiX") != std::string::npos);
-  // Conditions without a common coordinate system at the corner of both curves.
+  // A direction and an axis of rotation without a common coordinate system.
   const auto oblique = compared(
-      c, plate(kSteel + "supports = [{curve = \"a\", type = \"symmetric\", normal = [0, 1, 0]}, "
-                        "{curve = \"b\", directions = [[1, 1, 0]]}, {curve = \"c\"}]\n"
-                        "pressure = 0.001\n"));
+      c, plate(kSteel + "supports = [{curve = \"a\", directions = [[1, 1, 0]], rotation = true}, "
+                        "{curve = \"c\"}]\npressure = 0.001\n"));
   CHECK(oblique["warnings"].dump().find("neither parallel nor perpendicular") != std::string::npos);
   // A curve with the name that a support's set would have.
   const auto named =
