@@ -153,7 +153,7 @@ class Refinement {
  private:
   // Elements far smaller than the thickness add digits to the theory, not to the shell.
   void keep_small_triangles(const Surface& surface, std::vector<int>& levels) const {
-    constexpr double small = 0.01;
+    constexpr double small = 1e-3;
     const ShellAssembler& shell = result_.shell->assembler();
     for (int t = 0; t < isize(levels); ++t)
       if (levels[static_cast<size_t>(t)] > 0 &&
