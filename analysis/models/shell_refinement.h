@@ -71,8 +71,9 @@ struct RefinedShell {
 /// contribute much more than others, and those around the largest stress of each case
 /// (StressConvergence).
 /// The surface is transferred to the new mesh by interpolate_onto(). Triangles smaller than a
-/// thousandth of the thickness are not bisected. The refinement stops at `max_meshes`, and before a mesh that does not fit into memory or exceeds `max_total_unknowns`; the
-/// last mesh is then returned with `converged` = false.
+/// thousandth of the thickness are not bisected. The refinement stops at `max_meshes`, and before a
+/// mesh that does not fit into memory or exceeds `max_total_unknowns`; the last mesh is then
+/// returned with `converged` = false.
 ///
 /// Throws InputError for invalid options, and the exceptions of ShellModel and of the functions in
 /// `problem`. A MemoryError or NoSolutionError after the first mesh is not thrown: the refinement

@@ -13,11 +13,11 @@ namespace batten {
 /// singular. From then on, the largest stress is that outside of these places.
 ///
 /// A stress is singular within three edge lengths of a point force or point support, or if its
-/// relative increase is at least 2 % in two successive rounds and hardly decreases from the first to the
-/// second, by less than 30 % (a re-entrant corner, the end of a support), or if it has not converged with
-/// elements of an eighth of the thickness. The place is a ball whose radius is
-/// the edge length of the first mesh there or, if larger, the thickness: closer to a singularity,
-/// the stress of the shell theory differs from that of the solid.
+/// relative increase is at least 2 % in two successive rounds and hardly decreases from the first
+/// to the second, by less than 30 % (a re-entrant corner, the end of a support), or if it has not
+/// converged with elements of an eighth of the thickness. The place is a ball whose radius is the
+/// edge length of the first mesh there or, if larger, the thickness: closer to a singularity, the
+/// stress of the shell theory differs from that of the solid.
 class StressConvergence {
  public:
   /// `first`: the first mesh, with the lengths of its edges (triangle_edge_lengths()). `accuracy`:
