@@ -151,26 +151,27 @@ class Refinement {
   }
 
  private:
-  // Elements far smaller than the thickness add digits to the theory, not to the shell.
-  void keep_small_triangles(const Surface& surface, std::vector<int>& levels) const {
+  // Triangles far smaller than the thickness add digits to the theory, not to the shell.
+  bool is_small(const Surface& surface, int triangle) const {
     constexpr double small = 1e-3;
-    const ShellAssembler& shell = result_.shell->assembler();
-    for (int t = 0; t < isize(levels); ++t)
-      if (levels[static_cast<size_t>(t)] > 0 &&
-          triangle_edge_length(surface, t) < small * shell.section(t).thickness)
-        levels[static_cast<size_t>(t)] = 0;
+    return triangle_edge_length(surface, triangle) <
+           small * result_.shell->assembler().section(triangle).thickness;
   }
 
   // Analyses the next mesh. Returns false if there is nothing to refine, or beyond the limit of
   // unknowns.
   bool refine() {
     progress_.update("mesh " + std::to_string(result_.meshes.size() + 1), 0);
-    std::vector<int> levels(static_cast<size_t>(contributions_.size()), 0);
-    if (!(checked_error_ <= options_.accuracy))
-      levels = bisections(contributions_, options_.bulk_fraction);
     const Surface surface = result_.layout->surface(result_.shape);
+    VecX reducible = contributions_;
+    for (int t = 0; t < reducible.size(); ++t)
+      if (is_small(surface, t)) reducible[t] = 0;
+    std::vector<int> levels(static_cast<size_t>(reducible.size()), 0);
+    if (!(checked_error_ <= options_.accuracy))
+      levels = bisections(reducible, options_.bulk_fraction);
     for (const StressConvergence& of : stresses_) of.mark(surface, levels);
-    keep_small_triangles(surface, levels);
+    for (int t = 0; t < reducible.size(); ++t)
+      if (is_small(surface, t)) levels[static_cast<size_t>(t)] = 0;
     if (std::all_of(levels.begin(), levels.end(), [](int level) { return level == 0; }))
       return false;
     const auto finer = std::make_shared<const ModelLayout>(bisected(*result_.layout, levels));
