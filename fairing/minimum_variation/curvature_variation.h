@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "batten/core/eigen.h"
 #include "batten/fem/parametric_mesh.h"
@@ -76,8 +77,15 @@ CurvatureVariationJacobian curvature_variation_jacobian(const Jet3& jet, const M
 // Jumps between two separately meshed parts of a surface.
 
 /// Two parametric locations that represent the same point of a curve along which two separately
-/// meshed parts of a surface join smoothly.
+/// meshed parts of a surface join smoothly. The second part may be a given surface instead.
 struct JoinPoint {
+  /// Tangent plane and curvature of a given surface, which replaces the second part.
+  struct Given {
+    Vec3 into;       ///< unit vector in the tangent plane, perpendicular to the curve
+    Vec3 curvature;  ///< vector of the normal curvature in the direction `into`, 1/length
+  };
+  /// Set: the second entries of `at` and `direction` equal the first ones and are not used.
+  std::optional<Given> given = {};
   std::array<Location, 2> at;
   /// Tangent of the curve in the (u, v) of each part: the derivative with respect to a parameter of
   /// the curve that is common to both parts.

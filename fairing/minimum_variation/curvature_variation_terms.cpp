@@ -406,11 +406,15 @@ struct Sides {
       thickness += altitude / 2 * std::sqrt(areas[side] * jet.col(0).cross(jet.col(1)).norm());
       speed += 0.5 * (jet.leftCols<2>() * point.direction[side]).norm();
     }
-    root = std::sqrt(jumps * point.weight * speed / thickness);
-    jump = forms[0].across - point.sign * forms[1].across;
+    // The other side of a given surface does not move.
+    constexpr double given = 10;
+    root = std::sqrt((point.given ? given : 1) * jumps * point.weight * speed / thickness);
+    const Vec3& n = forms[0].n;
+    jump = forms[0].across -
+           (point.given ? n.dot(point.given->curvature) : point.sign * forms[1].across);
     constexpr double first = 10;  // the tangent plane has priority over the curvature
     stiff = first * root / thickness;
-    angle = forms[0].n.dot(forms[1].Y2);
+    angle = n.dot(point.given ? point.given->into : forms[1].Y2);
     if (!point.curvature) root = 0;
     if (!point.tangent) stiff = 0;
   }
@@ -430,6 +434,7 @@ void CurvatureVariationTerms::add_joins(const Surface& start,
     added.weight = point.weight;
     added.curvature = point.curvature;
     added.tangent = point.tangent;
+    added.given = point.given;
     Vec3 normal[2];
     for (size_t s = 0; s < 2; ++s) {
       const Location& at = point.at[s];
@@ -464,12 +469,19 @@ void CurvatureVariationTerms::join(const Surface& surface, int j, JoinResiduals&
   const TriangleDofs q[2] = {surface.triangle_dofs(join.triangle[0]),
                              surface.triangle_dofs(join.triangle[1])};
   const Sides sides(join, q, areas_of(surface, join.triangle), jumps_);
+  const Vec3& other = join.given ? join.given->into : sides.forms[1].Y2;
   for (int s = 0; s < 2; ++s) {
+    if (s == 1 && join.given) {
+      for (int c = 0; c < 3; ++c)
+        for (int a = 0; a < 12; ++a)
+          for (int row = 0; row < 2; ++row) rows.J[kJoinDofs * c + 12 + a][row] = 0;
+      break;
+    }
     const EdgeSecondForm& f = sides.forms[s];
     const auto& N = join.N[static_cast<size_t>(s)];
     const double root = sides.root * (s == 0 ? 1 : -join.sign);
     // The normal on the second side changes relative to the first one, or vice versa.
-    const double tilt = s == 1 ? sides.stiff : -sides.stiff * sides.forms[1].Y2.dot(f.Y2);
+    const double tilt = s == 1 ? sides.stiff : -sides.stiff * other.dot(f.Y2);
     const Vec3 turn = -2 * (f.twist * f.Y1 + f.across * f.Y2);
     const Vec3& n = sides.forms[0].n;
     const Vec12 Y2 = N.leftCols<2>() * f.M.row(1).transpose();

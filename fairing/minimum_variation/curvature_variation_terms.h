@@ -59,7 +59,7 @@ class CurvatureVariationTerms {
   ///
   /// Jumps of curvature count as those across element edges. Jumps of the tangent plane count a
   /// hundred times as much, over the square of the thickness. If the normals of the two parts are
-  /// opposite, that of the second is reversed.
+  /// opposite, that of the second is reversed. The weights at given surfaces are the same.
   void add_joins(const Surface& start, const std::vector<JoinPoint>& points);
 
   void set_frames(const Surface& surface);
@@ -100,6 +100,7 @@ class CurvatureVariationTerms {
     double weight;
     double sign;  // -1 if the normal of the second side is opposite to that of the first
     bool curvature, tangent;
+    std::optional<JoinPoint::Given> given;
   };
   CurvatureVariationWeights weights_at(int triangle, int point) const;
   double edge_weight(const Surface& surface, int e) const;

@@ -109,7 +109,7 @@ void SessionEngine::step(SessionSystem& system, const std::vector<double>& from,
     if (std::holds_alternative<Load::Pressure>(system.def.loads[l]->load.kind))
       system.parts->pressure().add(next_, load.weights, v * load.scale, F_);
   }
-  if (system.point_cloud_load.rows() > 0) F_ += system.point_cloud_load;
+  if (system.matrix_load.rows() > 0) F_ += system.matrix_load;
   if (system.rest_load.rows() > 0) F_ += system.rest_load;
 
   // Lines move at the rate that takes them to their positions at the end of the step.
@@ -217,7 +217,7 @@ std::vector<Reaction> SessionEngine::reactions(const SessionSystem& system,
       system.parts->pressure().add(x, system.loads[l]->weights, -v * system.loads[l]->scale,
                                    product_);
   }
-  if (system.point_cloud_load.rows() > 0) product_ -= system.point_cloud_load;
+  if (system.matrix_load.rows() > 0) product_ -= system.matrix_load;
   if (system.rest_load.rows() > 0) product_ -= system.rest_load;
   const AuxiliaryConstraints& rows = *system.auxiliary;
   for (size_t r = 0; r < rows.rows.size(); ++r) {
@@ -289,7 +289,7 @@ double SessionEngine::total_energy(const SessionSystem& system, const std::vecto
       product_ -= (2.0 / 3) * F_;
     }
   }
-  if (system.point_cloud_load.rows() > 0) product_ -= 2 * system.point_cloud_load;
+  if (system.matrix_load.rows() > 0) product_ -= 2 * system.matrix_load;
   if (system.rest_load.rows() > 0) product_ -= 2 * system.rest_load;
   double energy = shape.x.cwiseProduct(product_).sum();
   if (system.rest_load.rows() > 0) energy += system.rest->dofs.cwiseProduct(system.rest_load).sum();

@@ -121,12 +121,11 @@ std::vector<SurfaceStiffness> materials(const SessionSystem& system,
 void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<double>& values,
                                      SparseMatrix& K) {
   const MeshData& parts = *system.parts;
-  system.point_cloud_load.resize(0, 3);
   for (size_t l = 0; l < system.loads.size(); ++l) {
     const auto* scan = std::get_if<Load::PointCloudSprings>(&system.def.loads[l]->load.kind);
     if (!scan || system.scan_foot_points[l].empty()) continue;
-    if (system.point_cloud_load.rows() == 0)
-      system.point_cloud_load = Points::Zero(system.dofs(), 3);
+    if (system.matrix_load.rows() == 0)
+      system.matrix_load = Points::Zero(system.dofs(), 3);
     const double value = values[system.load_parameter[l]];
     if (!(value >= 0))
       throw InputError("load '" + system.def.loads[l]->load.name +
@@ -141,15 +140,13 @@ void SessionEngine::add_point_clouds(SessionSystem& system, const std::vector<do
           C1Triangle(parts.kind, parts.mesh->shape(where.triangle)).evaluate(where.L).col(kW);
       const auto dof = parts.assembler.dofs().triangle(*parts.mesh, where.triangle);
       for (int a = 0; a < 12; ++a) {
-        system.point_cloud_load.row(dof[a]) +=
+        system.matrix_load.row(dof[a]) +=
             k * N[a] * (scan->points[i] - system.origin()).transpose();
         for (int b = 0; b < 12; ++b)
           if (dof[a] >= dof[b]) K.coeffRef(dof[a], dof[b]) += k * N[a] * N[b];
       }
     }
   }
-  if (system.point_cloud_load.rows() > 0)
-    system.point_cloud_reduced = system.reduction->D().transpose() * system.point_cloud_load;
 }
 
 // Stiffness of the surface alone, without point clouds and joins.
@@ -165,12 +162,16 @@ SparseMatrix SessionEngine::elastic_stiffness(const SessionSystem& system,
   return K;
 }
 
-// Stiffness that connects regions along embedded lines, for these values.
-SparseMatrix SessionEngine::join_stiffness(const SessionSystem& system,
-                                           const std::vector<double>& values) {
-  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2;
-  return system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0] *
-         system.layout().join_stiffness();
+// Penalty on angles along embedded lines, for these values.
+JoinPenalty SessionEngine::join_penalty(const SessionSystem& system,
+                                        const std::vector<double>& values) {
+  JoinPenalty penalty = system.layout().join_penalty();
+  const double beta = (values[system.beta[0]] + values[system.beta[2]]) / 2,
+               scaled =
+                   system.def.scale().material(SurfaceStiffness::isotropic(0, beta)).beta[0];
+  penalty.stiffness *= scaled;
+  penalty.load *= scaled;
+  return penalty;
 }
 
 // Load K x_rest, which keeps the surface in its rest shape. `K` excludes point clouds and joins.
@@ -187,7 +188,7 @@ void SessionEngine::set_rest_shape(SessionSystem& system,
                                    std::shared_ptr<const RestConfiguration> rest) {
   system.rest = std::move(rest);
   anchored_ = false;
-  if (system.statics && !system.matrix_values.empty() && system.point_cloud_load.rows() == 0)
+  if (system.statics && !system.matrix_values.empty() && system.matrix_load.rows() == 0)
     set_rest_load(system, elastic_stiffness(system, system.matrix_values));
   else
     invalidate_matrix(system);
@@ -209,12 +210,12 @@ class MatrixLoads {
   void exchange() {
     system_.rest_load.swap(rest_load_);
     system_.rest_reduced.swap(rest_reduced_);
-    system_.point_cloud_load.swap(point_cloud_load_);
-    system_.point_cloud_reduced.swap(point_cloud_reduced_);
+    system_.matrix_load.swap(matrix_load_);
+    system_.matrix_load_reduced.swap(matrix_load_reduced_);
   }
   SessionSystem& system_;
-  Points rest_load_ = Points(0, 3), point_cloud_load_ = Points(0, 3);
-  MatX rest_reduced_, point_cloud_reduced_;
+  Points rest_load_ = Points(0, 3), matrix_load_ = Points(0, 3);
+  MatX rest_reduced_, matrix_load_reduced_;
   bool replaced_ = false;
 };
 
@@ -225,9 +226,15 @@ void SessionEngine::make_matrix(SessionSystem& system, const std::vector<double>
   MatrixLoads loads(system);
   SparseMatrix K = elastic_stiffness(system, values);
   set_rest_load(system, K);
-  if (const SparseMatrix joins = join_stiffness(system, values); joins.nonZeros() > 0) K += joins;
+  system.matrix_load.resize(0, 3);
+  if (const JoinPenalty joins = join_penalty(system, values); joins.stiffness.nonZeros() > 0) {
+    K += joins.stiffness;
+    if (!joins.load.isZero(0)) system.matrix_load = joins.load;
+  }
   throw_if_cancelled();
   add_point_clouds(system, values, K);
+  if (system.matrix_load.rows() > 0)
+    system.matrix_load_reduced = system.reduction->D().transpose() * system.matrix_load;
   throw_if_cancelled();
   // A factor shared with the history must not change; one that is not shared is refactored in
   // place.
@@ -421,7 +428,7 @@ void SessionEngine::add_linear(const SessionSystem& system, const std::vector<do
     if (const double v = values[system.load_parameter[l]];
         v != 0 && system.loads[l]->reduced.rows() > 0)
       to += v * system.loads[l]->reduced;
-  if (system.point_cloud_load.rows() > 0) to += system.point_cloud_reduced;
+  if (system.matrix_load.rows() > 0) to += system.matrix_load_reduced;
   if (system.rest_load.rows() > 0) to += system.rest_reduced;
 }
 

@@ -93,8 +93,7 @@ class SessionEngine {
   void add_point_clouds(SessionSystem& system, const std::vector<double>& values, SparseMatrix& K);
   static SparseMatrix elastic_stiffness(const SessionSystem& system,
                                         const std::vector<double>& values);
-  static SparseMatrix join_stiffness(const SessionSystem& system,
-                                     const std::vector<double>& values);
+  static JoinPenalty join_penalty(const SessionSystem& system, const std::vector<double>& values);
   static void set_rest_load(SessionSystem& system, const SparseMatrix& K);
   void couple(SessionSystem& system, const SchurComplementConstraints* older);
   SolveStatus iterate(SessionSystem& system, const std::vector<double>& values, Points& x, int most,

@@ -288,8 +288,8 @@ std::shared_ptr<SessionSystem> without_recomputable(const SessionSystem& system)
   copy->base_rhs.resize(0, 3);
   copy->offset_rhs.clear();
   copy->auxiliary.reset();
-  copy->point_cloud_load.resize(0, 3);
-  copy->point_cloud_reduced.resize(0, 3);
+  copy->matrix_load.resize(0, 3);
+  copy->matrix_load_reduced.resize(0, 3);
   copy->rest_load.resize(0, 3);
   copy->rest_reduced.resize(0, 3);
   return copy;
@@ -426,8 +426,8 @@ void visit_shared_parts(const SessionSystem& system,
 size_t own_bytes(const SessionSystem& system) {
   const SessionDefinition& def = system.def;
   size_t sum = sizeof(SessionSystem) + bytes_of(system.base_rhs) + bytes_of(system.rest_load) +
-               bytes_of(system.rest_reduced) + bytes_of(system.point_cloud_load) +
-               bytes_of(system.point_cloud_reduced);
+               bytes_of(system.rest_reduced) + bytes_of(system.matrix_load) +
+               bytes_of(system.matrix_load_reduced);
   const size_t items =
       def.loads.size() + def.weights.size() + def.constraints.size() + def.moves.size();
   sum += 100 * items + sizeof(double) * (system.matrix_values.size() + system.roles.size());

@@ -190,8 +190,10 @@ struct SessionSystem {
   /// Foot points of each load's point cloud; empty for other loads.
   std::vector<std::vector<ModelPoint>> scan_foot_points;
   std::vector<std::vector<char>> scan_used;       ///< per point of a point cloud: 1 if it pulls
-  Points point_cloud_load;                        ///< Σ k N p of the point clouds at matrix_values
-  MatX point_cloud_reduced;                       ///< reduced load Dᵀ point_cloud_load
+  /// Load that belongs to the matrix at matrix_values: Σ k N p of the point clouds, and the
+  /// penalty on angles at given surfaces (JoinPenalty::load).
+  Points matrix_load;
+  MatX matrix_load_reduced;                       ///< reduced load Dᵀ matrix_load
   std::shared_ptr<const RestConfiguration> rest;  ///< current rest shape; null: not computed
   Points rest_load;                               ///< load K x_rest; no rows: no rest shape
   MatX rest_reduced;                              ///< reduced load Dᵀ rest_load

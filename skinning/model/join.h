@@ -37,22 +37,31 @@
 // components of y_A and y_B across the curve, δ is the remainder along it. The angle then decreases
 // only as h (docs/theory/domains.md).
 //
-// All constraints are homogeneous in the dofs: X' is expressed by x_t, the derivative of one side
+// The second side of a join may also be a given surface that is not part of the model
+// (neighbour_edge.h). Its y_B is known: |X'| times the unit vector of its tangent plane across the
+// curve, so that (1) has a right-hand side. γ and δ are planned as above.
+//
+// Without given surfaces, all constraints are homogeneous in the dofs: X' is expressed by x_t, the derivative of one side
 // along the curve, and a prescribed y by the dofs of the adjacent faces. With given γ and δ, the
 // constraints therefore hold for any motion of the curves. If tangents at nodes rotate, γ and δ
 // must be planned again.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "batten/skinning/layout/region_layout.h"
+#include "batten/skinning/model/neighbour_edge.h"
 
 namespace batten {
 
 /// One of the two faces that are joined along a curve, and its representation of this curve.
+///
+/// If `neighbour` is set, this side is a given surface that is not part of the model. The other
+/// members then describe the face on the opposite side, except that `left` is reversed.
 struct JoinSide {
   int region = 0;         ///< index into the faces of the model
   bool embedded = false;  ///< true: the face has the curve embedded; false: mesh-aligned
@@ -60,12 +69,16 @@ struct JoinSide {
   /// True if the face lies to the left of the directed curve, seen from the tip of the face's
   /// normal.
   bool left = true;
+  /// The given surface along the curve, or null if this side is a face of the model.
+  std::shared_ptr<const NeighbourEdge> neighbour = {};
 };
 
 /// A curve along which two faces (or one face with itself) are joined smoothly.
 struct JoinLine {
   std::string name;
-  std::array<JoinSide, 2> sides;
+  std::array<JoinSide, 2> sides;  ///< only the second one may be a given surface
+  /// The given surface that the face continues, or null if two faces of the model are joined.
+  const NeighbourEdge* neighbour() const { return sides[1].neighbour.get(); }
   /// True if fairing makes the curvature continuous (G2) across this curve, false if not. Unset:
   /// is_curvature_continuous() determines it from the curves that cross this curve.
   std::optional<bool> curvature = {};
@@ -168,19 +181,26 @@ void add_join_constraints(const std::vector<const RegionLayout*>& regions,
                           const std::vector<DofOffsets>& dof_offsets,
                           const std::vector<JoinPlan>& plans, bool free, ConstraintSet& set);
 
-/// Computes the penalty matrix for tangent-plane continuity (G1) on embedded curves, on which
-/// constraints enforce only averages. The matrix is the lower triangle for one coordinate and the
-/// bending stiffness β = 1, to be added to the bending stiffness matrix on the domain of size 1:
+/// Penalty on the residual of the G1 condition, ½ qᵀ K q - qᵀ F for the dofs q, as matrix K and
+/// load F. See join_penalty().
+struct JoinPenalty {
+  SparseMatrix stiffness;  ///< K: lower triangle for one coordinate
+  Points load;             ///< F: non-zero only at joins with given surfaces
+};
+
+/// Computes the penalty for tangent-plane continuity (G1) on embedded curves, on which constraints
+/// enforce only averages. It is for one coordinate and the bending stiffness β = 1, to be added to
+/// the bending stiffness matrix on the domain of size 1:
 ///
-///     1000 (S/s_A)² ∫ |y_A + γ y_B - δ x_t|² / (σ_A h) dt,      h = √(2 · area of the triangle).
+///     ½ · 1000 (S/s_A)² ∫ |y_A + γ y_B - δ x_t|² / (σ_A h) dt,      h = √(2 · area of the triangle).
 ///
-/// The matrix is zero if no join is on an embedded curve. For faces A and B, y_A and y_B are the
+/// The penalty is zero if no join is on an embedded curve. For faces A and B, y_A and y_B are the
 /// cross-boundary derivatives, x_t is the derivative along the curve, γ and δ are the gluing
 /// functions. s_A is the size of face A, σ_A the length of the curve in (u, v) per unit of t.
 /// `size`: size S of the model. `dofs`: number of rows of the matrix.
-SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
-                            const std::vector<DofOffsets>& dof_offsets,
-                            const std::vector<JoinPlan>& plans, double size, int dofs);
+JoinPenalty join_penalty(const std::vector<const RegionLayout*>& regions,
+                         const std::vector<DofOffsets>& dof_offsets,
+                         const std::vector<JoinPlan>& plans, double size, int dofs);
 
 /// Adds constraints named "joined curve NAME" that keep adjacent faces together along a curve whose
 /// own position is not constrained. If both faces have the curve mesh-aligned, positions and

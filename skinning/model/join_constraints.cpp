@@ -50,27 +50,19 @@ class AlignedTies {
   }
   void vertex(int k) {
     const double f = a_.fraction(k);
-    ConstraintEntries constraint;
-    a_.add_across(k, 1, constraint);
-    b_.add_across(k, gamma(f), constraint);
-    a_.add_along(k, -delta(f), constraint);
-    set_.add(name_, std::move(constraint), Vec3::Zero());
+    JoinRow row;
+    row.across(a_, k, 1);
+    row.across(b_, k, gamma(f));
+    row.along(a_, k, -delta(f));
+    row.add_to(set_, name_);
   }
   void middle(int k) {
     const double f = 0.5 * (a_.fraction(k) + a_.fraction(k + 1));
-    ConstraintEntries constraint;
-    a_.add_across_middle(k, 1, constraint);
-    b_.add_across_middle(k, gamma(f), constraint);
-    a_.add_along_middle(k, -delta(f), constraint);
-    set_.add(name_, summed(constraint), Vec3::Zero());
-  }
-  // Sums the entries of each dof.
-  static ConstraintEntries summed(const ConstraintEntries& entries) {
-    std::map<int, double> sum;
-    for (const auto& e : entries) sum[e.dof] += e.coefficient;
-    ConstraintEntries constraint;
-    for (const auto& [dof, coefficient] : sum) constraint.push_back({dof, coefficient});
-    return constraint;
+    JoinRow row;
+    row.across_middle(a_, k, 1);
+    row.across_middle(b_, k, gamma(f));
+    row.along_middle(a_, k, -delta(f));
+    row.add_to(set_, name_);
   }
 
  private:
@@ -105,46 +97,45 @@ void tie_aligned(const JoinPlan& plan, const std::string& name, JoinEdgeFactory&
     if (free && by_lines && tied.connect(va, vb)) ties.vertex(k);
     for (size_t s = 0; s < 2; ++s) {
       if (end.set[s].empty() || !tied.pairs.insert({s ? vb : va, -1}).second) continue;
-      ConstraintEntries constraint;
-      (s ? b : a).add_across(k, 1, constraint);
+      JoinRow row;
+      row.across(s ? b : a, k, 1);
       for (const JoinEnd::Neighbour& other : end.set[s]) {
         const JoinEdge beside = sides(other.side);
-        beside.add_across(other.end ? beside.count() - 1 : 0,
-                          1 / static_cast<double>(end.set[s].size()), constraint);
+        row.across(beside, other.end ? beside.count() - 1 : 0,
+                   1 / static_cast<double>(end.set[s].size()));
       }
-      set.add(name, AlignedTies::summed(constraint), Vec3::Zero());
+      row.add_to(set, name);
     }
   }
 }
 
 // Adds constraints on the average over each hat along a line. `add(f, weight, interval, fraction of
-// it, constraint)` appends the entries of one Gauss point.
+// it, row)` adds the terms of one Gauss point.
 template <class Add>
 void add_hat_averages(const std::vector<double>& at, bool closed,
                       const std::array<bool, 2>& with_ends, const std::string& name, const Add& add,
                       ConstraintSet& set) {
   for (const std::vector<HatQuadraturePoint>& hat : hats(at, closed, with_ends)) {
-    ConstraintEntries constraint;
+    JoinRow row;
     double weight = 0;
     for (const HatQuadraturePoint& p : hat) {
-      add(p.f, p.weight, p.interval, p.fraction, constraint);
+      add(p.f, p.weight, p.interval, p.fraction, row);
       weight += p.weight;
     }
-    constraint = AlignedTies::summed(constraint);
-    for (auto& e : constraint) e.coefficient /= weight;
-    set.add(name, std::move(constraint), Vec3::Zero());
+    row.scale(1 / weight);
+    row.add_to(set, name);
   }
 }
 
-// Appends factor · (y_A + γ y_B - δ x_t) at a fraction f of an embedded line, which is the fraction
-// s of interval i.
+// Adds factor · (y_A + γ y_B - δ x_t) at a fraction f of an embedded line, which is the fraction s
+// of interval i.
 void add_condition(const JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, double f,
-                   double factor, size_t i, double s, ConstraintEntries& constraint) {
+                   double factor, size_t i, double s, JoinRow& row) {
   const bool along_b = a.embedded() && !b.embedded();
   const double gamma = lerp(plan.gamma[i], plan.gamma[i + 1], s),
                delta = lerp(plan.delta[i], plan.delta[i + 1], s);
-  a.add_at(f, factor, along_b ? 0 : -factor * delta, 0, constraint);
-  b.add_at(f, factor * gamma, along_b ? -factor * delta : 0, 0, constraint);
+  row.at(a, f, factor, along_b ? 0 : -factor * delta);
+  row.at(b, f, factor * gamma, along_b ? -factor * delta : 0);
 }
 
 // Calls visit(f, weight, interval, fraction of it) at the Gauss points of all intervals, each split
@@ -162,8 +153,8 @@ void over_intervals(const JoinPlan& plan, const SegmentRule& gauss, int parts, c
 void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, const JoinEdge& b,
               ConstraintSet& set) {
   using EndCondition = JoinPlan::EndCondition;
-  const auto add = [&](double f, double w, size_t i, double s, ConstraintEntries& constraint) {
-    add_condition(plan, a, b, f, w, i, s, constraint);
+  const auto add = [&](double f, double w, size_t i, double s, JoinRow& row) {
+    add_condition(plan, a, b, f, w, i, s, row);
   };
   add_hat_averages(
       plan.at, a.closed(),
@@ -172,12 +163,14 @@ void tie_hats(const JoinPlan& plan, const std::string& name, const JoinEdge& a, 
   for (size_t e = 0; e < 2; ++e) {
     if (plan.end_conditions[e] != EndCondition::Point) continue;
     const auto f = static_cast<double>(e);
-    ConstraintEntries across, along;
+    JoinRow across;
     add(f, 1, e ? plan.at.size() - 2 : 0, f, across);
-    a.add_at(f, 0, 1, 0, along);
-    b.add_at(f, 0, -1, 0, along);
-    set.add(name, AlignedTies::summed(across), Vec3::Zero());
-    set.add(name, AlignedTies::summed(along), Vec3::Zero());
+    across.add_to(set, name);
+    if (b.neighbour()) continue;
+    JoinRow along;
+    along.at(a, f, 0, 1);
+    along.at(b, f, 0, -1);
+    along.add_to(set, name);
   }
 }
 
@@ -206,6 +199,24 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
   };
   const JoinEdge side[2] = {side_of(0), side_of(1)};
   const auto jet = [&](int s, double f) { return two[s]->surface.jet(side[s].where(f)); };
+  // A side at a fraction of the line. Seen along the line, one side is to its left and the other to
+  // its right; the normals of both point to the same side of the surface.
+  struct Point {
+    Vec3 x, normal;
+    double curvature = 0;  // across the line
+  };
+  const auto point = [&](int s, double f, bool with_curvature) -> Point {
+    if (const NeighbourEdge* neighbour = side[s].neighbour()) {
+      const Vec3 along = side[s].slope(f),
+                 normal = neighbour->into(f, along).cross(along).normalized();
+      return {jet(0, f).x, normal, neighbour->curvature(f).dot(normal)};
+    }
+    const SurfaceJet own = jet(s, f);
+    const Vec3 normal = join_line.sides[s].left == (s == 0) ? own.normal() : Vec3(-own.normal());
+    if (!with_curvature) return {own.x, normal};
+    const Vec3 tangent = jet(0, std::min(1.0, f + 1e-4)).x - jet(0, std::max(0.0, f - 1e-4)).x;
+    return {own.x, normal, curvature_across(own, normal, tangent)};
+  };
   std::vector<double> at = side[side[0].embedded() ? 1 : 0].stations();
   if (at.back() < 1) at.push_back(1);
   JoinQuality quality;
@@ -217,11 +228,9 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
     double deg_before = 0, signed_angle_before = 0;
     for (int j = 0; j <= samples; ++j) {
       const double f = lerp(at[k], at[k + 1], static_cast<double>(j) / samples);
-      const SurfaceJet a = jet(0, f), b = jet(1, f);
-      // Seen along the line, one side is to its left and the other to its right. Their normals
-      // agree if they point to the same side of the surface.
-      const Vec3 na = join_line.sides[0].left ? a.normal() : Vec3(-a.normal());
-      const Vec3 nb = join_line.sides[1].left ? Vec3(-b.normal()) : b.normal();
+      const bool inside = !(open[0] && k == 0) && !(open[1] && k + 1 == edges);
+      const Point a = point(0, f, inside), b = point(1, f, inside);
+      const Vec3 &na = a.normal, &nb = b.normal;
       const double deg = na.isZero() || nb.isZero() ? std::numeric_limits<double>::quiet_NaN()
                                                     : degrees_between(na, nb);
       const auto raise_to_maximum = [deg](double& most) {
@@ -229,11 +238,9 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
       };
       quality.max_gap = std::max(quality.max_gap, (a.x - b.x).norm());
       raise_to_maximum(quality.max_deg);
-      if (!(open[0] && k == 0) && !(open[1] && k + 1 == edges)) {
+      if (inside) {
         raise_to_maximum(quality.max_inside_deg);
-        const Vec3 tangent = jet(0, std::min(1.0, f + 1e-4)).x - jet(0, std::max(0.0, f - 1e-4)).x;
-        jumps.push_back(
-            std::abs(curvature_across(a, na, tangent) - curvature_across(b, nb, tangent)));
+        jumps.push_back(std::abs(a.curvature - b.curvature));
       }
       if (k == 0 && j == 0) quality.end_deg[0] = deg;
       if (k + 1 == edges && j == samples) quality.end_deg[1] = deg;
@@ -252,6 +259,8 @@ JoinQuality measure_join(const std::vector<const SkinnedRegion*>& regions,
       signed_angle_before = signed_angle;
     }
   }
+  if (join_line.neighbour())
+    quality.max_gap = std::max(quality.max_gap, join_line.neighbour()->distance());
   quality.mean_deg = length > 0 ? sum / length : 0;
   std::erase_if(jumps, [](double jump) { return std::isnan(jump); });
   if (!jumps.empty()) {
@@ -277,13 +286,13 @@ void add_join_constraints(const std::vector<const RegionLayout*>& regions,
   }
 }
 
-SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
-                            const std::vector<DofOffsets>& numbers,
-                            const std::vector<JoinPlan>& plans, double size, int dofs) {
+JoinPenalty join_penalty(const std::vector<const RegionLayout*>& regions,
+                         const std::vector<DofOffsets>& dof_offsets,
+                         const std::vector<JoinPlan>& plans, double size, int dofs) {
   constexpr double kPenalty = 1000;
   constexpr int parts = 4;  // per interval, because element boundaries are anywhere
   const SegmentRule gauss = gauss_legendre(6);
-  JoinEdgeFactory sides(regions, numbers);
+  JoinEdgeFactory sides(regions, dof_offsets);
   std::vector<const JoinPlan*> embedded;
   std::vector<std::array<JoinEdge, 2>> edges;
   for (const JoinPlan& plan : plans) {
@@ -291,29 +300,39 @@ SparseMatrix join_stiffness(const std::vector<const RegionLayout*>& regions,
     embedded.push_back(&plan);
     edges.push_back({sides(plan.join_line.sides[0]), sides(plan.join_line.sides[1])});
   }
-  std::vector<std::vector<Triplet>> of_plan(embedded.size());
+  struct PlanTerms {
+    std::vector<Triplet> stiffness;
+    std::vector<std::pair<int, Vec3>> load;
+  };
+  std::vector<PlanTerms> of_plan(embedded.size());
   parallel_for(isize(embedded), [&](int j) {
     const JoinPlan& plan = *embedded[j];
     const JoinEdge &a = edges[j][0], &b = edges[j][1];
     const RegionLayout& region = *regions[plan.join_line.sides[0].region];
     const double scale = std::pow(size / region.size(), 2);
     over_intervals(plan, gauss, parts, [&](double f, double w, size_t i, double s) {
-      ConstraintEntries constraint;
-      add_condition(plan, a, b, f, 1, i, s, constraint);
+      JoinRow row;
+      add_condition(plan, a, b, f, 1, i, s, row);
       const double thickness = std::sqrt(2 * region.mesh()->shape(a.where(f).triangle).area);
       const double weight = kPenalty * scale * w * a.span() / (thickness * a.along_uv(f).norm());
-      constraint = AlignedTies::summed(constraint);
-      for (const auto& p : constraint)
-        for (const auto& q : constraint)
+      const ConstraintEntries entries = row.entries();
+      for (const auto& p : entries) {
+        for (const auto& q : entries)
           if (p.dof >= q.dof)
-            of_plan[j].emplace_back(p.dof, q.dof, weight * p.coefficient * q.coefficient);
+            of_plan[j].stiffness.emplace_back(p.dof, q.dof, weight * p.coefficient * q.coefficient);
+        if (b.neighbour())
+          of_plan[j].load.emplace_back(p.dof, -weight * p.coefficient * row.constant());
+      }
     });
   });
+  JoinPenalty penalty{SparseMatrix(dofs, dofs), Points::Zero(dofs, 3)};
   std::vector<Triplet> entries;
-  for (const auto& own : of_plan) entries.insert(entries.end(), own.begin(), own.end());
-  SparseMatrix K(dofs, dofs);
-  K.setFromTriplets(entries.begin(), entries.end());
-  return K;
+  for (const PlanTerms& own : of_plan) {
+    entries.insert(entries.end(), own.stiffness.begin(), own.stiffness.end());
+    for (const auto& [dof, force] : own.load) penalty.load.row(dof) += force.transpose();
+  }
+  penalty.stiffness.setFromTriplets(entries.begin(), entries.end());
+  return penalty;
 }
 
 std::vector<std::vector<HatQuadraturePoint>> hats(const std::vector<double>& at, bool closed,
@@ -366,9 +385,9 @@ void add_line_ties(const std::vector<const RegionLayout*>& regions,
     }
     return;
   }
-  const auto add = [&](double f, double w, size_t, double, ConstraintEntries& constraint) {
-    a.add_at(f, 0, 0, w, constraint);
-    b.add_at(f, 0, 0, -w, constraint);
+  const auto add = [&](double f, double w, size_t, double, JoinRow& row) {
+    row.position(a, f, w);
+    row.position(b, f, -w);
   };
   add_hat_averages(tie_stations(a, b), a.closed(), {true, true}, name, add, set);
 }

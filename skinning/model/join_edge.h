@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "batten/core/containers.h"
@@ -23,12 +25,13 @@ using ConstraintEntries = std::vector<ConstraintSet::Entry>;
 class JoinEdge {
  public:
   JoinEdge(const ParametricMesh& mesh, TriangleElement kind, const EdgeAlignedLine* aligned_line,
-           const EmbeddedLine* line, bool left, const TriangleLocator* locator,
-           const DofOffsets& dof_offsets)
+           const EmbeddedLine* line, bool left, const NeighbourEdge* neighbour,
+           const TriangleLocator* locator, const DofOffsets& dof_offsets)
       : mesh_(&mesh),
         kind_(kind),
         aligned_line_(aligned_line),
         line_(line),
+        neighbour_(neighbour),
         locator_(locator),
         side_sign_(left ? 1 : -1),
         dof_offsets_(dof_offsets) {
@@ -49,6 +52,13 @@ class JoinEdge {
     inward_ = inward(d.normalized());
   }
   bool embedded() const { return !aligned_line_; }
+  // The given surface that this side is, or null if the side is a face of the model.
+  const NeighbourEdge* neighbour() const { return neighbour_; }
+  // y of a given surface: as long as dX/dt.
+  Vec3 neighbour_across(double f) const {
+    const Vec3 along = slope(f);
+    return along.norm() * neighbour_->into(f, along);
+  }
   const EdgeAlignedLine& aligned_line() const { return *aligned_line_; }
   double span() const { return t_; }  // range of t over the whole line
   int count() const { return isize(aligned_line_->vertices); }
@@ -78,10 +88,12 @@ class JoinEdge {
   }
 
   Vec3 across(const Points& q, int k) const {
+    if (neighbour_) return neighbour_across(fraction(k));
     const int v = 3 * vertex(k);
     return sigma_ * (inward_.x() * q.row(v + 1) + inward_.y() * q.row(v + 2)).transpose();
   }
-  // These append factor · y, factor · dx/dt, factor · x at the k-th vertex to `entries`.
+  // These append factor · y, factor · dx/dt, factor · x at the k-th vertex to `entries`. That of y
+  // requires a face of the model.
   void add_across(int k, double factor, ConstraintEntries& entries) const {
     add_gradient(vertex(k), factor * sigma_ * inward_, entries);
   }
@@ -146,6 +158,7 @@ class JoinEdge {
                   per_t());
   }
   Vec3 across_at(const Points& q, double f) const {
+    if (neighbour_) return neighbour_across(f);
     const Location at = where(f);
     const Tabulation N = functions(at);
     const auto dofs = DofMap(*mesh_).triangle(*mesh_, at.triangle);
@@ -183,6 +196,7 @@ class JoinEdge {
   TriangleElement kind_;
   const EdgeAlignedLine* aligned_line_;
   const EmbeddedLine* line_;
+  const NeighbourEdge* neighbour_;
   const TriangleLocator* locator_;
   double side_sign_, start_ = 0, span_ = 1, t_ = 1, sigma_ = 1;
   bool reversed_ = false;
@@ -219,6 +233,7 @@ class JoinEdgeFactory {
             j.embedded ? nullptr : &(*item.edge_aligned)[i],
             j.embedded ? &(*item.lines)[i] : nullptr,
             j.left,
+            j.neighbour.get(),
             item.locator.get(),
             item.dof_offsets};
   }
@@ -233,6 +248,63 @@ class JoinEdgeFactory {
     DofOffsets dof_offsets;
   };
   std::vector<Item> items_;
+};
+
+// An equation Σ coefficient · q + constant = 0 for the dofs q, the same for x, y and z but for the
+// constant. It collects terms of both sides of a join; those of given surfaces are constant.
+class JoinRow {
+ public:
+  // These add factor · y or factor · dx/dt of a side at the k-th vertex or the midpoint of the k-th
+  // edge of a mesh-aligned line.
+  void across(const JoinEdge& side, int k, double factor) {
+    if (side.neighbour())
+      constant_ += factor * side.neighbour_across(side.fraction(k));
+    else
+      side.add_across(k, factor, entries_);
+  }
+  void along(const JoinEdge& side, int k, double factor) { side.add_along(k, factor, entries_); }
+  void across_middle(const JoinEdge& side, int k, double factor) {
+    if (side.neighbour())
+      constant_ += factor * side.neighbour_across(0.5 * (side.fraction(k) + side.fraction(k + 1)));
+    else
+      side.add_across_middle(k, factor, entries_);
+  }
+  void along_middle(const JoinEdge& side, int k, double factor) {
+    side.add_along_middle(k, factor, entries_);
+  }
+  // Adds across · y + along · dx/dt of a side at a fraction of the line.
+  void at(const JoinEdge& side, double f, double across, double along) {
+    if (side.neighbour()) {
+      constant_ += across * side.neighbour_across(f);
+      across = 0;
+    }
+    if (across != 0 || along != 0) side.add_at(f, across, along, 0, entries_);
+  }
+  // Adds factor · x of a face of the model at a fraction of the line.
+  void position(const JoinEdge& side, double f, double factor) {
+    side.add_at(f, 0, 0, factor, entries_);
+  }
+  // Multiplies the equation by a factor.
+  void scale(double factor) {
+    for (auto& e : entries_) e.coefficient *= factor;
+    constant_ *= factor;
+  }
+  // The entries, one per dof, ascending.
+  ConstraintEntries entries() const {
+    std::map<int, double> sum;
+    for (const auto& e : entries_) sum[e.dof] += e.coefficient;
+    ConstraintEntries all;
+    for (const auto& [dof, coefficient] : sum) all.push_back({dof, coefficient});
+    return all;
+  }
+  const Vec3& constant() const { return constant_; }
+  void add_to(ConstraintSet& set, const std::string& name) const {
+    set.add(name, entries(), -constant_);
+  }
+
+ private:
+  ConstraintEntries entries_;
+  Vec3 constant_ = Vec3::Zero();
 };
 
 // A Gauss point of a hat function over fractions of a line, with the hat's weight. `fraction`:

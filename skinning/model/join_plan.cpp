@@ -234,7 +234,9 @@ class JoinPlanner {
     JoinEnd set;
     for (size_t s = 0; s < 2; ++s) {
       const JoinEdge side = sides_(sides[s]);
-      if (side.embedded()) {
+      if (side.neighbour()) {
+        y[s] = side.neighbour_across(end);
+      } else if (side.embedded()) {
         const LineContinuation other = continuation_at(*regions_[sides[s].region], side, end);
         straight = straight && other.straight;
         known = known && other.y;
@@ -268,7 +270,7 @@ class JoinPlanner {
 
  private:
   const Points& shape(const JoinSide& j) const { return shapes_[j.region]; }
-  bool is_free(const JoinSide& j, int v) const { return !corner_[j.region][v]; }
+  bool is_free(const JoinSide& j, int v) const { return !j.neighbour && !corner_[j.region][v]; }
   static Vec3 end_across(const JoinEdge& edge, const Points& q, int end) {
     return edge.across(q, end ? edge.count() - 1 : 0);
   }

@@ -160,9 +160,9 @@ bool ModelLayout::against(const ModelLine& line, const LineSide& side) const {
   return runs_against(side) != runs_against(line.sides.front());
 }
 
-SparseMatrix ModelLayout::join_stiffness() const {
-  return batten::join_stiffness(layouts(), dof_offsets_, join_plans_, size(),
-                                static_cast<int>(position_dofs().size()));
+JoinPenalty ModelLayout::join_penalty() const {
+  return batten::join_penalty(layouts(), dof_offsets_, join_plans_, size(),
+                              DofMap(*mesh_).count());
 }
 
 const JoinPlan* ModelLayout::join_plan(const std::string& line) const {
@@ -198,14 +198,14 @@ ConstraintSet ModelLayout::gather(ConstraintSet (RegionLayout::*rows)() const,
 }
 
 ConstraintSet ModelLayout::line_constraints() const {
-  if (region_count() == 1) return region(0).line_constraints();
+  if (region_count() == 1 && join_plans_.empty()) return region(0).line_constraints();
   ConstraintSet all = gather(&RegionLayout::line_constraints, false);
   add_join_constraints(layouts(), dof_offsets_, join_plans_, false, all);
   return all;
 }
 
 ConstraintSet ModelLayout::corner_constraints() const {
-  if (region_count() == 1) return region(0).corner_constraints();
+  if (region_count() == 1 && join_plans_.empty()) return region(0).corner_constraints();
   ConstraintSet all = gather(&RegionLayout::corner_constraints, true);
   if (all.constraints().empty())
     throw InputError("model '" + name() + "' has no corners; boundary = \"corners\" needs some");
@@ -236,7 +236,9 @@ VecX ModelLayout::position_dofs() const {
 std::vector<int> ModelLayout::dof_order() const {
   if (region_count() == 1) return nested_dissection_order(*mesh_);
   if (std::any_of(join_plans_.begin(), join_plans_.end(),
-                  [](const JoinPlan& plan) { return !plan.rejected(); }))
+                  [](const JoinPlan& plan) {
+                    return !plan.rejected() && !plan.join_line.neighbour();
+                  }))
     return {};
   std::vector<int> order;
   for (int r = 0; r < region_count(); ++r)
@@ -335,14 +337,18 @@ Points ModelLayout::nearest_shape(const std::vector<SurfaceStiffness>& materials
     assembler.stiffness(scaled, K);
   const VecX ones = position_dofs();
   const Points about_origin = ones * origin().transpose();
-  const Points F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
+  Points F = Points::Zero(ones.size(), 3);
+  if (!wanted.isZero(0)) F = K.selfadjointView<Eigen::Lower>() * Points(wanted - about_origin);
   // The join penalty applies to the shape itself, so it is added after the load is computed.
   double beta = 0;
   for (const SurfaceStiffness& m : materials) beta = std::max(beta, (m.beta[0] + m.beta[2]) / 2);
-  if (const SparseMatrix joins = join_stiffness(); joins.nonZeros() > 0) K += beta * joins;
+  if (const JoinPenalty joins = join_penalty(); joins.stiffness.nonZeros() > 0) {
+    K += beta * joins.stiffness;
+    F += beta * joins.load;
+  }
   const ConstrainedSolver solver(line_constraints().translated(ones, origin()), std::move(K),
                                  dof_order());
-  return solver.solve(wanted.isZero(0) ? Points(Points::Zero(ones.size(), 3)) : F) + about_origin;
+  return solver.solve(F) + about_origin;
 }
 
 // Edits are made on copies of the regions, which replace the originals only if nothing was thrown.

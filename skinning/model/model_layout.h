@@ -136,10 +136,10 @@ class ModelLayout {
   /// constraints that keep faces together along shared curves, named "joined curve NAME"; and those
   /// of smooth joins. Throws InputError for a model without corners.
   ConstraintSet corner_constraints() const;
-  /// The matrix that penalises angles at all smooth joins on embedded curves (join_stiffness() in
-  /// join.h), for the isotropic bending stiffness β = 1 and the model scaled to size 1. Add β times
-  /// this matrix to the bending stiffness matrix.
-  SparseMatrix join_stiffness() const;
+  /// The penalty on angles at all smooth joins on embedded curves (join_penalty() in join.h), for
+  /// the isotropic bending stiffness β = 1 and the model scaled to size 1. Add β times its matrix to
+  /// the bending stiffness matrix, and β times its load to the right-hand side.
+  JoinPenalty join_penalty() const;
   /// A vector over the dofs of one coordinate: 1 at vertex positions (w), 0 at derivatives.
   VecX position_dofs() const;
   /// A fill-reducing ordering of all dofs. Empty if joins couple faces, because an ordering

@@ -308,6 +308,7 @@ bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan) {
   if (plan.rejected()) return false;
   const JoinLine& line = plan.join_line;
   if (line.curvature) return *line.curvature;
+  if (line.neighbour()) return false;
   if (line.sides[0].embedded || line.sides[1].embedded) return true;
   constexpr double kStraightCosine = -0.9, kMinCrossingSine = 0.3;  // cosine; sine
   constexpr double kMinTurningAngle = 0.2;                          // radians
@@ -354,6 +355,8 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout) {
           point.at[s] = layout.to_model_location(line.sides[s].region, sides[s].where(f));
           point.direction[s] = sides[s].along_uv(f);
         }
+        if (const NeighbourEdge* neighbour = line.neighbour())
+          point.given = {neighbour->into(f, sides[1].slope(f)), neighbour->curvature(f)};
         point.weight = gauss.weights[g] * (at[k + 1] - at[k]) * sides[0].span();
       }
   }
@@ -361,6 +364,13 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout) {
 }
 
 namespace {
+
+bool continues_neighbours(const ModelLayout& layout) {
+  return std::any_of(layout.join_plans().begin(), layout.join_plans().end(),
+                     [](const JoinPlan& plan) {
+                       return !plan.rejected() && plan.join_line.neighbour();
+                     });
+}
 
 // Edge-aligned outline and hole lines that are no smooth joins, as vertices of the model.
 std::vector<std::vector<int>> outline_sides(const ModelLayout& layout) {
@@ -396,7 +406,7 @@ MinimumVariationSurface fair_shape(const ModelLayout& layout, const Points& star
   }
   if (corners)
     options.sides = outline_sides(layout);
-  else if (!inner_lines)
+  else if (!inner_lines && !continues_neighbours(layout))
     options.gauss = 100;
   options.joins = curvature_join_points(layout);
   // Near the origin, to reduce round-off of coordinates.

@@ -144,7 +144,7 @@ LoftedModel loft_model(std::shared_ptr<const ModelLayout> layout,
 ///     Σ |κ_A - κ_B| > ½ Σ max(|κ_A|, |κ_B|),
 ///
 /// for example between a cylinder and its cap. It is made continuous if no curves continue each
-/// other across the join. False for a rejected join.
+/// other across the join. False for a rejected join, and for one with a given surface.
 bool is_curvature_continuous(const ModelLayout& layout, const JoinPlan& plan);
 
 /// Computes sample points on all curvature-continuous joins, and on all smooth joins on embedded
@@ -159,7 +159,8 @@ std::vector<JoinPoint> curvature_join_points(const ModelLayout& layout);
 /// Computes the minimum-variation surface of a model under the given constraints, by descent from
 /// `start`. It calls minimize_curvature_variation() with the sides of all faces, and with a
 /// suitable weight of the Gaussian curvature (MinimumVariationOptions::gauss). This weight is 100
-/// if no face has corners or inner curves: annuli then become cylinders and cones if possible.
+/// if no face has corners, inner curves or given neighbours: annuli then become cylinders and cones
+/// if possible.
 ///
 /// For a model with annuli, loft_shape() is a second initial shape, which prevents long tubes from
 /// being pinched, unless `options` specifies other initial shapes. Smooth joins stay smooth, and

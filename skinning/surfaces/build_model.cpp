@@ -50,7 +50,8 @@ class ModelBuilder {
       return one_region(specified_sections());
     }
     progress_.update("network", 0);
-    const bool specs = !options_.search.specs.empty() || !options_.model.joins.empty();
+    const bool specs = !options_.search.specs.empty() || !options_.model.joins.empty() ||
+                       !options_.model.neighbours.empty();
     if (!specs && outlines_bound_one_region()) return one_region({});
     BuiltModel made;
     made.network.emplace(build_network(lines_, options_, progress_));

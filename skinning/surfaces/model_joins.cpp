@@ -272,7 +272,7 @@ bool all_same(const Items& a, const Items& b, const Same& same) {
 }
 
 auto numbers_of(const JoinSide& side) {
-  return std::tie(side.region, side.embedded, side.line, side.left);
+  return std::tie(side.region, side.embedded, side.line, side.left, side.neighbour);
 }
 
 bool same_end(const JoinEnd& a, const JoinEnd& b) {
@@ -365,7 +365,8 @@ double estimate(const CurveNetwork& network, const RegionMaker& maker,
                 const JoinLine& join_line) {
   const JoinQuality angle = angle_of(regions, join_line);
   const auto rest_shapes = [&](int r) { return maker.rest_shapes()[r].rows() > 0; };
-  if (std::all_of(join.regions.begin(), join.regions.end(), rest_shapes)) return angle.mean_deg;
+  if (join.neighbour || std::all_of(join.regions.begin(), join.regions.end(), rest_shapes))
+    return angle.mean_deg;
   constexpr double kOfEnd = 0.4;  // weight of an end at which the angle is known
   double sum = 0, known_weight = 0;
   for (const bool end : {false, true}) {
@@ -435,9 +436,20 @@ std::map<int, SpecKind> specs_of(const CurveNetwork& network, const ModelOptions
   return specs;
 }
 
+// Adds the line of the join that comes next in the classification.
+void add_join_line(const ModelJoin& join, const JoinSide& one, const JoinSide& two,
+                   const SpecKind* spec, JoinClassification& classification) {
+  JoinLine& line = classification.join_lines.emplace_back(JoinLine{join.line, {one, two}});
+  if (spec && *spec != SpecKind::Crease && *spec != SpecKind::Smooth)
+    line.curvature = *spec == SpecKind::Curvature;
+  classification.join_of.push_back(isize(classification.joins));
+}
+
 // Adds the join of one network edge, and a join line if its two regions can be joined.
-void add_join(int edge, const std::string& name, const RegionMaker& maker, const SpecKind* spec,
+void add_join(int edge, const CurveNetwork& network, const RegionMaker& maker,
+              const ModelOptions& options, const SpecKind* spec,
               JoinClassification& classification) {
+  const std::string& name = network.edges()[edge].name;
   const std::vector<EdgeUse>& uses = maker.sides(edge);
   if (uses.empty()) return;
   ModelJoin join;
@@ -449,15 +461,20 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
                                  : ModelJoin::Kind::NonManifold;
   join.requested = spec != nullptr;
   const bool smooth = spec && *spec != SpecKind::Crease;
-  if (smooth && uses.size() != 2)
+  if (uses.size() == 1 && !options.neighbours.empty() && maker.prescribed(edge))
+    join.neighbour = NeighbourEdge::along(
+        maker.prescribed(edge)->curve, options.neighbours,
+        options.neighbour_tolerance > 0 ? options.neighbour_tolerance : network.tolerance());
+  if (join.neighbour) {
+    if (const auto side = maker.side_of(uses[0], edge))
+      add_join_line(join, *side, beside(*side, join.neighbour), spec, classification);
+  } else if (smooth && uses.size() != 2)
     join.why = "it belongs to " + std::to_string(uses.size()) +
                (uses.size() == 1 ? " face" : " faces") + ", expected two";
   if (uses.size() == 2) {
     const auto one = maker.side_of(uses[0], edge), two = maker.side_of(uses[1], edge);
     if (one && two) {
-      JoinLine& line = classification.join_lines.emplace_back(JoinLine{name, {*one, *two}});
-      if (smooth && *spec != SpecKind::Smooth) line.curvature = *spec == SpecKind::Curvature;
-      classification.join_of.push_back(isize(classification.joins));
+      add_join_line(join, *one, *two, spec, classification);
     } else if (smooth) {
       join.why = !maker.layouts()[uses[0].region] || !maker.layouts()[uses[1].region]
                      ? "one of its faces could not be skinned"
@@ -468,6 +485,12 @@ void add_join(int edge, const std::string& name, const RegionMaker& maker, const
 }
 
 }  // namespace
+
+JoinSide beside(JoinSide side, std::shared_ptr<const NeighbourEdge> neighbour) {
+  side.left = !side.left;
+  side.neighbour = std::move(neighbour);
+  return side;
+}
 
 JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,
                      const std::array<bool, 2>& open) {
@@ -486,7 +509,7 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
   JoinClassification classification;
   for (size_t a = 0; a < network.edges().size(); ++a) {
     const auto spec = specs.find(static_cast<int>(a));
-    add_join(static_cast<int>(a), network.edges()[a].name, maker,
+    add_join(static_cast<int>(a), network, maker, options,
              spec == specs.end() ? nullptr : &spec->second, classification);
   }
   const std::vector<double> estimates = estimate_chains(network, maker, regions, classification);
@@ -496,8 +519,10 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
     ModelJoin& join = classification.joins[classification.join_of[s]];
     join.initial_deg = estimates[s];
     const auto spec = specs.find(join.edge);
+    const double crease_angle_deg =
+        join.neighbour ? options.neighbour_crease_angle_deg : options.crease_angle_deg;
     if (spec != specs.end() ? spec->second == SpecKind::Crease
-                            : !(join.initial_deg < options.crease_angle_deg))
+                            : !(join.initial_deg < crease_angle_deg))
       continue;
     smooth.push_back(classification.join_lines[s]);
     join_of.push_back(classification.join_of[s]);

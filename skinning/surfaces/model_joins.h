@@ -80,6 +80,9 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
                                   const ModelOptions& options,
                                   const std::vector<ModelRegion>& regions);
 
+/// The side of a join that is a given surface: the opposite side of the edge, seen from `side`.
+JoinSide beside(JoinSide side, std::shared_ptr<const NeighbourEdge> neighbour);
+
 /// Measures the angle between the current shapes of the two regions along a join line. `open`: ends
 /// of the line that are creases.
 JoinQuality angle_of(const std::vector<ModelRegion>& regions, JoinLine join_line,

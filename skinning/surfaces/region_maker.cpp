@@ -416,6 +416,28 @@ bool RegionMaker::lay_out_without_rest_shape(int region) {
   return true;
 }
 
+bool RegionMaker::drop_rest_shape_if_better(
+    int region, const std::function<double(const SkinnedRegion&)>& misfit) {
+  constexpr double kBetter = 0.8, kNotMuchWorse = 2;
+  const auto r = static_cast<size_t>(region);
+  if (rest_shapes_[r].rows() == 0) return false;
+  LayoutStrategy strategy = *strategies_[r];
+  strategy.skin.rest = false;
+  std::optional<LayoutCandidate> candidate;
+  try {
+    candidate = retry_layout(request_of(r), strategy, metadata(), options_.material);
+  } catch (const NoSolutionError&) {
+    return false;
+  }
+  if (!candidate) return false;
+  const double limit = layouts_[r]->corners().size() == 2 ? kNotMuchWorse : kBetter;
+  if (!(misfit(candidate->layout->region(candidate->shape)) <
+        limit * misfit(*model_.regions[r].skinned)))
+    return false;
+  take(r, std::move(*candidate));
+  return true;
+}
+
 void RegionMaker::exclude(int r, const std::string& why) {
   ModelRegion& region = model_.regions[r];
   region.rejection_reason = why;

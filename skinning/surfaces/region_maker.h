@@ -2,6 +2,7 @@
 // Lays out and solves each region of a network on its own; the first stage of skin_network().
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -41,6 +42,12 @@ class RegionMaker {
   bool lay_out_alternative(int region);
   /// Lays out a region again without its rest shape. Returns false if it had none.
   bool lay_out_without_rest_shape(int region);
+  /// Lays out a region again without its rest shape if that reduces `misfit` to less than 0.8 of
+  /// its value. For a region with two corners, twice the value suffices: the sweep between its two
+  /// sides is singular at the corners, where its elements cannot follow given tangent planes.
+  /// Returns true if the rest shape was dropped.
+  bool drop_rest_shape_if_better(int region,
+                                 const std::function<double(const SkinnedRegion&)>& misfit);
   /// Excludes a region afterwards; `why` becomes its rejection reason.
   void exclude(int region, const std::string& why);
   /// Bisects the vertex spacing of a network edge, for the next lay_out().
@@ -55,6 +62,10 @@ class RegionMaker {
   const std::vector<Points>& rest_shapes() const { return rest_shapes_; }
   /// Uses of a network edge by regions.
   const std::vector<EdgeUse>& sides(int edge) const { return orientation_.sides[edge]; }
+  /// The C1 cubic curve of a network edge; null if no face uses the edge.
+  const std::shared_ptr<const PrescribedCurve>& prescribed(int edge) const {
+    return prescribed_[edge];
+  }
   /// Side of the edge in the current shape of the region that uses it; empty if the region does not
   /// have the edge on its boundary.
   std::optional<JoinSide> side_of(const EdgeUse& use, int edge) const;

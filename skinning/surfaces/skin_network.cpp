@@ -56,6 +56,8 @@ class ModelMaker {
     // 3. Classify edges as creases or smooth joins.
     JoinClassification classification =
         classify_joins(network_, regions_, options_, model_.regions);
+    if (drop_misleading_rest_shapes(classification.joins))
+      classification = classify_joins(network_, regions_, options_, model_.regions);
     model_.joins = std::move(classification.joins);
     join_lines_ = std::move(classification.join_lines);
     join_of_ = std::move(classification.join_of);
@@ -67,6 +69,27 @@ class ModelMaker {
 
  private:
   ModelJoin& join_of(size_t join_line) { return model_.joins[join_of_[join_line]]; }
+
+  // Rest shapes follow from the boundary curves alone. If the shape of least energy continues the
+  // given surfaces beside a region better than its rest shape, it gets none. Returns true if there
+  // are any.
+  bool drop_misleading_rest_shapes(const std::vector<ModelJoin>& joins) {
+    std::map<int, std::vector<const ModelJoin*>> of_region;
+    for (const ModelJoin& join : joins)
+      if (join.neighbour) of_region[join.regions[0]].push_back(&join);
+    bool any = false;
+    for (const auto& [region, beside_it] : of_region)
+      any = regions_.drop_rest_shape_if_better(region, [&](const SkinnedRegion& made) {
+        double sum = 0;
+        for (const ModelJoin* join : beside_it)
+          if (const auto side = side_of(made, 0, join->line))
+            sum += network_.edges()[join->edge].length *
+                   measure_join({&made}, {join->line, {*side, beside(*side, join->neighbour)}})
+                       .mean_deg;
+        return sum;
+      }) || any;
+    return any;
+  }
 
   // Solves the groups of regions that smooth joins connect, and halves edges along joins above the
   // tolerance. Starts again if a join turns out to be worse than a crease.
@@ -154,9 +177,11 @@ class ModelMaker {
   void find_sides_again() {
     for (size_t s = 0; s < join_lines_.size(); ++s) {
       const int edge = join_of(s).edge;
-      for (size_t k = 0; k < 2; ++k)
+      for (size_t k = 0; k < regions_.sides(edge).size(); ++k)
         if (const auto side = regions_.side_of(regions_.sides(edge)[k], edge))
           join_lines_[s].sides[k] = *side;
+      if (const auto& neighbour = join_of(s).neighbour)
+        join_lines_[s].sides[1] = beside(join_lines_[s].sides[0], neighbour);
     }
   }
 
@@ -622,6 +647,7 @@ void take_quality(ModelJoin& join, const JoinQuality& quality) {
   join.max_deg = quality.max_deg;
   join.max_inside_deg = quality.max_inside_deg;
   join.max_gap = quality.max_gap;
+  join.mean_deg = quality.mean_deg;
   join.median_curvature_jump = quality.median_curvature_jump;
   join.max_curvature_jump = quality.max_curvature_jump;
 }
@@ -645,15 +671,16 @@ void measure_joins(SurfaceModel& model, const std::vector<const SkinnedRegion*>&
         join.curvature = is_curvature_continuous(*model.layout, *plan);
         return;
       }
-      join.kind = ModelJoin::Kind::Crease;
+      join.kind = join.neighbour ? ModelJoin::Kind::FreeEdge : ModelJoin::Kind::Crease;
       if (plan) join.why = plan->rejection_reason;
     }
-    if (join.kind != ModelJoin::Kind::Crease) return;
+    if (join.kind != ModelJoin::Kind::Crease && !join.neighbour) return;
     std::array<std::optional<JoinSide>, 2> sides;
-    for (size_t k = 0; k < 2; ++k) {
+    for (size_t k = 0; k < join.regions.size(); ++k) {
       const int r = model.regions[join.regions[k]].layout_index;
       if (r >= 0) sides[k] = side_of(*made[r], r, join.line);
     }
+    if (join.neighbour && sides[0]) sides[1] = beside(*sides[0], join.neighbour);
     take_quality(join, sides[0] && sides[1]
                            ? measure_join(made, {join.line, {*sides[0], *sides[1]}})
                            : JoinQuality{});

@@ -11,6 +11,7 @@
 #include "batten/fem/curves/bspline.h"
 #include "batten/fem/curves/hermite_curve.h"
 #include "batten/skinning/model/model_layout.h"
+#include "batten/skinning/model/neighbour_edge.h"
 #include "batten/skinning/region/skinned_region.h"
 #include "batten/skinning/search/regions.h"
 #include "batten/skinning/surfaces/fitted_primitive.h"
@@ -49,6 +50,16 @@ struct ModelOptions {
   /// Tolerance of smooth joins, degrees: mesh edges along a smooth join are halved until the angle
   /// between the normals of the two faces is smaller.
   double join_tolerance_deg = 0.1;
+  /// Edges of given surfaces. A free edge of the model that lies on one of them is joined to the
+  /// given surface: as its JoinSpec states, or else smoothly (G1) if the initial face meets the
+  /// given surface at an angle below `neighbour_crease_angle_deg`.
+  std::vector<NeighbourCurve> neighbours;
+  /// Crease angle at given surfaces, degrees. It is larger than crease_angle_deg, because the
+  /// initial face does not know the given surface.
+  double neighbour_crease_angle_deg = 60;
+  /// Largest distance between an edge and the edge of its given surface, model units; 0: the
+  /// tolerance of gaps in the network.
+  double neighbour_tolerance = 0;
   int max_join_rounds = 3;  ///< largest number of refinement rounds along smooth joins
   bool rest = true;         ///< true: rest shapes; false: flat rest state
 };
@@ -58,7 +69,9 @@ struct ModelJoin {
   enum class Kind {
     FreeEdge,    ///< free (boundary) edge: one face
     Crease,      ///< G0: two faces share the edge
-    Smooth,      ///< G1: two faces share the edge and have the same tangent planes there
+    /// G1: two faces share the edge and have the same tangent planes there, or one face has those
+    /// of a given surface.
+    Smooth,
     NonManifold  ///< three or more faces share the edge
   };
   /// Index into CurveNetwork::edges().
@@ -67,6 +80,8 @@ struct ModelJoin {
   /// Indices into SurfaceModel::regions. A face that meets itself at the edge is listed twice.
   std::vector<int> regions;
   Kind kind = Kind::FreeEdge;
+  /// The given surface at this edge, or null. `regions` then has one entry.
+  std::shared_ptr<const NeighbourEdge> neighbour = {};
   bool requested = false;  ///< true: the user specified `kind` by a JoinSpec
   /// Reason why an edge that was planned as a smooth join became a crease; "" if it did not.
   std::string why;
@@ -86,6 +101,8 @@ struct ModelJoin {
   /// curvature perpendicular to the edge (1/length): median and maximum. Measured for creases and
   /// smooth joins.
   double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
+  /// Mean angle along the edge, degrees; measured for creases and smooth joins.
+  double mean_deg = 0;
   /// True if the domains of both faces unfold into one plane across the edge. The surface is then
   /// C1 across the edge up to rounding, as it is inside a face.
   bool one_domain = false;

@@ -48,7 +48,9 @@ class TargetFitIterations {
       mean += epsilon * h2 * h2 / count;
     }
     assembler_.stiffness(layout_->scale_to_regions(std::move(materials)), bending_);
-    bending_ += mean * layout_->join_stiffness();
+    const JoinPenalty joins = layout_->join_penalty();
+    bending_ += mean * joins.stiffness;
+    join_load_ = mean * joins.load;
     const ConstraintSet rows = layout_->line_constraints().translated(ones_, layout_->origin());
     if (solver_)
       solver_->update(rows, mass_ + bending_);
@@ -73,7 +75,7 @@ class TargetFitIterations {
         },
         4);
     const Points own = dofs - about_origin_;
-    const Points moved = solver_->solve(pull + mass_.selfadjointView<Eigen::Lower>() * own);
+    const Points moved = solver_->solve(pull + join_load_ + mass_.selfadjointView<Eigen::Lower>() * own);
     max_displacement_ = 0;
     for (int v = 0; v < layout_->mesh()->vertex_count(); ++v)
       max_displacement_ = std::max(max_displacement_, (moved.row(3 * v) - own.row(3 * v)).norm());
@@ -196,6 +198,7 @@ class TargetFitIterations {
   VecX scale_, ones_;
   std::vector<double> bending_factors_;  // by triangle; factors of ε
   Points about_origin_;
+  Points join_load_;  // of the penalty on angles at given surfaces
   SparseMatrix mass_, bending_;
   std::optional<ConstrainedSolver> solver_;
   double max_displacement_ = 0;
