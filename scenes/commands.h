@@ -86,6 +86,28 @@ std::optional<ViewReport> view_cad_faces(const std::filesystem::path& cad, const
 Scene scene_of_target(const std::filesystem::path& target,
                       const std::vector<std::filesystem::path>& lines, const std::string& unit);
 
+// Openings: `batten fill`.
+
+/// Input of `batten fill`.
+struct FillTask {
+  std::string unit = "mm";
+  /// Names of the faces that are used, and of those that are replaced ("face 1" …); empty: all, none.
+  std::vector<std::string> faces, replaced;
+  /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
+  std::vector<int> openings;
+  std::string continuity;  ///< "G0", "G1" or "G2"; empty: automatic
+  /// Files of curves inside the openings, through which the new faces pass.
+  std::vector<std::filesystem::path> inner;
+  double edge_length = 0;     ///< length of element edges, model units; 0: automatic
+  bool patches_only = false;  ///< true: the STEP file contains only the new faces
+  bool step_curves = false, step_ap242 = false;  ///< as Scene::step_lines and Scene::step_ap242
+};
+/// Fills the openings between the faces of a CAD file with faces that continue these faces:
+/// run_scene() with a scene of one [[neighbour]], which is also written, as NAME-filled.toml. Throws
+/// as run_scene() does.
+Report run_fill(const std::filesystem::path& part, const FillTask& task,
+                const std::filesystem::path& folder, const Progress& progress = {});
+
 // Sculpting: `batten sculpt`.
 
 /// Operations of `batten sculpt`.

@@ -2,6 +2,7 @@
 #include "batten/apps/cli/commands.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <string>
 
@@ -812,6 +813,75 @@ Command add_fit(CommandLine& program, CommonOptions& common) {
             task.step_ap242 = arguments->step.ap242;
             const auto report =
                 run_fit(arguments->target, task, arguments->out, terminal_progress(common.quiet));
+            return print_result(report, summary(report, arguments->out), common);
+          }};
+}
+
+// `batten fill`.
+namespace {
+
+struct FillArguments {
+  std::string part, out;
+  std::vector<std::string> inner;
+  std::vector<double> openings;
+  FillTask task;
+  StepFileArguments step;
+};
+
+}  // namespace
+
+Command add_fill(CommandLine& program, CommonOptions& common) {
+  const auto arguments = std::make_shared<FillArguments>();
+  FillArguments& a = *arguments;
+  Subcommand subcommand = program.command(
+      "fill", kSurfaces, "fill the openings of a CAD model, tangent to the faces beside them");
+  subcommand.option("PART", a.part, "CAD file with the faces: .step .iges .brep").required();
+  add_out(subcommand, a.out);
+  add_unit(subcommand, a.task.unit, "length unit of the results");
+  subcommand.group("Openings");
+  subcommand
+      .option("--opening NUMBER", a.openings,
+              "opening to fill, 1 is the longest; without this option, all but outer boundaries")
+      .allow_repeated();
+  subcommand
+      .option("--replace FACE", a.task.replaced,
+              "face to replace, such as \"face 3\" in file order; its boundary is an opening")
+      .allow_repeated();
+  subcommand
+      .option("--face FACE", a.task.faces, "use only this face and others named so, not all faces")
+      .allow_repeated();
+  subcommand.option("--inner FILE", a.inner, "file of curves through which the new faces pass")
+      .allow_repeated();
+  subcommand.group("Surface");
+  subcommand
+      .option("--continuity WHICH", a.task.continuity,
+              "continuity with the faces beside an opening: common edges, tangent planes, or "
+              "curvature")
+      .one_of({"G0", "G1", "G2"})
+      .default_text("G1, and G0 at angles above 60 degrees");
+  add_edge_length(subcommand, a.task.edge_length, "1/20 of the size of a single face");
+  subcommand.group("Output");
+  subcommand.flag("--new-faces-only", a.task.patches_only,
+                  "write only the new faces to STEP, not those of the part");
+  add_step_options(subcommand, a.step);
+  add_common(subcommand, common);
+  subcommand.example("batten fill part.step --out out/part",
+                     "a CAD model of yours becomes a closed solid");
+  subcommand.example("batten fill part.step --replace \"face 3\" --continuity G2 --out out/part",
+                     "one face is replaced by a face with continuous curvature");
+  return {subcommand, [arguments, &common] {
+            FillTask& task = arguments->task;
+            task.inner.assign(arguments->inner.begin(), arguments->inner.end());
+            for (const double number : arguments->openings) {
+              if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
+                throw InputError("--opening: found " + format_number(number) +
+                                 ", expected the number of an opening, from 1");
+              task.openings.push_back(static_cast<int>(number));
+            }
+            task.step_curves = arguments->step.lines;
+            task.step_ap242 = arguments->step.ap242;
+            const auto report =
+                run_fill(arguments->part, task, arguments->out, terminal_progress(common.quiet));
             return print_result(report, summary(report, arguments->out), common);
           }};
 }

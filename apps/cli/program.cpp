@@ -36,11 +36,18 @@ archive of Batten; in an installed package, to a copy of /usr/share/doc/batten.
 Program::Program(CommonOptions& common)
     : line("batten", "Smooth surfaces from curves, morphing of meshes, and shell analysis.",
            version_text(), kFooter),
-      commands{add_run(line, common),      add_skin(line, common),
-               add_fit(line, common),      add_sculpt(line, common),
-               add_stress(line, common),   add_deform(line, common),
-               add_sequence(line, common), add_fair(line, common),
-               add_convert(line, common),  add_info(line),
-               add_view(line, common),     add_run_script(line, common)} {}
+      commands{add_run(line, common),
+               add_skin(line, common),
+               add_fit(line, common),
+               add_fill(line, common),
+               add_sculpt(line, common),
+               add_stress(line, common),
+               add_deform(line, common),
+               add_sequence(line, common),
+               add_fair(line, common),
+               add_convert(line, common),
+               add_info(line),
+               add_view(line, common),
+               add_run_script(line, common)} {}
 
 }  // namespace batten

@@ -154,6 +154,8 @@ void replace(CadFile& cad, const TopoDS_Shape& shape,
   cad.labels = std::move(labels);
 }
 
+}  // namespace
+
 void merge_coincident_edges(CadFile& cad) {
   const int free_edges = free_edges_of(cad.shape).Extent();
   if (cad.faces.Extent() < 2 || free_edges == 0) return;
@@ -179,6 +181,8 @@ void merge_coincident_edges(CadFile& cad) {
                                           : old;
   });
 }
+
+namespace {
 
 void divide_at_creases(CadFile& cad) {
   bool any = false;

@@ -90,10 +90,13 @@ bool is_seam(const TopoDS_Edge& edge, const TopoDS_Face& face);
 /// one loop to the other, it bends by less than their radius.
 bool is_tube(const TopoDS_Face& face);
 
-/// Merges coincident edges, splits faces at creases and divides closed faces.
+/// Merges coincident edges of faces that have edges of their own, as in IGES files: edges within 1e-5
+/// of the model size of each other. Does nothing if no free edges coincide.
+void merge_coincident_edges(CadFile& cad);
+
+/// Merges coincident edges (merge_coincident_edges()), splits faces at creases and divides closed faces.
 ///
-/// Faces that have edges of their own, as in IGES files, share edges that lie within 1e-5 of the
-/// model size of each other. Faces are then split along the curves where their surface is only C0
+/// Faces are split along the curves where their surface is only C0
 /// (knots as multiple as the degree). There the surface may have an angle like at an edge, so a
 /// curve is needed. Faces with a seam other than tubes (spheres, tori, cones with an apex, cylinders
 /// with holes) are divided along isoparametric curves, so that no part has the same curve on both

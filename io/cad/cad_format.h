@@ -5,10 +5,12 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "batten/fem/curves/bspline.h"
+#include "batten/skinning/model/neighbour_edge.h"
 #include "batten/skinning/surfaces/fitted_primitive.h"
 
 namespace batten {
@@ -58,6 +60,9 @@ struct StepFaceOptions {
   /// Primitives of model faces, by name, if they are known: used instead of fitted ones where the
   /// surface lies within `tolerance` of them.
   std::map<std::string, FittedPrimitive> primitives = {};
+  /// The given surfaces that faces continue with tangent planes, by the name of the curve between
+  /// them. The fitted faces have the tangent planes of these surfaces within `join_deg`.
+  std::map<std::string, std::shared_ptr<const NeighbourEdge>> neighbours = {};
   int max_poles = 400;  ///< maximum number of poles of a face in u, and in v; 16 or more
   /// Maximum number of poles of a face in total (u times v), 256 or more. A face of 60,000 poles
   /// takes about 6 MB in the file.

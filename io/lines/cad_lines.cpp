@@ -52,18 +52,12 @@
 #include "batten/io/cad/occ_settings.h"
 #include "batten/io/files/atomic_file.h"
 #include "batten/io/files/text.h"
+#include "batten/io/lines/cad_curve.h"
 
 namespace batten {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
-
-double scale_to(double model_unit_in_metres) {
-  if (!(model_unit_in_metres > 0) || !std::isfinite(model_unit_in_metres))
-    throw InputError("a model unit of " + format_number(model_unit_in_metres) +
-                     " m; expected more than 0");
-  return kMillimetre / model_unit_in_metres;
-}
 
 // ---- curves ---------------------------------------------------------------------------------
 
@@ -147,10 +141,22 @@ void add_seams(const TopoDS_Face& face, TopTools_IndexedMapOfShape& seams) {
 
 }  // namespace
 
+double millimetres_in(double model_unit_in_metres) {
+  if (!(model_unit_in_metres > 0) || !std::isfinite(model_unit_in_metres))
+    throw InputError("a model unit of " + format_number(model_unit_in_metres) +
+                     " m; expected more than 0");
+  return kMillimetre / model_unit_in_metres;
+}
+
+std::shared_ptr<const InputCurve> cad_curve(Handle(Geom_Curve) curve, double start, double end,
+                                            double scale) {
+  return std::make_shared<CadCurve>(std::move(curve), start, end, scale);
+}
+
 std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
                                           double model_unit_in_metres, bool creases,
                                           int* face_count) {
-  const double scale = scale_to(model_unit_in_metres);
+  const double scale = millimetres_in(model_unit_in_metres);
   CadFile cad = read_cad(file);
   if (face_count) *face_count = cad.faces.Extent();
   if (creases) heal_shape(cad);
@@ -167,8 +173,8 @@ std::vector<CharacterLine> read_cad_lines(const std::filesystem::path& file,
       continue;
     double start, end;
     const Handle(Geom_Curve) curve = curve_of(TopoDS::Edge(edge), start, end);
-    lines.push_back({names[e - 1], std::make_shared<CadCurve>(curve, start, end, scale),
-                     CharacterLine::Role::Outline});
+    lines.push_back(
+        {names[e - 1], cad_curve(curve, start, end, scale), CharacterLine::Role::Outline});
   }
   if (lines.empty())
     throw InputError(file.string() + ": found " + cad.found +
@@ -373,7 +379,7 @@ double distance(const std::vector<CadSurface>& faces, const Vec3& p, size_t& fir
 
 std::vector<CadSurface> read_cad_surfaces(const std::filesystem::path& file,
                                           double model_unit_in_metres) {
-  const double scale = scale_to(model_unit_in_metres);
+  const double scale = millimetres_in(model_unit_in_metres);
   const CadFile cad = read_cad(file);
   std::vector<CadSurface> result;
   for (int f = 1; f <= cad.faces.Extent(); ++f) {
@@ -468,8 +474,7 @@ namespace {
 
 /// Groups the edges of a wire into connected chains, without degenerate edges and seams.
 std::vector<std::vector<int>> chains_of(const TopoDS_Wire& wire, const TopoDS_Face& face,
-                                        const CadFile& cad,
-                                        const std::vector<std::string>& names) {
+                                        const CadFile& cad, const std::vector<std::string>& names) {
   std::vector<int> edges;
   TopTools_IndexedMapOfShape vertices;
   std::vector<std::pair<int, int>> ends;

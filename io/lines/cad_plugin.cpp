@@ -5,11 +5,12 @@
 namespace batten {
 
 const CadPlugin& linked_cad_plugin() {
-  static const CadPlugin calls{&write_step,        &write_step_faces,      &step_size_warning,
-                               &check_step,        &measure_continuity,    &read_cad_lines,
-                               &read_cad_surfaces, &read_cad_loops,        &write_cad_curves,
-                               &read_cad_contents, &convert_cad,           &tessellate_cad,
-                               &distance,          &enable_sandboxed_read, &set_thread_count};
+  static const CadPlugin calls{
+      &write_step,          &write_step_faces, &step_size_warning, &check_step,
+      &measure_continuity,  &read_cad_lines,   &read_cad_surfaces, &read_cad_loops,
+      &read_cad_neighbours, &write_cad_curves, &read_cad_contents, &convert_cad,
+      &join_cad_files,      &tessellate_cad,   &distance,          &enable_sandboxed_read,
+      &set_thread_count};
   return calls;
 }
 

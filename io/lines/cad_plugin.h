@@ -5,9 +5,11 @@
 
 #include "batten/core/parallel.h"
 #include "batten/io/cad/cad_convert.h"
+#include "batten/io/cad/cad_join.h"
 #include "batten/io/cad/continuity_report.h"
 #include "batten/io/files/input_file.h"
 #include "batten/io/lines/cad_lines.h"
+#include "batten/io/lines/cad_neighbours.h"
 #include "batten/io/step/step.h"
 
 namespace batten {
@@ -22,9 +24,11 @@ struct CadPlugin {
   decltype(&batten::read_cad_lines) read_cad_lines;
   decltype(&batten::read_cad_surfaces) read_cad_surfaces;
   decltype(&batten::read_cad_loops) read_cad_loops;
+  decltype(&batten::read_cad_neighbours) read_cad_neighbours;
   decltype(&batten::write_cad_curves) write_cad_curves;
   decltype(&batten::read_cad_contents) read_cad_contents;
   decltype(&batten::convert_cad) convert_cad;
+  decltype(&batten::join_cad_files) join_cad_files;
   decltype(&batten::tessellate_cad) tessellate_cad;
   double (*distance)(const std::vector<CadSurface>& faces, const Vec3& p, size_t& first);
   /// Functions that forward settings of the program to the plug-in module, which has its own copies

@@ -10,9 +10,10 @@
 namespace batten {
 namespace {
 
-const char* to_text(ModelJoin::Kind kind) {
+const char* to_text(const ModelJoin& join) {
   using Kind = ModelJoin::Kind;
-  return kind == Kind::FreeEdge ? "free edge"
+  const Kind kind = join.kind;
+  return kind == Kind::FreeEdge ? (join.neighbour ? "G0" : "free edge")
          : kind == Kind::Crease ? "G0"
          : kind == Kind::Smooth ? "smooth"
                                 : "non-manifold";
@@ -173,10 +174,11 @@ NetworkReport network_report(const CurveNetwork& network, const FoundRegions& fo
   report.unused_edges = names.edges(found.unused_edges);
   for (const ModelRegion& r : model.regions) report.regions.push_back(describe_region(r, names));
   for (const ModelJoin& j : model.joins)
-    report.joins.push_back({names.edge(j.edge), names.regions(j.regions), to_text(j.kind),
-                            j.requested, j.one_domain, j.open, j.initial_deg, j.max_deg,
-                            j.max_inside_deg, j.max_gap, j.median_curvature_jump,
-                            j.max_curvature_jump, j.curvature, j.why});
+    report.joins.push_back({names.edge(j.edge), names.regions(j.regions), to_text(j), j.requested,
+                            j.one_domain, j.open, j.initial_deg, j.max_deg, j.max_inside_deg,
+                            j.max_gap, j.median_curvature_jump, j.max_curvature_jump, j.curvature,
+                            j.why, j.neighbour ? j.neighbour->names() : std::vector<std::string>(),
+                            j.mean_deg});
   for (const AmbiguousRegion& c : found.ambiguous_regions)
     report.ambiguous_regions.push_back(describe_choice(c, names));
   for (const ModelShell& s : model.shells)

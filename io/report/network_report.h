@@ -54,6 +54,8 @@ struct NetworkReport {
     double max_gap = 0, median_curvature_jump = 0, max_curvature_jump = 0;
     bool curvature = false;
     std::string why;
+    std::vector<std::string> neighbours = {};  ///< given surfaces at the edge
+    double mean_deg = 0;
   };
   /// An ambiguous decision of the search for faces, with its alternatives; see AmbiguousRegion.
   struct Choice {

@@ -48,7 +48,9 @@ Json json_of(const NetworkReport::Region& r) {
 Json json_of(const NetworkReport::Join& j) {
   Json json = {
       {"edge", j.line}, {"faces", j.regions}, {"continuity", j.kind}, {"requested", j.requested}};
-  if (j.regions.size() == 2) {
+  if (!j.neighbours.empty()) json["neighbours"] = j.neighbours;
+  if (j.regions.size() == 2 || !j.neighbours.empty()) {
+    json["mean_deg"] = j.mean_deg;
     json["initial_deg"] = j.initial_deg;
     json["max_deg"] = j.max_deg;
     json["max_inside_deg"] = j.max_inside_deg;
@@ -271,6 +273,11 @@ Json json_of(const Report::Step& s, bool of_network) {
     json["faces_by_kind"] = s.faces_by_kind;
   }
   if (!s.source.empty()) json["source"] = s.source;
+  if (s.neighbours)
+    json["neighbours"] = {
+        {"file", s.neighbours->file},       {"faces", s.neighbours->faces},
+        {"edges", s.neighbours->edges},     {"smooth_edges", s.neighbours->smooth_edges},
+        {"max_gap", s.neighbours->max_gap}, {"max_smooth_deg", s.neighbours->max_smooth_deg}};
   json["edges"] = {{"G0", s.creases},
                    {"G1", s.tangent},
                    {"G2", s.curvature},

@@ -275,6 +275,16 @@ struct Report : RunReport {
     /// Name of the CAD file whose own faces the STEP file contains; empty: the faces were made from
     /// the model.
     std::string source = "";
+    /// The given faces ([[neighbour]]) that the STEP file also contains: their number and file, and
+    /// the edges between them and the faces of the model.
+    struct Neighbours {
+      std::string file;
+      int faces = 0, edges = 0;
+      int smooth_edges = 0;  ///< number of `edges` at which the faces are tangent (0.1 degrees)
+      double max_gap = 0;    ///< largest distance between the two faces at an edge, model units
+      double max_smooth_deg = 0;  ///< largest angle at the smooth edges of the model, degrees
+    };
+    std::optional<Neighbours> neighbours = {};
     int lines = 0;         ///< number of curves written in addition to the faces
     double tolerance = 0;  ///< requested tolerance of fitted faces, model units; 0: exact faces
     int poles_u = 0, poles_v = 0;

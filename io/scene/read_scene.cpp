@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MPL-2.0
 // Reads scenes of surfaces.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <initializer_list>
 #include <utility>
@@ -645,6 +646,29 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
   return target;
 }
 
+SceneNeighbour read_neighbour(const TomlTable& table, const std::filesystem::path& folder) {
+  SceneNeighbour neighbour;
+  neighbour.location = table.location("file");
+  neighbour.file = folder / table.text("file");
+  for (const auto& [key, names] :
+       {std::pair{"faces", &neighbour.faces}, {"without", &neighbour.without}})
+    if (table.has(key))
+      for (const LocatedString& name : table.strings(key)) names->push_back(name.text);
+  neighbour.continuity = table.choice("continuity", NeighbourContinuity::Automatic,
+                                      {{"auto", NeighbourContinuity::Automatic},
+                                       {"G0", NeighbourContinuity::Position},
+                                       {"G1", NeighbourContinuity::Tangent},
+                                       {"G2", NeighbourContinuity::Curvature}});
+  if (table.has("fill")) neighbour.fill = table.boolean("fill", true);
+  if (table.has("openings"))
+    for (const double number : table.list("openings")) {
+      if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
+        table.fail("openings", format_number(number), "numbers of openings, from 1");
+      neighbour.openings.push_back(static_cast<int>(number));
+    }
+  return neighbour;
+}
+
 // Rejects keys that contradict [skin] fair or have no effect with it.
 void check_fair_keys(const TomlTable& root, const SceneSkin& skin) {
   using Fair = SceneSkin::Fair;
@@ -652,7 +676,7 @@ void check_fair_keys(const TomlTable& root, const SceneSkin& skin) {
     for (const TomlTable& t : root.table("skin", skin_keys()))
       t.fail("fair", "\"" + skin.fair_name() + "\" with boundary = \"corners\"",
              "boundary = \"curves\": its curves define a fair shape");
-  if (skin.fair == Fair::Variation) return;
+  if (skin.fair == Fair::Variation || root.has("neighbour")) return;
   for (const TomlTable& t : root.tables("join", {"curves", "continuity"}))
     if (t.text("continuity") == "G2")
       t.fail("continuity", "\"G2\" for a surface that is not faired",
@@ -731,10 +755,10 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   refuse_renamed_keys(root_table, SceneKind::Surface, file.string());
   const TomlTable root(
       file.string(), root_table, "the scene",
-      {"name",       "unit",   "fit_tolerance", "corner_angle", "curve",     "curves",
-       "fair",       "face",   "join",          "skin",         "mesh",      "target",
-       "constraint", "load",   "stiffness",     "offset",       "parameter", "motion",
-       "stress",     "output", "compare",       "picture",      "sweep",     "field"});
+      {"name",    "unit",      "fit_tolerance", "corner_angle", "curve",  "curves",    "fair",
+       "face",    "join",      "skin",          "mesh",         "target", "neighbour", "constraint",
+       "load",    "stiffness", "offset",        "parameter",    "motion", "stress",    "output",
+       "compare", "picture",   "sweep",         "field"});
   const std::filesystem::path folder = file.parent_path();
   Scene scene;
   scene.file = file;
@@ -748,7 +772,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
               "less than 180 degrees");
 
   read_network(root, scene);
-  scene.lines = read_scene_lines(root, folder, true, lines_required);
+  scene.lines = read_scene_lines(root, folder, true, lines_required && !root.has("neighbour"));
   scene.fairing = read_fair_stages(root);
 
   for (const TomlTable& t : root.table("mesh", mesh_keys())) read_mesh(t, scene.skin.options);
@@ -765,6 +789,10 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
   for (const TomlTable& t :
        root.tables("target", {"file", "points", "faces", "unit", "cage", "fit_tolerance"}))
     scene.targets.push_back(read_target(t, folder, scene.skin));
+
+  for (const TomlTable& t :
+       root.tables("neighbour", {"file", "faces", "without", "continuity", "fill", "openings"}))
+    scene.neighbours.push_back(read_neighbour(t, folder));
 
   read_sculpting(root, folder, scene);
   check_fair_keys(root, scene.skin);
@@ -785,7 +813,9 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
     scene.step_tolerance = t.positive("step_tolerance", 0);
     scene.step_lines = t.boolean("step_curves", false);
     scene.step_ap242 = t.choice("step_schema", false, {{"ap214", false}, {"ap242", true}});
-    for (const char* key : {"step_form", "step_tolerance", "step_curves", "step_schema"})
+    scene.step_neighbours = t.boolean("step_neighbours", true);
+    for (const char* key :
+         {"step_form", "step_tolerance", "step_curves", "step_schema", "step_neighbours"})
       if (t.has(key) && scene.step.empty())
         t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});

@@ -122,6 +122,21 @@ struct SceneTarget {
   double tolerance = 0;
 };
 
+/// [[neighbour]]: given faces that the surface continues and that keep their shape.
+struct SceneNeighbour {
+  SourceLocation location;
+  std::filesystem::path file;  ///< CAD file
+  /// Names of the faces that are used ("face 1" …), and of those that are left out; empty: all
+  /// faces, no face.
+  std::vector<std::string> faces, without;
+  NeighbourContinuity continuity = NeighbourContinuity::Automatic;
+  /// True: openings between the faces are filled. Empty: they are if the scene has no outline curves
+  /// or if `openings` selects some.
+  std::optional<bool> fill;
+  /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
+  std::vector<int> openings;
+};
+
 /// [[constraint]]: a constraint at the point of the unloaded surface nearest to `at` (Point,
 /// Normal, Tangent), or along a curve (LineNormal).
 struct SceneConstraint {
@@ -260,6 +275,7 @@ struct Scene {
   SceneNetwork network;
   SceneSkin skin;
   std::vector<SceneTarget> targets;
+  std::vector<SceneNeighbour> neighbours;
   std::vector<SceneConstraint> constraints;
   std::vector<SceneLoad> loads;
   std::vector<SceneStiffnessField> weights;
@@ -279,6 +295,8 @@ struct Scene {
     Face,  ///< one B-spline face per face of the model, within step_tolerance
     Exact  ///< three exact bicubic faces per triangle
   } step_form = StepForm::Auto;
+  /// True: the STEP file also contains the faces of `neighbours`, sewn to those of the model.
+  bool step_neighbours = true;
   bool step_lines = false;  ///< true: the STEP file also contains the curves of the scene
   bool step_ap242 = false;  ///< true: STEP AP242; false: AP214
   /// Largest distance of the STEP faces from the surface, model units; 0: 1e-4 of the size of each

@@ -29,8 +29,8 @@ const std::vector<std::string>& mesh_keys() {
 }
 const std::vector<std::string>& output_keys() {
   static const std::vector<std::string> keys = {"step",        "step_form",   "step_tolerance",
-                                                "step_curves", "step_schema", "vtu",
-                                                "vtp",         "calculix"};
+                                                "step_curves", "step_schema", "step_neighbours",
+                                                "vtu",         "vtp",         "calculix"};
   return keys;
 }
 

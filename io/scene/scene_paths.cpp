@@ -7,8 +7,8 @@ namespace batten {
 namespace {
 
 /// Tables of a scene whose key `file` is a path.
-constexpr const char* kFileTables[] = {"curve",   "curves", "load", "target",
-                                       "compare", "select", "field"};
+constexpr const char* kFileTables[] = {"curve",     "curves",  "load",   "target",
+                                       "neighbour", "compare", "select", "field"};
 
 /// True if a relative path goes up so many levels that an absolute one is more readable.
 bool is_outside(const std::filesystem::path& relative) {

@@ -223,6 +223,11 @@ FittedFaces fitted_faces(const std::vector<const SkinnedRegion*>& regions, const
     if (failed) *failed = analytic_off_joins(made, plan, options.join_deg);
     if (failed && !failed->empty()) return made;
   }
+  for (const auto& maker : made)
+    if (!maker->analytic() && !options.neighbours.empty())
+      follow_neighbours(
+          {&maker->boundary(), [m = maker.get()](const Vec2& uv) { return m->normal(uv); }},
+          options.neighbours);
   parallel_for(isize(made), [&](int k) {
     if (made[k]->analytic()) return;
     made[k]->fit();

@@ -327,6 +327,26 @@ void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& si
   for (auto& [piece, join] : joins) set_normal_corrections(join);
 }
 
+void follow_neighbours(
+    const TangentSide& side,
+    const std::map<std::string, std::shared_ptr<const NeighbourEdge>>& neighbours) {
+  for (FaceLoop& loop : side.boundary->loops)
+    for (FaceBoundarySegment& segment : loop) {
+      const auto found = neighbours.find(segment.line);
+      if (found == neighbours.end()) continue;
+      segment.normal_corrections.assign(kPieces + 1, std::nullopt);
+      for (int k = 0; k <= kPieces; ++k) {
+        const double t =
+            segment.curve.start() + k * (segment.curve.end() - segment.curve.start()) / kPieces;
+        const Vec3 own = normal_at(segment, side, k),
+                   given = found->second->normal_near(segment.curve.evaluate(t));
+        if (own.isZero() || angle_between_planes(own, given) > kNeighbourDeg) continue;
+        segment.normal_corrections[static_cast<size_t>(k)] =
+            (given.dot(own) < 0 ? -1 : 1) * given - own;
+      }
+    }
+}
+
 namespace {
 
 /// Rows of the least-squares problem: coefficients of the unknowns, and right-hand sides.

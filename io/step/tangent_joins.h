@@ -5,12 +5,15 @@
 
 #include <array>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batten/core/eigen.h"
 #include "batten/io/step/face_boundary.h"
+#include "batten/skinning/model/neighbour_edge.h"
 
 namespace batten {
 
@@ -34,6 +37,14 @@ LineSegmentId segment_id_of(const StepPlan& plan, const FaceBoundarySegment& seg
 /// at a point. `tolerance`: allowed deviation of the faces, model units. O(segments).
 void find_tangent_joins(const StepPlan& plan, const std::vector<TangentSide>& sides,
                         double tolerance);
+
+/// Sets the normal corrections of the segments of `side` that lie on edges of given surfaces, unless
+/// the surfaces meet at more than kNeighbourDeg there. `neighbours`: by the name of the curve.
+/// O(segments).
+constexpr double kNeighbourDeg = 1;
+void follow_neighbours(
+    const TangentSide& side,
+    const std::map<std::string, std::shared_ptr<const NeighbourEdge>>& neighbours);
 
 /// The angle between two planes given by their normals, degrees in [0, 90]; the signs of the
 /// normals do not matter.

@@ -7,6 +7,7 @@
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
 #include "batten/core/parallel.h"
+#include "batten/scenes/lines/scene_neighbours.h"
 #include "batten/scenes/runs/run_support.h"
 #include "batten/skinning/network/curve_network.h"
 #include "batten/skinning/surfaces/mirror_images.h"
@@ -247,7 +248,9 @@ class SceneLines {
 }  // namespace
 
 FairedLines faired_lines(const Scene& scene, const Progress& progress) {
-  return SceneLines(scene, progress).run();
+  FairedLines faired = SceneLines(scene, progress).run();
+  for (CharacterLine& line : read_neighbours(scene).lines) faired.lines.push_back(std::move(line));
+  return faired;
 }
 
 void add_mirrored(const Scene& scene, std::vector<CharacterLine>& lines) {

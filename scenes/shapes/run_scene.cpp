@@ -232,6 +232,8 @@ std::string step_summary(const Report::Step& step, const std::string& unit) {
   return summary_line(
       "STEP",
       format_count(step.faces, "face") + kinds_of(step) +
+          (step.neighbours ? ", " + std::to_string(step.neighbours->faces) + " of them given,"
+                           : "") +
           (step.source.empty() ? "" : ", those of " + step.source + ",") + " in " +
           (step.solids ? format_count(step.solids, "solid") : format_count(step.shells, "shell")) +
           ", " + (step.valid ? "valid" : "NOT valid") + ", within " +

@@ -206,14 +206,24 @@ StepReport exact_step(Report& report, const Scene& scene, const StepFileOptions&
   return step;
 }
 
-StepReport face_step(Report& report, const Scene& scene, const StepFileOptions& words,
-                     const std::vector<const SkinnedRegion*>& regions,
+// The given surfaces at smooth joins, by the name of the curve.
+std::map<std::string, std::shared_ptr<const NeighbourEdge>> tangent_neighbours(
+    const SurfaceModel& model) {
+  std::map<std::string, std::shared_ptr<const NeighbourEdge>> all;
+  for (const ModelJoin& join : model.joins)
+    if (join.neighbour && join.kind == ModelJoin::Kind::Smooth) all[join.line] = join.neighbour;
+  return all;
+}
+
+StepReport face_step(Report& report, const Scene& scene, const BuiltModel& made,
+                     const StepFileOptions& words, const std::vector<const SkinnedRegion*>& regions,
                      const std::filesystem::path& file) {
   StepFaceOptions options;
   options.file = words;
   constexpr double usual = 1e-4;
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
   if (report.target) options.primitives = report.target->primitives;
+  options.neighbours = tangent_neighbours(made.model);
   const StepReport step =
       cad_plugin().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
   report.step->tolerance = options.tolerance;
@@ -307,6 +317,56 @@ void warn_of_joins(Report& report, const Scene& scene) {
                             format_number(worst->surface_deg) + " degrees of the surface)");
 }
 
+/// Joins the faces of the STEP file to the given faces along their common edges, one file of given
+/// faces after the other.
+void join_neighbours(Report& report, const Scene& scene, const BuiltModel& made,
+                     const std::filesystem::path& file) {
+  Report::Step& s = *report.step;
+  double apart = 0;
+  size_t smooth = 0;
+  for (const ModelJoin& join : made.model.joins) {
+    if (!join.neighbour) continue;
+    apart = std::max(apart, join.neighbour->distance());
+    smooth += join.kind == ModelJoin::Kind::Smooth;
+  }
+  CadJoinOptions options;
+  options.model_unit_in_metres = unit_in_metres(scene.unit);
+  options.tolerance = 2 * (apart + made.fit_tolerance + s.max_gap + s.tolerance);
+  options.ap242 = scene.step_ap242;
+  Report::Step::Neighbours& found = s.neighbours.emplace();
+  for (const SceneNeighbour& given : scene.neighbours) {
+    options.only = given.faces;
+    options.without = given.without;
+    const CadJoinReport joined = cad_plugin().join_cad_files(given.file, file, file, options);
+    const int before = joined.faces - joined.added;
+    found.file += (found.file.empty() ? "" : ", ") + given.file.filename().string();
+    found.faces += before;
+    s.faces = joined.faces;
+    s.solids = joined.solids;
+    s.shells = joined.shells;
+    s.valid = joined.valid;
+    s.volume = joined.volume;
+    s.free_edges = joined.continuity.free_edges;
+    using Kind = EdgeContinuity::Kind;
+    s.creases = joined.continuity.count(Kind::Crease);
+    s.tangent = joined.continuity.count(Kind::Tangent);
+    s.curvature = joined.continuity.count(Kind::Curvature);
+    s.max_smooth_deg = joined.continuity.max_smooth_deg();
+    std::vector<double> angles;
+    for (const EdgeContinuity& edge : joined.continuity.inner) {
+      if ((edge.faces[0] > before) == (edge.faces[1] > before)) continue;
+      ++found.edges;
+      found.smooth_edges += edge.kind != Kind::Crease;
+      found.max_gap = std::max(found.max_gap, edge.gap);
+      angles.push_back(edge.angle_deg);
+    }
+    // The smooth joins of the model are the edges with the smallest angles.
+    std::sort(angles.begin(), angles.end());
+    const size_t count = std::min(smooth, angles.size());
+    if (count > 0) found.max_smooth_deg = std::max(found.max_smooth_deg, angles[count - 1]);
+  }
+}
+
 void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
                      const Regions& regions, const OutputFolder& out) {
   using Form = Scene::StepForm;
@@ -328,9 +388,9 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   std::optional<StepReport> of_target;
   if (reproduces_target(report, scene, made, regions))
     of_target = target_step(report, scene, made, file);
-  StepReport step =
-      of_target ? *std::move(of_target)
-                : (s.form == "face" ? face_step : exact_step)(report, scene, words, regions, file);
+  StepReport step = of_target          ? *std::move(of_target)
+                    : s.form == "face" ? face_step(report, scene, made, words, regions, file)
+                                       : exact_step(report, scene, words, regions, file);
   constexpr int few_triangles = 10'000;
   if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
       regions.front()->surface.mesh().triangle_count() <= few_triangles) {
@@ -375,6 +435,8 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   s.solids = step.solids;
   s.free_edges = step.free_edges;
   s.volume = step.volume;
+  if (!scene.neighbours.empty() && scene.step_neighbours)
+    join_neighbours(report, scene, made, out.file(scene.step));
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
 }
 

@@ -10,6 +10,7 @@
 #include "batten/io/files/text.h"
 #include "batten/mesh/catmull_clark.h"
 #include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/lines/scene_neighbours.h"
 #include "batten/scenes/runs/target_files.h"
 #include "batten/scenes/shapes/make_session.h"
 #include "batten/sculpting/session/sculpting_session.h"
@@ -28,11 +29,15 @@ ModelBuildOptions model_build_options(const Scene& scene, const std::vector<Char
   options.model.material = scene.skin.material;
   options.model.joins = mirrored_joins(scene, lines);
   options.model.rest = scene.skin.has_rest();
+  SceneNeighbours given = read_neighbours(scene);
+  options.model.neighbours = std::move(given.neighbours);
   options.model.crease_angle_deg = scene.network.crease_angle;
   options.model.join_tolerance_deg = scene.network.join_tolerance;
   options.network.tolerance = scene.network.tolerance;
   options.network.tangent_angle = scene.network.tangent_angle;
   options.search.specs = mirrored_regions(scene, lines);
+  options.search.specs.insert(options.search.specs.end(), given.regions.begin(),
+                              given.regions.end());
   options.search.max_faces_per_edge = scene.network.max_faces_per_edge;
   options.single_face = specifies_single_region(scene);
   for (const LocatedString& section : scene.skin.sections) options.sections.push_back(section.text);
@@ -53,7 +58,8 @@ bool specifies_single_region(const Scene& scene) {
   using MeshAlignment = CharacterLine::MeshAlignment;
   const SceneSkin& skin = scene.skin;
   const SkinOptions& options = skin.options;
-  if (!scene.network.regions.empty() || !scene.network.joins.empty() || scene.network.symmetry)
+  if (!scene.network.regions.empty() || !scene.network.joins.empty() || !scene.neighbours.empty() ||
+      scene.network.symmetry)
     return false;
   return options.domain != SkinOptions::Domain::Auto || options.minimize_distortion ||
          options.mesher != SkinOptions::Mesher::Delaunay || options.fan_refinements >= 0 ||

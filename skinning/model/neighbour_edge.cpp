@@ -28,8 +28,8 @@ Foot closest(const std::vector<NeighbourCurve>& neighbours, const std::vector<si
     const std::vector<NeighbourSample>& samples = neighbours[n].samples;
     for (size_t i = 0; i + 1 < samples.size(); ++i) {
       const Vec3 a = samples[i].point, d = samples[i + 1].point - a;
-      const double s = d.squaredNorm() > 0 ? std::clamp((p - a).dot(d) / d.squaredNorm(), 0., 1.)
-                                           : 0;
+      const double s =
+          d.squaredNorm() > 0 ? std::clamp((p - a).dot(d) / d.squaredNorm(), 0., 1.) : 0;
       const double distance2 = (a + s * d - p).squaredNorm();
       if (distance2 < best.distance2) best = {distance2, n, i, s};
     }
@@ -60,12 +60,15 @@ std::shared_ptr<const NeighbourEdge> NeighbourEdge::along(
   std::shared_ptr<NeighbourEdge> edge(new NeighbourEdge);
   for (int i = 0; i <= kSteps; ++i) {
     const Foot foot = foot_at(static_cast<double>(i) / kSteps, candidates);
+    edge->points_.push_back(
+        curve.evaluate(curve.start() + i * (curve.end() - curve.start()) / kSteps));
     if (!(foot.distance2 <= tolerance * tolerance)) return nullptr;
     edge->distance_ = std::max(edge->distance_, std::sqrt(foot.distance2));
     const NeighbourCurve& on = neighbours[foot.neighbour];
     const NeighbourSample &a = on.samples[foot.segment], &b = on.samples[foot.segment + 1];
     edge->into_.push_back((1 - foot.fraction) * a.into + foot.fraction * b.into);
     edge->curvature_.push_back((1 - foot.fraction) * a.curvature + foot.fraction * b.curvature);
+    if (i == 0) edge->continuity_ = on.continuity;
     if (std::find(edge->names_.begin(), edge->names_.end(), on.name) == edge->names_.end())
       edge->names_.push_back(on.name);
   }
@@ -82,6 +85,20 @@ Vec3 NeighbourEdge::interpolated(const std::vector<Vec3>& values, double f) cons
 Vec3 NeighbourEdge::into(double f, const Vec3& tangent) const {
   const Vec3 way = interpolated(into_, f), t = tangent.normalized();
   return (way - way.dot(t) * t).normalized();
+}
+
+Vec3 NeighbourEdge::normal_near(const Vec3& x) const {
+  double least = std::numeric_limits<double>::infinity();
+  Vec3 normal = Vec3::Zero();
+  for (size_t i = 0; i + 1 < points_.size(); ++i) {
+    const Vec3 a = points_[i], d = points_[i + 1] - a;
+    const double s = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    const double distance2 = (a + s * d - x).squaredNorm();
+    if (!(distance2 < least)) continue;
+    least = distance2;
+    normal = ((1 - s) * into_[i] + s * into_[i + 1]).cross(d).normalized();
+  }
+  return normal;
 }
 
 Vec3 NeighbourEdge::curvature(double f) const { return interpolated(curvature_, f); }

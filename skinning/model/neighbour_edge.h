@@ -25,11 +25,20 @@ struct NeighbourSample {
   Vec3 curvature = Vec3::Zero();
 };
 
+/// How a face of the model meets a given surface.
+enum class NeighbourContinuity {
+  Automatic,  ///< G1 unless the initial face meets the given surface at a large angle, which is G0
+  Position,   ///< G0: a common edge
+  Tangent,    ///< G1: common tangent planes
+  Curvature   ///< G2: G1, and fairing makes the curvature continuous
+};
+
 /// Samples of a given surface along one of its edges, in order. Tangent planes between two samples
 /// are interpolated linearly; the error is φ²/8 for planes that differ by the angle φ (radians).
 struct NeighbourCurve {
-  std::string name;     ///< name of the surface for reports, such as "face 3 of part.step"
+  std::string name;  ///< name of the surface for reports, such as "face 3 of part.step"
   std::vector<NeighbourSample> samples;  ///< at least two; the last of a closed edge is the first
+  NeighbourContinuity continuity = NeighbourContinuity::Automatic;
 };
 
 /// The given surface along one edge of a model: tangent plane and curvature as functions of the
@@ -44,11 +53,16 @@ class NeighbourEdge {
 
   /// Names of the surfaces along the edge, without repetition, in the direction of the edge.
   const std::vector<std::string>& names() const { return names_; }
+  /// The continuity that the first of these surfaces requests.
+  NeighbourContinuity continuity() const { return continuity_; }
   /// The tangent plane at fraction f: the unit vector into the given surface that is perpendicular
   /// to `tangent`, the derivative of the edge, which may have any length.
   Vec3 into(double f, const Vec3& tangent) const;
   /// The vector of normal curvature across the edge at fraction f (NeighbourSample::curvature).
   Vec3 curvature(double f) const;
+  /// A unit normal of the given surface at the point of the edge closest to `x`; its side is
+  /// arbitrary. O(1,000) operations.
+  Vec3 normal_near(const Vec3& x) const;
   /// Largest distance between the edge and the edge of the given surface, model units.
   double distance() const { return distance_; }
 
@@ -57,7 +71,8 @@ class NeighbourEdge {
   Vec3 interpolated(const std::vector<Vec3>& values, double f) const;
 
   std::vector<std::string> names_;
-  std::vector<Vec3> into_, curvature_;  // at equal steps of f
+  NeighbourContinuity continuity_ = NeighbourContinuity::Automatic;
+  std::vector<Vec3> points_, into_, curvature_;  // at equal steps of f
   double distance_ = 0;
 };
 

@@ -85,13 +85,24 @@ class FairRestShape {
   bool first_used_ = false;
 };
 
+// For each region of the layout, true if it continues a given surface.
+std::vector<char> regions_with_neighbours(const ModelLayout& layout) {
+  std::vector<char> has(static_cast<size_t>(layout.region_count()), 0);
+  for (const JoinPlan& plan : layout.join_plans())
+    if (!plan.rejected() && plan.join_line.neighbour()) has[plan.join_line.sides[0].region] = 1;
+  return has;
+}
+
 // True if the region has no inner curves and holes. These define the shape themselves, and minimum
 // variation of the outline would contradict them.
 bool has_outline_only(const RegionLayout& region) {
   const auto inner = [](const EdgeAlignedLine& aligned_line) {
     return aligned_line.line.role != CharacterLine::Role::Outline;
   };
-  return region.embedded().empty() &&
+  const auto embeds_inner = [](const EmbeddedLine& line) {
+    return line.line.role != CharacterLine::Role::Outline;
+  };
+  return std::none_of(region.embedded().begin(), region.embedded().end(), embeds_inner) &&
          std::none_of(region.edge_aligned().begin(), region.edge_aligned().end(), inner);
 }
 
@@ -101,9 +112,10 @@ std::vector<char> automatically_faired_regions(const ModelLayout& layout) {
   constexpr int max_triangles = 3'000;  // of the model: about a second
   if (layout.mesh()->triangle_count() > max_triangles) return {};
   std::vector<char> only(static_cast<size_t>(layout.region_count()), 0);
+  const std::vector<char> continues = regions_with_neighbours(layout);
   parallel_for(layout.region_count(), [&](int r) {
     const RegionLayout& region = layout.region(r);
-    only[r] = has_outline_only(region) && has_many_sides(region);
+    only[r] = has_outline_only(region) && (continues[r] || has_many_sides(region));
   });
   if (std::find(only.begin(), only.end(), 1) == only.end()) only.clear();
   return only;

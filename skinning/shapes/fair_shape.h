@@ -20,7 +20,8 @@ struct FairShapeOptions {
   enum class Shape {
     MinimumBending,  ///< the model keeps its shape of minimum bending energy
     /// Minimum-variation surfaces for faces with five or more sides (has_many_sides()), because
-    /// these have no rest shape. Conditions: HCT elements, no inner curves or holes in the face,
+    /// these have no rest shape, and for faces that continue given surfaces, which a rest shape does
+    /// not know. Conditions: HCT elements, no inner curves or holes in the face,
     /// and at most 3,000 triangles in the model. Other faces keep their shape.
     Automatic,
     MinimumVariation,  ///< minimum-variation surfaces for all faces: fair_model()

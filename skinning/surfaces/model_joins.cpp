@@ -436,6 +436,12 @@ std::map<int, SpecKind> specs_of(const CurveNetwork& network, const ModelOptions
   return specs;
 }
 
+SpecKind kind_of(NeighbourContinuity continuity) {
+  return continuity == NeighbourContinuity::Position    ? SpecKind::Crease
+         : continuity == NeighbourContinuity::Curvature ? SpecKind::Curvature
+                                                        : SpecKind::Tangent;
+}
+
 // Adds the line of the join that comes next in the classification.
 void add_join_line(const ModelJoin& join, const JoinSide& one, const JoinSide& two,
                    const SpecKind* spec, JoinClassification& classification) {
@@ -450,6 +456,7 @@ void add_join(int edge, const CurveNetwork& network, const RegionMaker& maker,
               const ModelOptions& options, const SpecKind* spec,
               JoinClassification& classification) {
   const std::string& name = network.edges()[edge].name;
+  SpecKind stated{};
   const std::vector<EdgeUse>& uses = maker.sides(edge);
   if (uses.empty()) return;
   ModelJoin join;
@@ -459,12 +466,16 @@ void add_join(int edge, const CurveNetwork& network, const RegionMaker& maker,
   join.kind = uses.size() == 1   ? ModelJoin::Kind::FreeEdge
               : uses.size() == 2 ? ModelJoin::Kind::Crease
                                  : ModelJoin::Kind::NonManifold;
-  join.requested = spec != nullptr;
-  const bool smooth = spec && *spec != SpecKind::Crease;
   if (uses.size() == 1 && !options.neighbours.empty() && maker.prescribed(edge))
     join.neighbour = NeighbourEdge::along(
         maker.prescribed(edge)->curve, options.neighbours,
         options.neighbour_tolerance > 0 ? options.neighbour_tolerance : network.tolerance());
+  if (join.neighbour && !spec && join.neighbour->continuity() != NeighbourContinuity::Automatic) {
+    stated = kind_of(join.neighbour->continuity());
+    spec = &stated;
+  }
+  join.requested = spec != nullptr;
+  const bool smooth = spec && *spec != SpecKind::Crease;
   if (join.neighbour) {
     if (const auto side = maker.side_of(uses[0], edge))
       add_join_line(join, *side, beside(*side, join.neighbour), spec, classification);
@@ -521,9 +532,11 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
     const auto spec = specs.find(join.edge);
     const double crease_angle_deg =
         join.neighbour ? options.neighbour_crease_angle_deg : options.crease_angle_deg;
-    if (spec != specs.end() ? spec->second == SpecKind::Crease
-                            : !(join.initial_deg < crease_angle_deg))
-      continue;
+    const bool crease = spec != specs.end() ? spec->second == SpecKind::Crease
+                        : join.requested
+                            ? join.neighbour->continuity() == NeighbourContinuity::Position
+                            : !(join.initial_deg < crease_angle_deg);
+    if (crease) continue;
     smooth.push_back(classification.join_lines[s]);
     join_of.push_back(classification.join_of[s]);
   }

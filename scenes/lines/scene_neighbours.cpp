@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MPL-2.0
+#include "batten/scenes/lines/scene_neighbours.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "batten/core/containers.h"
+#include "batten/core/errors.h"
+#include "batten/core/geometry.h"
+#include "batten/io/files/command_files.h"
+#include "batten/io/files/text.h"
+#include "batten/io/lines/cad_plugin.h"
+
+namespace batten {
+namespace {
+
+bool has_outlines(const Scene& scene) {
+  return std::any_of(scene.lines.begin(), scene.lines.end(), [](const SceneLine& line) {
+    return line.role == CharacterLine::Role::Outline;
+  });
+}
+
+NeighbourCurve mirrored(NeighbourCurve curve, int axis) {
+  for (NeighbourSample& sample : curve.samples)
+    for (Vec3* v : {&sample.point, &sample.into, &sample.curvature}) (*v)[axis] *= -1;
+  return curve;
+}
+
+std::string describe(const std::vector<CadOpening>& openings, const std::string& unit) {
+  std::string text;
+  constexpr size_t most = 12;
+  for (size_t k = 0; k < openings.size() && k < most; ++k) {
+    const CadOpening& opening = openings[k];
+    text += "\n  opening " + std::to_string(k + 1) + ": " +
+            format_count(isize(opening.lines), "edge") + ", length " +
+            format_number(opening.length) + " " + unit + ", around " +
+            format_point(opening.centre) + ", beside " + comma_separated(opening.faces) +
+            (opening.is_outer_boundary() ? ", an outer boundary" : "");
+  }
+  if (openings.size() > most) text += "\n  …";
+  return text;
+}
+
+/// Reads the faces of one [[neighbour]].
+class NeighbourReader {
+ public:
+  NeighbourReader(const Scene& scene, const SceneNeighbour& given, SceneNeighbours& result)
+      : scene_(scene), given_(given), result_(result) {
+    record_input(given.file);
+    try {
+      found_ = cad_plugin().read_cad_neighbours(given.file, unit_in_metres(scene.unit),
+                                                {given.faces, given.without});
+    } catch (const InputError& e) {
+      throw InputError(scene.at(given.location) + e.what());
+    }
+    if (found_.neighbours.empty())
+      fail(
+          "found no free edge, expected an opening between its faces; 'faces' selects the faces "
+          "beside one, 'without' leaves out those that are to be replaced");
+  }
+
+  void read() {
+    for (NeighbourCurve curve : found_.neighbours) {
+      curve.name += " of " + given_.file.filename().string();
+      curve.continuity = given_.continuity;
+      if (scene_.network.symmetry)
+        result_.neighbours.push_back(mirrored(curve, *scene_.network.symmetry));
+      result_.neighbours.push_back(std::move(curve));
+    }
+    if (!given_.fill.value_or(!given_.openings.empty() || !has_outlines(scene_))) return;
+    const std::vector<int> which = openings();
+    for (const int k : which) fill(found_.openings[static_cast<size_t>(k)], isize(which));
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& text) const {
+    throw InputError(scene_.at(given_.location) + given_.file.string() + ": " + text);
+  }
+
+  // Indices of the openings to fill.
+  std::vector<int> openings() const {
+    const std::vector<CadOpening>& all = found_.openings;
+    std::vector<int> which;
+    for (const int number : given_.openings) {
+      if (number > isize(all))
+        fail("found no opening " + std::to_string(number) + ", expected 1 to " +
+             std::to_string(all.size()) + ":" + describe(all, scene_.unit));
+      which.push_back(number - 1);
+    }
+    if (!which.empty()) return which;
+    for (int k = 0; k < isize(all); ++k)
+      if (!all[k].is_outer_boundary()) which.push_back(k);
+    if (which.empty())
+      fail(all.empty() ? "found " + format_count(isize(found_.open_lines), "free edge") +
+                             " that form no closed loop, expected an opening"
+                       : "found no opening but the outer boundary of its faces; 'openings' "
+                         "(--openings) selects what is filled:" +
+                             describe(all, scene_.unit));
+    return which;
+  }
+
+  void fill(const CadOpening& opening, int count) {
+    RegionSpec spec;
+    spec.name = count > 1 || scene_.neighbours.size() > 1
+                    ? "patch " + std::to_string(result_.regions.size() + 1)
+                    : "patch";
+    spec.where = scene_.at(given_.location);
+    spec.loops.emplace_back();
+    for (const std::string& name : opening.lines) {
+      const auto line = std::find_if(found_.lines.begin(), found_.lines.end(),
+                                     [&](const CharacterLine& one) { return one.name == name; });
+      CharacterLine& added = result_.lines.emplace_back(*line);
+      const auto taken = [&](const std::string& wanted) {
+        return std::any_of(result_.lines.begin(), result_.lines.end() - 1,
+                           [&](const CharacterLine& one) { return one.name == wanted; });
+      };
+      for (int n = 2; taken(added.name); ++n) added.name = name + "_" + std::to_string(n);
+      spec.loops.front().push_back(added.name);
+    }
+    if (!has_outlines(scene_)) result_.regions.push_back(std::move(spec));
+  }
+
+  const Scene& scene_;
+  const SceneNeighbour& given_;
+  SceneNeighbours& result_;
+  CadNeighbours found_;
+};
+
+}  // namespace
+
+SceneNeighbours read_neighbours(const Scene& scene) {
+  SceneNeighbours result;
+  for (const SceneNeighbour& given : scene.neighbours) NeighbourReader(scene, given, result).read();
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MPL-2.0
+// `batten fill`: faces in the openings of a CAD file, tangent to the faces beside them.
+#include <filesystem>
+#include <string>
+
+#include "batten/io/scene/scene_text.h"
+#include "batten/scenes/commands.h"
+
+namespace batten {
+namespace {
+
+std::string list_of(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts)
+    list += (list.empty() ? "" : ", ") + SceneText::toml_value(text);
+  return "[" + list + "]";
+}
+
+std::string path_from(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  const auto from = std::filesystem::absolute(folder).lexically_normal(),
+             to = std::filesystem::absolute(file).lexically_normal();
+  const std::filesystem::path relative = to.lexically_relative(from);
+  return SceneText::toml_value((relative.empty() ? to : relative).string());
+}
+
+std::string scene_text_of(const std::filesystem::path& part, const FillTask& task,
+                          const std::string& name, const std::filesystem::path& folder) {
+  std::string text = "# The faces that batten fill made in " + part.filename().string() +
+                     ". Add loads, inner curves or [[join]], and run it with batten run.\n" +
+                     "name = " + SceneText::toml_value(name) +
+                     "\nunit = " + SceneText::toml_value(task.unit) + "\n";
+  for (const std::filesystem::path& file : task.inner)
+    text += "\n[[curves]]\nfile = " + path_from(folder, file) + "\nrole = \"inner\"\n";
+  text += "\n[[neighbour]]\nfile = " + path_from(folder, part) + "\n";
+  if (!task.faces.empty()) text += "faces = " + list_of(task.faces) + "\n";
+  if (!task.replaced.empty()) text += "without = " + list_of(task.replaced) + "\n";
+  if (!task.openings.empty()) {
+    text += "openings = [";
+    for (size_t k = 0; k < task.openings.size(); ++k)
+      text += (k ? ", " : "") + std::to_string(task.openings[k]);
+    text += "]\n";
+  }
+  if (!task.continuity.empty()) text += "continuity = \"" + task.continuity + "\"\n";
+  if (task.edge_length > 0)
+    text += "\n[mesh]\nedge_length = " + SceneText::toml_value(task.edge_length) + "\n";
+  text += "\n[output]\nstep = " + SceneText::toml_value(name + ".step") +
+          "\nvtp = " + SceneText::toml_value(name + ".vtp") + "\n";
+  if (task.patches_only) text += "step_neighbours = false\n";
+  if (task.step_curves) text += "step_curves = true\n";
+  if (task.step_ap242) text += "step_schema = \"ap242\"\n";
+  return text;
+}
+
+}  // namespace
+
+Report run_fill(const std::filesystem::path& part, const FillTask& task,
+                const std::filesystem::path& folder, const Progress& progress) {
+  const std::string name = part.stem().string() + "-filled";
+  const std::string text = scene_text_of(part, task, name, folder);
+  Scene scene = parse_scene(text, folder / (name + ".toml"));
+  scene.file.clear();  // it is written only with the results
+  scene.text = text;
+  return run_scene(scene, folder, progress);
+}
+
+}  // namespace batten
