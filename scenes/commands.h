@@ -95,6 +95,7 @@ struct FillTask {
   std::vector<std::string> faces, replaced;
   /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
   std::vector<int> openings;
+  bool bridge = false;     ///< true: one annular face connects two openings
   std::string continuity;  ///< "G0", "G1" or "G2"; empty: automatic
   /// Files of curves inside the openings, through which the new faces pass.
   std::vector<std::filesystem::path> inner;

@@ -852,13 +852,15 @@ Command add_fill(CommandLine& program, CommonOptions& common) {
       .allow_repeated();
   subcommand.option("--inner FILE", a.inner, "file of curves through which the new faces pass")
       .allow_repeated();
+  subcommand.flag("--bridge", a.task.bridge,
+                  "connect two openings by one face, instead of filling each of them");
   subcommand.group("Surface");
   subcommand
       .option("--continuity WHICH", a.task.continuity,
               "continuity with the faces beside an opening: common edges, tangent planes, or "
               "curvature")
       .one_of({"G0", "G1", "G2"})
-      .default_text("G1, and G0 at angles above 60 degrees");
+      .default_text("G1, and G0 at sharp angles");
   add_edge_length(subcommand, a.task.edge_length, "1/20 of the size of a single face");
   subcommand.group("Output");
   subcommand.flag("--new-faces-only", a.task.patches_only,

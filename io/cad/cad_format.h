@@ -60,6 +60,9 @@ struct StepFaceOptions {
   /// Primitives of model faces, by name, if they are known: used instead of fitted ones where the
   /// surface lies within `tolerance` of them.
   std::map<std::string, FittedPrimitive> primitives = {};
+  /// Primitives that model faces continue with all of their edges, by name: used if the surface lies
+  /// within `tolerance`, and within 1 % of the face's size, of them.
+  std::map<std::string, FittedPrimitive> continued_primitives = {};
   /// The given surfaces that faces continue with tangent planes, by the name of the curve between
   /// them. The fitted faces have the tangent planes of these surfaces within `join_deg`.
   std::map<std::string, std::shared_ptr<const NeighbourEdge>> neighbours = {};

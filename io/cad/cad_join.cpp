@@ -5,17 +5,25 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
+#include <BRepTools_ReShape.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
+#include <GeomAPI_ProjectPointOnCurve.hxx>
+#include <Geom_Curve.hxx>
+#include <Precision.hxx>
+#include <ShapeFix_Edge.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
+#include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <ostream>
 
@@ -73,14 +81,95 @@ CadPart selected_part(const CadFile& part, const CadJoinOptions& options) {
   return all;
 }
 
+/// A point on an edge at a fraction of its parameter range.
+gp_Pnt point_of(const TopoDS_Edge& edge, double fraction) {
+  double start, end;
+  const Handle(Geom_Curve) curve = curve_of(edge, start, end);
+  return curve->Value(start + fraction * (end - start));
+}
+
+/// 1 if two edges coincide in the same direction of their curves, -1 if in opposite directions, 0 if
+/// they do not. Their parametrisations may differ.
+int direction_of(const TopoDS_Edge& edge, const TopoDS_Edge& other, double tolerance) {
+  const auto near = [&](double s, double t) {
+    return point_of(edge, s).Distance(point_of(other, t)) <= tolerance;
+  };
+  const bool same = near(0, 0) && near(1, 1), opposite = near(0, 1) && near(1, 0);
+  if (!same && !opposite) return 0;
+  double start, end;
+  const Handle(Geom_Curve) curve = curve_of(other, start, end);
+  GeomAPI_ProjectPointOnCurve foot;
+  constexpr int samples = 8;
+  double last = same ? 0 : 1;
+  int direction = same ? 1 : -1;
+  for (int i = 1; i < samples; ++i) {
+    foot.Init(point_of(edge, static_cast<double>(i) / samples), curve, start, end);
+    if (foot.NbPoints() == 0 || foot.LowerDistance() > tolerance) return 0;
+    const double fraction = (foot.LowerDistanceParameter() - start) / (end - start);
+    if (i == 1 && same && opposite) direction = fraction < 0.5 ? 1 : -1, last = fraction;
+    if (direction * (fraction - last) < 0) return 0;
+    last = fraction;
+  }
+  return direction;
+}
+
+/// Replaces free edges of `added` by the edges of `given` with which they coincide, so that the
+/// result has the curves and vertices of `given`. Other edges are left to sewing.
+void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added, double tolerance) {
+  BRep_Builder builder;
+  const auto compound = [&](const std::vector<CadFace>& faces) {
+    TopoDS_Compound all;
+    builder.MakeCompound(all);
+    for (const CadFace& face : faces) builder.Add(all, face.face);
+    return all;
+  };
+  const TopoDS_Compound whole = compound(added);
+  const TopTools_IndexedMapOfShape free = free_edges_of(whole),
+                                   wanted = free_edges_of(compound(given));
+  BRepTools_ReShape change;
+  TopTools_IndexedMapOfShape taken, moved;
+  const auto replace_vertex = [&](const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
+    if (!from.IsSame(to) && moved.Add(from) == moved.Extent()) change.Replace(from, to);
+  };
+  for (int e = 1; e <= free.Extent(); ++e) {
+    const TopoDS_Edge edge = TopoDS::Edge(free(e).Oriented(TopAbs_FORWARD));
+    for (int k = 1; k <= wanted.Extent(); ++k) {
+      if (taken.Contains(wanted(k))) continue;
+      const TopoDS_Edge other = TopoDS::Edge(wanted(k).Oriented(TopAbs_FORWARD));
+      const int direction = direction_of(edge, other, tolerance);
+      if (direction == 0) continue;
+      taken.Add(wanted(k));
+      const TopoDS_Vertex first = TopExp::FirstVertex(other), last = TopExp::LastVertex(other);
+      change.Replace(edge, other.Oriented(direction > 0 ? TopAbs_FORWARD : TopAbs_REVERSED));
+      replace_vertex(TopExp::FirstVertex(edge), direction > 0 ? first : last);
+      replace_vertex(TopExp::LastVertex(edge), direction > 0 ? last : first);
+      break;
+    }
+  }
+  if (taken.IsEmpty()) return;
+  for (CadFace& face : added) {
+    const TopoDS_Shape changed = change.Apply(face.face);
+    if (changed.IsNull() || changed.ShapeType() != TopAbs_FACE) continue;
+    face.face = TopoDS::Face(changed);
+    for (TopExp_Explorer e(face.face, TopAbs_EDGE); e.More(); e.Next()) {
+      const TopoDS_Edge edge = TopoDS::Edge(e.Current());
+      if (taken.Contains(edge)) ShapeFix_Edge().FixAddPCurve(edge, face.face, false);
+    }
+    BRepLib::SameParameter(face.face, Precision::Confusion(), true);
+    BRepLib::UpdateTolerances(face.face);
+  }
+}
+
 std::string joined_text(const CadFile& part, const CadFile& added, const std::string& name,
                         const CadJoinOptions& options) {
   const double unit = options.model_unit_in_metres / 1e-3;  // one model unit in millimetres
   CadPart joined = selected_part(part, options);
-  const size_t given = joined.faces.size();
-  if (given == 0) throw InputError("found no face of the part, expected at least one");
+  if (joined.faces.empty()) throw InputError("found no face of the part, expected at least one");
+  std::vector<CadFace> more;
   for (const CadPart& one : tree_of(added.document).parts)
-    joined.faces.insert(joined.faces.end(), one.faces.begin(), one.faces.end());
+    more.insert(more.end(), one.faces.begin(), one.faces.end());
+  adopt_edges(joined.faces, more, options.tolerance * unit);
+  joined.faces.insert(joined.faces.end(), more.begin(), more.end());
   TopoDS_Compound faces;
   BRep_Builder builder;
   builder.MakeCompound(faces);

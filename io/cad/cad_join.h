@@ -32,8 +32,8 @@ struct CadJoinReport {
 
 /// Joins faces of a CAD file with the faces of a second file, `added`, along coincident edges, and
 /// writes a STEP file in the unit of `part`. The faces of `part` keep their surfaces, names and
-/// colours; edges that both files have become one edge, with the curve that it has in `part` unless
-/// OpenCASCADE's sewing prefers the other one. A closed shell becomes a solid, with outward normals.
+/// colours; edges that both files have become one edge, with its curve and vertices in `part`. If one
+/// edge of one file coincides with several of the other, OpenCASCADE's sewing selects the curve. A closed shell becomes a solid, with outward normals.
 /// Several products of `part` become one.
 ///
 /// The file is written atomically, then read back and measured. Throws InputError for a file that

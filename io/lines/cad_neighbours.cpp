@@ -20,6 +20,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "batten/core/containers.h"
 #include "batten/core/errors.h"
@@ -123,6 +124,7 @@ struct FreeEdge {
   std::string name, face_name;
   std::array<int, 2> vertices;  // indices, from 0
   NeighbourCurve neighbour;
+  int component = 0;
   double length = 0;
   double turning = 0;  // ∫ geodesic curvature ds, radians
   // Vertices at the ends of the oriented edge.
@@ -201,6 +203,7 @@ double turning_in_face(const FreeEdge& a, const FreeEdge& b, int vertex) {
 CadOpening opening_of(const std::vector<FreeEdge>& edges, const std::vector<size_t>& loop,
                       const std::vector<double>& corner_angles) {
   CadOpening opening;
+  opening.component = edges[loop.front()].component;
   double turning = 0, points = 0;
   for (const size_t e : loop) {
     const FreeEdge& edge = edges[e];
@@ -222,6 +225,20 @@ CadOpening opening_of(const std::vector<FreeEdge>& edges, const std::vector<size
   opening.centre /= points;
   opening.turning_deg = turning * 180 / pi;
   return opening;
+}
+
+}  // namespace
+
+namespace {
+
+void find_outer_boundaries(std::vector<CadOpening>& openings) {
+  constexpr double sheet = 320, sheet_with_hole = 180;  // degrees
+  std::set<int> with_hole;
+  for (const CadOpening& opening : openings)
+    if (opening.turning_deg < -sheet_with_hole) with_hole.insert(opening.component);
+  for (CadOpening& opening : openings)
+    opening.outer_boundary =
+        opening.turning_deg > (with_hole.count(opening.component) ? sheet_with_hole : sheet);
 }
 
 }  // namespace
@@ -265,6 +282,7 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
       int count = 0;
     };
     std::map<int, Use> uses;  // by edge
+    DisjointSets connected(static_cast<size_t>(face_count));
     for (TopExp_Explorer f(cad.shape, TopAbs_FACE); f.More(); f.Next()) {
       const TopoDS_Face face = TopoDS::Face(f.Current());
       const int index = cad.faces.FindIndex(face) - 1;
@@ -275,7 +293,10 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
         const TopoDS_Edge edge = TopoDS::Edge(e.Current());
         if (BRep_Tool::Degenerated(edge)) continue;
         Use& use = uses[cad.edges.FindIndex(edge)];
-        if (use.count++ == 0) use = {edge, face, index, 1};
+        if (use.count++ == 0)
+          use = {edge, face, index, 1};
+        else
+          connected.unite(use.face_index, index);
       }
     }
     const std::vector<std::string> names = edge_names(cad);
@@ -287,6 +308,7 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
       free.face = use.face;
       free.name = names[e - 1];
       free.face_name = cad.face_names[use.face_index];
+      free.component = connected.find(use.face_index);
       free.vertices = {vertices.FindIndex(TopExp::FirstVertex(use.edge)) - 1,
                        vertices.FindIndex(TopExp::LastVertex(use.edge)) - 1};
       if (!sample(free, scale)) continue;
@@ -297,6 +319,7 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
       result.openings.push_back(opening_of(edges, loop, corner_angles));
     std::stable_sort(result.openings.begin(), result.openings.end(),
                      [](const CadOpening& a, const CadOpening& b) { return a.length > b.length; });
+    find_outer_boundaries(result.openings);
     Box3 box;
     for (size_t e = 0; e < edges.size(); ++e) {
       if (!used[e]) result.open_lines.push_back(edges[e].name);

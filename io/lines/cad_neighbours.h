@@ -23,8 +23,10 @@ struct CadOpening {
   /// tube. By the theorem of Gauss and Bonnet, it is 360 degrees times the Euler characteristic
   /// minus the integral of the Gaussian curvature, if the faces have no other boundary.
   double turning_deg = 0;
-  /// True if the faces lie inside the loop rather than around it.
-  bool is_outer_boundary() const { return turning_deg > 180; }
+  int component = 0;  ///< number of the connected set of faces that has this loop, from 0
+  /// True if the connected faces lie inside the loop rather than around it, as in a sheet: its
+  /// turning_deg exceeds 320 or, if the faces have another loop below -180 (a hole), 180.
+  bool outer_boundary = false;
 };
 
 /// The free edges of the faces of a CAD file.

@@ -660,6 +660,7 @@ SceneNeighbour read_neighbour(const TomlTable& table, const std::filesystem::pat
                                        {"G1", NeighbourContinuity::Tangent},
                                        {"G2", NeighbourContinuity::Curvature}});
   if (table.has("fill")) neighbour.fill = table.boolean("fill", true);
+  neighbour.bridge = table.boolean("bridge", false);
   if (table.has("openings"))
     for (const double number : table.list("openings")) {
       if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
@@ -791,7 +792,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
   for (const TomlTable& t :
-       root.tables("neighbour", {"file", "faces", "without", "continuity", "fill", "openings"}))
+       root.tables("neighbour", {"file", "faces", "without", "continuity", "fill", "openings", "bridge"}))
     scene.neighbours.push_back(read_neighbour(t, folder));
 
   read_sculpting(root, folder, scene);

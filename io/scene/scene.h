@@ -135,6 +135,8 @@ struct SceneNeighbour {
   std::optional<bool> fill;
   /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
   std::vector<int> openings;
+  /// True: one annular face connects two openings, instead of a face in each opening.
+  bool bridge = false;
 };
 
 /// [[constraint]]: a constraint at the point of the unloaded surface nearest to `at` (Point,

@@ -588,6 +588,14 @@ MeasuredShapes shapes_within(const StepPlan& plan, const StepFaceOptions& option
     constexpr double most = 0.95;
     const double size = kInfinity;
     const double tolerance = std::min(most * options.tolerance, primitive_tolerance(region, size));
+    constexpr double alike = 0.01;
+    const auto continued = options.continued_primitives.find(region.name);
+    if (continued != options.continued_primitives.end() &&
+        is_within(region, continued->second,
+                  std::min(most * options.tolerance, alike * region.size))) {
+      found[k] = continued->second;
+      return;
+    }
     const auto known = options.primitives.find(region.name);
     found[k] = known != options.primitives.end() && is_within(region, known->second, tolerance)
                    ? known->second

@@ -36,7 +36,7 @@ std::string describe(const std::vector<CadOpening>& openings, const std::string&
             format_count(isize(opening.lines), "edge") + ", length " +
             format_number(opening.length) + " " + unit + ", around " +
             format_point(opening.centre) + ", beside " + comma_separated(opening.faces) +
-            (opening.is_outer_boundary() ? ", an outer boundary" : "");
+            (opening.outer_boundary ? ", an outer boundary" : "");
   }
   if (openings.size() > most) text += "\n  …";
   return text;
@@ -90,12 +90,12 @@ class NeighbourReader {
     }
     if (!which.empty()) return which;
     for (int k = 0; k < isize(all); ++k)
-      if (!all[k].is_outer_boundary()) which.push_back(k);
+      if (!all[k].outer_boundary) which.push_back(k);
     if (which.empty())
       fail(all.empty() ? "found " + format_count(isize(found_.open_lines), "free edge") +
                              " that form no closed loop, expected an opening"
                        : "found no opening but the outer boundary of its faces; 'openings' "
-                         "(--openings) selects what is filled:" +
+                         "(--opening) selects what is filled:" +
                              describe(all, scene_.unit));
     return which;
   }
@@ -127,11 +127,27 @@ class NeighbourReader {
   CadNeighbours found_;
 };
 
+// Replaces the faces in two openings by one annular face between them.
+void connect(const Scene& scene, const SceneNeighbour& bridge, SceneNeighbours& result) {
+  if (result.regions.size() != 2)
+    throw InputError(scene.at(bridge.location) + "found 'bridge' with " +
+                     format_count(isize(result.regions), "opening") +
+                     ", expected two; 'openings' (--opening) selects them");
+  RegionSpec one = std::move(result.regions[0]);
+  one.name = "bridge";
+  one.loops.push_back(std::move(result.regions[1].loops.front()));
+  one.annulus = true;
+  result.regions = {std::move(one)};
+}
+
 }  // namespace
 
 SceneNeighbours read_neighbours(const Scene& scene) {
   SceneNeighbours result;
   for (const SceneNeighbour& given : scene.neighbours) NeighbourReader(scene, given, result).read();
+  const auto bridge = std::find_if(scene.neighbours.begin(), scene.neighbours.end(),
+                                   [](const SceneNeighbour& given) { return given.bridge; });
+  if (bridge != scene.neighbours.end()) connect(scene, *bridge, result);
   return result;
 }
 

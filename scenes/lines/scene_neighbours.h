@@ -25,7 +25,7 @@ struct SceneNeighbours {
 
 /// Reads the given faces of a scene. The openings that are filled are those that the scene selects
 /// or, by default, all loops of free edges that are no outer boundary
-/// (CadOpening::is_outer_boundary()). Without a statement in the scene, openings are filled only if
+/// (CadOpening::outer_boundary). Without a statement in the scene, openings are filled only if
 /// the scene has no outline curves.
 ///
 /// Throws InputError, with the location in the scene, for a file that cannot be read, for faces

@@ -40,6 +40,7 @@ std::string scene_text_of(const std::filesystem::path& part, const FillTask& tas
       text += (k ? ", " : "") + std::to_string(task.openings[k]);
     text += "]\n";
   }
+  if (task.bridge) text += "bridge = true\n";
   if (!task.continuity.empty()) text += "continuity = \"" + task.continuity + "\"\n";
   if (task.edge_length > 0)
     text += "\n[mesh]\nedge_length = " + SceneText::toml_value(task.edge_length) + "\n";

@@ -184,9 +184,8 @@ std::string quality_summary(const Report::Surface& s, const std::string& unit) {
 std::string fairing_summary(const Report::Surface& s, const std::string& unit) {
   if (s.fair == "loft") return summary_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
-  const std::string what = s.fairing->requested ? ""
-                                                : format_count(s.fairing->regions, "face") +
-                                                      " with five or more sides: ";
+  const std::string what =
+      s.fairing->requested ? "" : format_count(s.fairing->regions, "face") + ": ";
   return summary_line("faired", what + "curvature variation " +
                                     format_number(s.fairing->start_functional) + " -> " +
                                     format_number(s.fairing->functional) + ", displacement up to " +

@@ -215,6 +215,30 @@ std::map<std::string, std::shared_ptr<const NeighbourEdge>> tangent_neighbours(
   return all;
 }
 
+// The primitives that faces continue with all of their edges, by the name of the face: those on
+// which the edges of the given faces lie exactly.
+void add_continued_primitives(const SurfaceModel& model, double size,
+                              std::map<std::string, FittedPrimitive>& primitives) {
+  constexpr double exact = 1e-7;  // of the size
+  for (size_t r = 0; r < model.regions.size(); ++r) {
+    const ModelRegion& region = model.regions[r];
+    if (!region.skinned) continue;
+    Points positions(0, 3), normals(0, 3);
+    bool all = true;
+    for (const ModelJoin& join : model.joins) {
+      if (std::find(join.regions.begin(), join.regions.end(), static_cast<int>(r)) ==
+          join.regions.end())
+        continue;
+      const auto side = side_of(*region.skinned, 0, join.line);
+      all = all && side && join.neighbour && join.kind == ModelJoin::Kind::Smooth;
+      if (all) join.neighbour->sample(side->left, positions, normals);
+    }
+    if (!all || positions.rows() == 0) continue;
+    const FittedPrimitive found = fit_primitive(positions, normals, exact * size);
+    if (found.kind != FittedPrimitive::Kind::Free) primitives[region.skinned->name] = found;
+  }
+}
+
 StepReport face_step(Report& report, const Scene& scene, const BuiltModel& made,
                      const StepFileOptions& words, const std::vector<const SkinnedRegion*>& regions,
                      const std::filesystem::path& file) {
@@ -224,6 +248,8 @@ StepReport face_step(Report& report, const Scene& scene, const BuiltModel& made,
   options.tolerance = scene.step_tolerance > 0 ? scene.step_tolerance : usual * report.surface.size;
   if (report.target) options.primitives = report.target->primitives;
   options.neighbours = tangent_neighbours(made.model);
+  if (!options.neighbours.empty())
+    add_continued_primitives(made.model, report.surface.size, options.continued_primitives);
   const StepReport step =
       cad_plugin().write_step_faces(file, regions, unit_in_metres(scene.unit), options);
   report.step->tolerance = options.tolerance;

@@ -36,6 +36,8 @@ ModelBuildOptions model_build_options(const Scene& scene, const std::vector<Char
   options.network.tolerance = scene.network.tolerance;
   options.network.tangent_angle = scene.network.tangent_angle;
   options.search.specs = mirrored_regions(scene, lines);
+  // The openings are all there is to fill: their edges may bound further loops.
+  options.search.only_specs = !given.regions.empty();
   options.search.specs.insert(options.search.specs.end(), given.regions.begin(),
                               given.regions.end());
   options.search.max_faces_per_edge = scene.network.max_faces_per_edge;

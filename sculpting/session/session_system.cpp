@@ -235,6 +235,8 @@ void keep_systems(SessionSystem& system, const SessionSystem& older, const Param
         system.scan_used[i] = older.scan_used[j];
       }
   keep_matrix_values(system, older, parameters);
+  system.matrix_load = older.matrix_load;
+  system.matrix_load_reduced = older.matrix_load_reduced;
   system.rest_load = older.rest_load;
   system.rest_reduced = older.rest_reduced;
   system.coupling = older.coupling;  // reused only for its solves; the session recomputes the
@@ -328,6 +330,8 @@ std::shared_ptr<SessionSystem> completed(const SessionSystem& incomplete,
     system->statics = other.statics;
     system->coupling = other.coupling;
     system->coupled_rows = other.coupled_rows;
+    system->matrix_load = other.matrix_load;
+    system->matrix_load_reduced = other.matrix_load_reduced;
     system->rest_load = other.rest_load;
     system->rest_reduced = other.rest_reduced;
   }

@@ -99,7 +99,8 @@ struct JoinEnd {
   /// the last mesh edge of an embedded curve. Planning the joins again keeps this value.
   bool creased = false;
   /// True: at this end, neither curves nor adjacent joins determine the cross-boundary derivative
-  /// of one of the two faces. The G1 condition is then imposed with γ = 1, δ = 0.
+  /// of one of the two faces. The G1 condition is then imposed with γ = 1, δ = 0 or, beside a given
+  /// surface, with γ and δ of the initial shape.
   bool undetermined = false;
   /// A face at an adjacent join, and the end of the curve of this join (0: start, 1: end).
   struct Neighbour {

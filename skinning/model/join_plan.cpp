@@ -178,13 +178,25 @@ class JoinPlanner {
     JoinEnd& at_end = plan.ends[end];
     std::array<Vec3, 2> y;
     int undetermined = 0;
+    // Beside a given surface, a free y only has to lie in the tangent plane of that surface: its
+    // length and direction stay those of the initial shape.
+    const JoinEdge own = sides_(plan.join_line.sides[0]);
+    const bool follows =
+        plan.join_line.neighbour() && is_free(plan.join_line.sides[0], own.end_vertex(end));
     for (int s = 0; s < 2; ++s)
-      undetermined += !find_across(plan.join_line.sides[s], end, s, y[s], at_end);
-    at_end.undetermined = undetermined > 0;
+      if (s == 0 && follows)
+        y[0] = end_across(own, shape(plan.join_line.sides[0]), end);
+      else
+        undetermined += !find_across(plan.join_line.sides[s], end, s, y[s], at_end);
+    at_end.undetermined = undetermined > 0 || follows;
     if (undetermined > 0) return;
-    const GluingFunctions gluing(sides_(plan.join_line.sides[0]).slope(end), y[0], y[1]);
+    const GluingFunctions gluing(own.slope(end), y[0], y[1]);
     at_end.gamma = gluing.gamma;
     at_end.delta = gluing.delta;
+    if (follows) {
+      plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
+      return;
+    }
     at_end.plane_angle_deg = gluing.plane_angle_deg;
     at_end.open = !(gluing.plane_angle_deg <= max_plane_angle_deg_);
     plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
@@ -193,7 +205,9 @@ class JoinPlanner {
   // Fits the deviation of γ and δ from linear interpolation between their ends to the shapes.
   void plan_gluing_correction(JoinPlan& plan) {
     const JoinEdge a = sides_(plan.join_line.sides[0]), b = sides_(plan.join_line.sides[1]);
-    if (a.closed() || plan.ends[0].undetermined || plan.ends[1].undetermined) return;
+    if (!plan.join_line.neighbour() &&
+        (a.closed() || plan.ends[0].undetermined || plan.ends[1].undetermined))
+      return;
     // Shapes that meet at larger angles (degrees) do not predict the joined ones.
     constexpr double kTangent = 2, kNotTangent = 6;
     constexpr double kMost = 1;  // limit of a correction of log γ or δ

@@ -66,6 +66,7 @@ std::shared_ptr<const NeighbourEdge> NeighbourEdge::along(
     edge->distance_ = std::max(edge->distance_, std::sqrt(foot.distance2));
     const NeighbourCurve& on = neighbours[foot.neighbour];
     const NeighbourSample &a = on.samples[foot.segment], &b = on.samples[foot.segment + 1];
+    edge->given_.push_back((foot.fraction < 0.5 ? a : b).point);
     edge->into_.push_back((1 - foot.fraction) * a.into + foot.fraction * b.into);
     edge->curvature_.push_back((1 - foot.fraction) * a.curvature + foot.fraction * b.curvature);
     if (i == 0) edge->continuity_ = on.continuity;
@@ -85,6 +86,19 @@ Vec3 NeighbourEdge::interpolated(const std::vector<Vec3>& values, double f) cons
 Vec3 NeighbourEdge::into(double f, const Vec3& tangent) const {
   const Vec3 way = interpolated(into_, f), t = tangent.normalized();
   return (way - way.dot(t) * t).normalized();
+}
+
+void NeighbourEdge::sample(bool left, Points& positions, Points& normals) const {
+  constexpr int kStep = 8;  // of the points of the edge
+  const auto count = isize(points_);
+  for (int i = 0; i < count; i += kStep) {
+    const Vec3 along = points_[std::min(i + 1, count - 1)] - points_[std::max(i - 1, 0)];
+    const long row = positions.rows();
+    positions.conservativeResize(row + 1, 3);
+    normals.conservativeResize(row + 1, 3);
+    positions.row(row) = given_[i];
+    normals.row(row) = (left ? 1 : -1) * into_[i].cross(along).normalized();
+  }
 }
 
 Vec3 NeighbourEdge::normal_near(const Vec3& x) const {

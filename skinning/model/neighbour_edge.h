@@ -63,6 +63,10 @@ class NeighbourEdge {
   /// A unit normal of the given surface at the point of the edge closest to `x`; its side is
   /// arbitrary. O(1,000) operations.
   Vec3 normal_near(const Vec3& x) const;
+  /// Appends points on the edge of the given surface, one row each, and unit normals there. `left`:
+  /// true if the face of the model lies to the left of the edge, seen from the tip of its normal;
+  /// the normals then have the side of those of the face.
+  void sample(bool left, Points& positions, Points& normals) const;
   /// Largest distance between the edge and the edge of the given surface, model units.
   double distance() const { return distance_; }
 
@@ -73,6 +77,7 @@ class NeighbourEdge {
   std::vector<std::string> names_;
   NeighbourContinuity continuity_ = NeighbourContinuity::Automatic;
   std::vector<Vec3> points_, into_, curvature_;  // at equal steps of f
+  std::vector<Vec3> given_;                      // the nearest samples of the given surface
   double distance_ = 0;
 };
 

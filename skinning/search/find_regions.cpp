@@ -189,6 +189,7 @@ class Finder {
       for (const Vec3& p : edge.points)
         if (!p.allFinite())
           throw InputError("curve '" + edge.name + "' has points that are not finite");
+    only_specs_ = options.only_specs;
     ResolvedSpecs resolved = resolve_specs(graph_, options);
     fixed_regions_ = std::move(resolved.fixed_regions);
     found_.regions = std::move(resolved.regions);
@@ -198,6 +199,25 @@ class Finder {
   }
 
   FoundRegions find() {
+    if (only_specs_)
+      found_.optimal = true;
+    else
+      search();
+    find_inner_lines(graph_, costs_, found_.regions);
+    if (!found_.regions.empty()) assign_stated_inner_lines(graph_, found_.regions);
+    std::tie(found_.unused_edges, found_.free_edges) = unused_and_free_edges();
+    if (!only_specs_) {
+      auto open = closable_free_edges(graph_, search_, found_.regions, found_.free_edges,
+                                      fixed_regions_.excluded, costs_);
+      found_.ambiguous_regions.insert(found_.ambiguous_regions.end(), open.begin(), open.end());
+    }
+    name_regions();
+    return std::move(found_);
+  }
+
+ private:
+  // Searches for the faces that the user has not specified.
+  void search() {
     search_ = search_regions(graph_, fixed_regions_, costs_, progress_);
     if (auto closed = search_closed_model(search_, exact_, fixed_regions_, costs_, progress_)) {
       search_ = std::move(*closed);
@@ -218,17 +238,8 @@ class Finder {
     found_.ambiguous_regions = find_ambiguous_regions(graph_, search_, costs_);
     if (!annulus()) islands();
     holes();
-    find_inner_lines(graph_, costs_, found_.regions);
-    if (!found_.regions.empty()) assign_stated_inner_lines(graph_, found_.regions);
-    std::tie(found_.unused_edges, found_.free_edges) = unused_and_free_edges();
-    auto open = closable_free_edges(graph_, search_, found_.regions, found_.free_edges,
-                                    fixed_regions_.excluded, costs_);
-    found_.ambiguous_regions.insert(found_.ambiguous_regions.end(), open.begin(), open.end());
-    name_regions();
-    return std::move(found_);
   }
 
- private:
   // Merges two loops into an annulus if there is nothing else in the network.
   bool annulus() {
     auto& regions = found_.regions;
@@ -328,6 +339,7 @@ class Finder {
 
   RegionGraph graph_, exact_;
   const Progress& progress_;
+  bool only_specs_ = false;
   LoopCosts costs_;
   FixedRegions fixed_regions_;
   RegionSearchResult search_;

@@ -64,6 +64,8 @@ struct RegionSearchOptions {
   /// Faces that the user requests or excludes; these specifications take precedence over the
   /// search.
   std::vector<RegionSpec> specs;
+  /// True: `specs` are the only faces, and no others are searched for.
+  bool only_specs = false;
   /// Largest number of faces that may share an edge, at least 1. Values above 2 allow non-manifold
   /// surfaces, which cannot be oriented.
   int max_faces_per_edge = 2;

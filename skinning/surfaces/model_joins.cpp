@@ -421,6 +421,38 @@ std::vector<double> estimate_chains(const CurveNetwork& network, const RegionMak
   return result;
 }
 
+// Angles, degrees, between the tangent plane of a given surface and the plane of the curves that
+// meet at the ends of an edge; those of ends at which the curves form a corner.
+std::vector<double> corner_angles(const CurveNetwork& network, const NetworkRegion& plan,
+                                  const ModelJoin& join) {
+  std::vector<double> angles;
+  for (const bool end : {false, true}) {
+    if (!is_plane_fixed(network, plan, join.edge, end)) continue;
+    for (const EdgeLoop& loop : plan.loops)
+      for (size_t i = 0; i < loop.size(); ++i) {
+        if (loop[i].edge != join.edge) continue;
+        const bool behind = loop[i].reversed != end;
+        const OrientedEdge& other = loop[(i + (behind ? 1 : loop.size() - 1)) % loop.size()];
+        const Vec3 along = network.direction({join.edge, end}),
+                   across = network.direction({other.edge, other.reversed != !behind});
+        const Vec3 given = join.neighbour->into(end ? 1 : 0, along).cross(along),
+                   own = along.cross(across);
+        const double deg = degrees_between(given, own);
+        angles.push_back(std::min(deg, 180 - deg));
+      }
+  }
+  return angles;
+}
+
+// Whether an edge beside a given surface is a crease by default. At corners, the curves fix the
+// tangent plane; without corners, the initial shape is the only indication.
+bool is_crease_at_neighbour(const CurveNetwork& network, const ModelOptions& options,
+                            const std::vector<ModelRegion>& regions, const ModelJoin& join) {
+  const std::vector<double> angles = corner_angles(network, regions[join.regions[0]].plan, join);
+  if (angles.empty()) return !(join.initial_deg < options.neighbour_crease_angle_deg);
+  return !(*std::min_element(angles.begin(), angles.end()) < options.crease_angle_deg);
+}
+
 using SpecKind = JoinSpec::Kind;
 
 // User specifications by network edge.
@@ -530,12 +562,11 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
     ModelJoin& join = classification.joins[classification.join_of[s]];
     join.initial_deg = estimates[s];
     const auto spec = specs.find(join.edge);
-    const double crease_angle_deg =
-        join.neighbour ? options.neighbour_crease_angle_deg : options.crease_angle_deg;
     const bool crease = spec != specs.end() ? spec->second == SpecKind::Crease
                         : join.requested
                             ? join.neighbour->continuity() == NeighbourContinuity::Position
-                            : !(join.initial_deg < crease_angle_deg);
+                        : join.neighbour ? is_crease_at_neighbour(network, options, regions, join)
+                                         : !(join.initial_deg < options.crease_angle_deg);
     if (crease) continue;
     smooth.push_back(classification.join_lines[s]);
     join_of.push_back(classification.join_of[s]);

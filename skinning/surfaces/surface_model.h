@@ -51,11 +51,13 @@ struct ModelOptions {
   /// between the normals of the two faces is smaller.
   double join_tolerance_deg = 0.1;
   /// Edges of given surfaces. A free edge of the model that lies on one of them is joined to the
-  /// given surface: as its JoinSpec states, or else smoothly (G1) if the initial face meets the
-  /// given surface at an angle below `neighbour_crease_angle_deg`.
+  /// given surface: as its JoinSpec or NeighbourCurve::continuity states, or else smoothly (G1). By
+  /// default, it is a crease if, at all of its ends that are corners, the plane of the two curves
+  /// differs from the given tangent plane by `crease_angle_deg` or more; an edge without corners, if
+  /// the initial face meets the given surface at `neighbour_crease_angle_deg` or more.
   std::vector<NeighbourCurve> neighbours;
-  /// Crease angle at given surfaces, degrees. It is larger than crease_angle_deg, because the
-  /// initial face does not know the given surface.
+  /// Crease angle, degrees, at edges of given surfaces without corners. It is larger than
+  /// crease_angle_deg, because the initial face does not know the given surface.
   double neighbour_crease_angle_deg = 60;
   /// Largest distance between an edge and the edge of its given surface, model units; 0: the
   /// tolerance of gaps in the network.

@@ -86,6 +86,7 @@ PROBES = {
     "scene/join": [each("join")],
     "scene/skin": [one("skin")],
     "scene/mesh": [one("mesh")],
+    "scene/neighbour": [each("neighbour")],
     "scene/target": [each("target")],
     "scene/constraint": [each("constraint")],
     "scene/load": [each("load"), inner("load", "paint", LOAD, True), inner("load", "drives", LOAD, True), inner("load", "plane", PULLS)],

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "batten/fairing/curves/curve_through_points.h"
+#include "batten/fairing/curves/input_curve.h"
 #include "batten/skinning/lines/character_line.h"
 #include "batten/skinning/model/neighbour_edge.h"
 
@@ -69,11 +70,11 @@ struct Hole {
 
 inline Hole hole_in(const GivenSurface& surface, int sides, double radius = 0.5) {
   Hole hole;
-  const auto corner = [&](int k) {
+  const auto corner = [sides, radius](int k) {
     const double a = 2 * std::numbers::pi * k / sides + 0.3;
     return Vec2(radius * std::cos(a), radius * std::sin(a));
   };
-  const auto at = [&](int side, double f) -> Vec2 {
+  const auto at = [sides, radius, corner](int side, double f) -> Vec2 {
     if (sides == 1)
       return radius * Vec2(std::cos(2 * std::numbers::pi * f), std::sin(2 * std::numbers::pi * f));
     return (1 - f) * corner(side) + f * corner(side + 1);
@@ -102,7 +103,18 @@ inline Hole hole_in(const GivenSurface& surface, int sides, double radius = 0.5)
     }
     CharacterLine& line = hole.lines.emplace_back();
     line.name = "side" + std::to_string(side + 1);
-    line.curve = curve_through_points(line.name, points);
+    line.curve = sides == 1
+                     ? curve_through_points(line.name, points)
+                     : curve_from_formula(0, 1, [surface, at, side](double f, int order) -> Vec3 {
+                         const auto x = [&](double s) {
+                           const Vec2 p = at(side, s);
+                           return surface.x(p.x(), p.y());
+                         };
+                         constexpr double h = 1e-4;
+                         if (order == 0) return x(f);
+                         if (order == 1) return (x(f + h) - x(f - h)) / (2 * h);
+                         return (x(f + h) - 2 * x(f) + x(f - h)) / (h * h);
+                       });
     hole.neighbours.push_back(std::move(neighbour));
   }
   return hole;
