@@ -8,14 +8,21 @@
 #include <BRepTools_ReShape.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
 #include <GProp_GProps.hxx>
+#include <Geom2d_Curve.hxx>
 #include <GeomAPI_ProjectPointOnCurve.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <GeomProjLib.hxx>
 #include <Geom_Curve.hxx>
+#include <Geom_ElementarySurface.hxx>
+#include <Geom_Surface.hxx>
 #include <Precision.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
@@ -25,6 +32,10 @@
 #include <TopoDS_Solid.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
+#include <cmath>
+#include <gp_Pnt2d.hxx>
+#include <gp_Vec2d.hxx>
+#include <map>
 #include <ostream>
 
 #include "batten/core/errors.h"
@@ -113,6 +124,33 @@ int direction_of(const TopoDS_Edge& edge, const TopoDS_Edge& other, double toler
   return direction;
 }
 
+/// Gives an edge a pcurve on a face. On analytic surfaces, it is the projection within 1e-9 of the
+/// edge's length, in the period of the surface that is nearest to `middle`.
+void add_pcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, const gp_Pnt2d& middle) {
+  double start, end;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, start, end);
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  if (surface->IsKind(STANDARD_TYPE(Geom_ElementarySurface))) {
+    double tolerance = 1e-9 * GCPnts_AbscissaPoint::Length(GeomAdaptor_Curve(curve), start, end);
+    const Handle(Geom2d_Curve) projected =
+        GeomProjLib::Curve2d(curve, start, end, surface, tolerance);
+    if (!projected.IsNull()) {
+      const gp_Pnt2d at = projected->Value((start + end) / 2);
+      const double shift[2] = {
+          surface->IsUPeriodic()
+              ? surface->UPeriod() * std::round((middle.X() - at.X()) / surface->UPeriod())
+              : 0,
+          surface->IsVPeriodic()
+              ? surface->VPeriod() * std::round((middle.Y() - at.Y()) / surface->VPeriod())
+              : 0};
+      projected->Translate(gp_Vec2d(shift[0], shift[1]));
+      BRep_Builder().UpdateEdge(edge, projected, face, Precision::Confusion());
+      return;
+    }
+  }
+  ShapeFix_Edge().FixAddPCurve(edge, face, false);
+}
+
 /// Replaces free edges of `added` by the edges of `given` with which they coincide, so that the
 /// result has the curves and vertices of `given`. Other edges are left to sewing.
 void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added, double tolerance) {
@@ -127,6 +165,9 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
   const TopTools_IndexedMapOfShape free = free_edges_of(whole),
                                    wanted = free_edges_of(compound(given));
   BRepTools_ReShape change;
+  TopTools_IndexedDataMapOfShapeListOfShape faces_of;
+  TopExp::MapShapesAndAncestors(whole, TopAbs_EDGE, TopAbs_FACE, faces_of);
+  std::map<int, gp_Pnt2d> middles;  // by the number of the edge in `taken`
   TopTools_IndexedMapOfShape taken, moved;
   const auto replace_vertex = [&](const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
     if (!from.IsSame(to) && moved.Add(from) == moved.Extent()) change.Replace(from, to);
@@ -138,7 +179,11 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
       const TopoDS_Edge other = TopoDS::Edge(wanted(k).Oriented(TopAbs_FORWARD));
       const int direction = direction_of(edge, other, tolerance);
       if (direction == 0) continue;
-      taken.Add(wanted(k));
+      const int number = taken.Add(wanted(k));
+      double start, end;
+      const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(
+          edge, TopoDS::Face(faces_of.FindFromKey(edge).First()), start, end);
+      if (!pcurve.IsNull()) middles[number] = pcurve->Value((start + end) / 2);
       const TopoDS_Vertex first = TopExp::FirstVertex(other), last = TopExp::LastVertex(other);
       change.Replace(edge, other.Oriented(direction > 0 ? TopAbs_FORWARD : TopAbs_REVERSED));
       replace_vertex(TopExp::FirstVertex(edge), direction > 0 ? first : last);
@@ -153,7 +198,7 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
     face.face = TopoDS::Face(changed);
     for (TopExp_Explorer e(face.face, TopAbs_EDGE); e.More(); e.Next()) {
       const TopoDS_Edge edge = TopoDS::Edge(e.Current());
-      if (taken.Contains(edge)) ShapeFix_Edge().FixAddPCurve(edge, face.face, false);
+      if (const int number = taken.FindIndex(edge)) add_pcurve(edge, face.face, middles[number]);
     }
     BRepLib::SameParameter(face.face, Precision::Confusion(), true);
     BRepLib::UpdateTolerances(face.face);

