@@ -59,7 +59,7 @@ OccTangentFilling::OccTangentFilling(const std::vector<Vec3>& grid, int columns,
         points(i + 1, j + 1) = point(grid[static_cast<size_t>(j * columns + i)]);
     GeomAPI_PointsToBSplineSurface through;
     through.Interpolate(points);
-    const Handle(Geom_Surface) given = through.Surface();
+    const Handle(Geom_BSplineSurface) given = through.Surface();
     const TopoDS_Face beside = BRepBuilderAPI_MakeFace(given, Precision::Confusion());
     BRepOffsetAPI_MakeFilling filling;
     std::vector<TopoDS_Vertex> corners;

@@ -142,7 +142,7 @@ int main() {
              "filling", "jump G1", "G2", "s", "filling, s"});
   Checks checks;
   double worst_cyclide = 0, worst_deg = 0, worst_mean = 0, worst_ratio = 0, worst_jump = 0;
-  int failed = 0, better = 0, compared = 0;
+  int failed = 0, closer = 0, closer_with_curvature = 0, compared = 0;
   for (const Case& c : cases())
     for (const int sides : {1, 2, 3, 4, 5, 6, 8}) {
       const Hole hole = batten_test::hole_in(c.surface, sides, kRadius);
@@ -160,15 +160,19 @@ int main() {
       if (!c.cyclide) worst_ratio = std::max(worst_ratio, curvature.jump / tangent.jump);
       worst_jump = std::max(worst_jump, curvature.jump);
       ++compared;
-      better += !occ.done || tangent.distance < occ.distance;
+      closer += !occ.done || tangent.distance < occ.distance;
+      closer_with_curvature += !occ2.done || curvature.distance < occ2.distance;
     }
   table.print();
+  std::printf("with tangent planes (G1), closer than OpenCASCADE's filling in %d of %d cases\n\n",
+              closer, compared);
   checks.at_most("failed fillings", failed, 0);
   checks.at_most("sphere, cylinder, torus: distance over the diameter", worst_cyclide, 1e-3);
   checks.at_most("largest angle, degrees", worst_deg, 0.1);
   checks.at_most("largest mean angle, degrees", worst_mean, 0.05);
   checks.at_most("jump of curvature, G2 over G1 (not cyclides)", worst_ratio, 0.1);
   checks.at_most("jump of curvature with G2, over that of the unit sphere", worst_jump, 0.02);
-  checks.at_least("closer than OpenCASCADE's filling", better, compared);
+  checks.at_least("closer than OpenCASCADE's filling with curvature (G2)", closer_with_curvature,
+                  compared);
   checks.print("patches");
 }

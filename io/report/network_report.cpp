@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "batten/core/containers.h"
 
@@ -130,7 +131,8 @@ NetworkReport::Choice describe_choice(const AmbiguousRegion& c, const ReportName
 // The diagnostics without those about detached lines that a region connects to the others, such as
 // the boundaries of an annulus and holes.
 std::vector<NetworkDiagnostic> remaining_diagnostics(const CurveNetwork& network,
-                                                     const FoundRegions& found) {
+                                                     const FoundRegions& found,
+                                                     const SurfaceModel& model) {
   DisjointSets nodes(network.nodes().size());
   const auto first_node = [&](int edge) { return network.edges()[edge].nodes[0]; };
   for (const NetworkEdge& edge : network.edges()) nodes.unite(edge.nodes[0], edge.nodes[1]);
@@ -143,12 +145,18 @@ std::vector<NetworkDiagnostic> remaining_diagnostics(const CurveNetwork& network
   for (int a = 0; a < isize(network.edges()); ++a) ++sizes[nodes.find(first_node(a))];
   const auto largest = std::max_element(
       sizes.begin(), sizes.end(), [](const auto& p, const auto& q) { return p.second < q.second; });
+  // Faces that continue given surfaces need no other connection.
+  std::set<int> beside_given;
+  for (const ModelJoin& join : model.joins)
+    if (join.neighbour) beside_given.insert(nodes.find(first_node(join.edge)));
   std::vector<NetworkDiagnostic> stand;
   for (const NetworkDiagnostic& f : network.diagnostics()) {
-    const bool joined =
-        f.kind == NetworkDiagnostic::Kind::Disconnected &&
-        nodes.find(first_node(network.edges_of(f.lines.front()).front())) == largest->first;
-    if (!joined) stand.push_back(f);
+    if (f.kind != NetworkDiagnostic::Kind::Disconnected) {
+      stand.push_back(f);
+      continue;
+    }
+    const int component = nodes.find(first_node(network.edges_of(f.lines.front()).front()));
+    if (component != largest->first && !beside_given.count(component)) stand.push_back(f);
   }
   return stand;
 }
@@ -168,7 +176,7 @@ NetworkReport network_report(const CurveNetwork& network, const FoundRegions& fo
   report.joined_fraction = network.joined_fraction();
   report.fit_tolerance = fit_tolerance;
   report.join_tolerance_deg = join_tolerance_deg;
-  report.diagnostics = remaining_diagnostics(network, found);
+  report.diagnostics = remaining_diagnostics(network, found, model);
   report.optimal = found.optimal;
   report.free_edges = names.edges(found.free_edges);
   report.unused_edges = names.edges(found.unused_edges);

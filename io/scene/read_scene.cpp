@@ -649,7 +649,7 @@ SceneTarget read_target(const TomlTable& table, const std::filesystem::path& fol
 SceneNeighbour read_neighbour(const TomlTable& table, const std::filesystem::path& folder) {
   SceneNeighbour neighbour;
   neighbour.location = table.location("file");
-  neighbour.file = folder / table.text("file");
+  neighbour.file = (folder / table.text("file")).lexically_normal();
   for (const auto& [key, names] :
        {std::pair{"faces", &neighbour.faces}, {"without", &neighbour.without}})
     if (table.has(key))

@@ -60,6 +60,8 @@ Report run_fill(const std::filesystem::path& part, const FillTask& task,
   const std::string text = scene_text_of(part, task, name, folder);
   Scene scene = parse_scene(text, folder / (name + ".toml"));
   scene.file.clear();  // it is written only with the results
+  scene.neighbours.front().location = {};
+  scene.neighbours.front().file = part;
   scene.text = text;
   return run_scene(scene, folder, progress);
 }

@@ -418,8 +418,8 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
                     : s.form == "face" ? face_step(report, scene, made, words, regions, file)
                                        : exact_step(report, scene, words, regions, file);
   constexpr int few_triangles = 10'000;
-  if (scene.step_form == Form::Auto && !cut && regions.size() == 1 && !step.reached &&
-      regions.front()->surface.mesh().triangle_count() <= few_triangles) {
+  if (scene.step_form == Form::Auto && scene.neighbours.empty() && !cut && regions.size() == 1 &&
+      !step.reached && regions.front()->surface.mesh().triangle_count() <= few_triangles) {
     report.warnings.push_back("a single fitted face in '" + scene.step + "' would deviate by " +
                               format_number(step.max_deviation.value_or(std::nan(""))) + " " +
                               scene.unit +

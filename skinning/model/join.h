@@ -157,8 +157,9 @@ struct JoinPlan {
 /// join ends as a crease there.
 ///
 /// A join is rejected (JoinPlan::rejection_reason) if the faces have different mesh vertices on a
-/// mesh-aligned curve; if the tangent planes differ by more than 90 degrees; if γ is outside of
-/// (1/50, 50); or if an embedded curve is shorter than the elements that it crosses.
+/// mesh-aligned curve; if the tangent planes differ by more than 90 degrees, or by more than 150
+/// degrees from those of a given surface; if γ is outside of (1/50, 50); or if an embedded curve is
+/// shorter than the elements that it crosses.
 std::vector<JoinPlan> plan_joins(const std::vector<const RegionLayout*>& regions,
                                  const std::vector<Points>& shapes,
                                  const std::vector<JoinLine>& join_lines,

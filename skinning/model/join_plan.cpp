@@ -51,10 +51,12 @@ struct GluingFunctions {
     plane_angle_deg = degrees_between(across_a, -across_b);
   }
   // "", or the reason why the join has to be rejected.
-  std::string rejection_reason(const std::string& where) const {
-    constexpr double kMaxGamma = 50, kMaxApart = 90;
+  std::string rejection_reason(const JoinLine& line, const std::string& where) const {
+    constexpr double kMaxGamma = 50;
+    // A disc in the end of a tube becomes a dome.
+    const double max_apart = line.neighbour() ? 150 : 90;
     if (gamma > 1 / kMaxGamma && gamma < kMaxGamma && std::isfinite(delta) &&
-        plane_angle_deg <= kMaxApart)
+        plane_angle_deg <= max_apart)
       return "";
     return "the tangent planes of the adjacent faces differ by " + format_number(plane_angle_deg) +
            " degrees " + where;
@@ -84,7 +86,8 @@ void plan_embedded(JoinPlan& plan, const JoinEdge& a, const JoinEdge& b, const P
     plan.delta.push_back(gluing.delta);
     // Ends lie at corners, where an embedded line constrains slopes only approximately.
     const bool end = f == plan.at.front() || f == plan.at.back();
-    if (!end && !plan.rejected()) plan.rejection_reason = gluing.rejection_reason("along it");
+    if (!end && !plan.rejected())
+      plan.rejection_reason = gluing.rejection_reason(plan.join_line, "along it");
   }
 }
 
@@ -194,12 +197,14 @@ class JoinPlanner {
     at_end.gamma = gluing.gamma;
     at_end.delta = gluing.delta;
     if (follows) {
-      plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
+      plan.rejection_reason =
+          gluing.rejection_reason(plan.join_line, end ? "at its end" : "at its start");
       return;
     }
     at_end.plane_angle_deg = gluing.plane_angle_deg;
     at_end.open = !(gluing.plane_angle_deg <= max_plane_angle_deg_);
-    plan.rejection_reason = gluing.rejection_reason(end ? "at its end" : "at its start");
+    plan.rejection_reason =
+        gluing.rejection_reason(plan.join_line, end ? "at its end" : "at its start");
   }
 
   // Fits the deviation of γ and δ from linear interpolation between their ends to the shapes.
@@ -271,7 +276,7 @@ class JoinPlanner {
     const bool follows = free && !determined_.count(*free);
     plan.ends[e].plane_angle_deg = follows ? 0 : gluing.plane_angle_deg;
     plan.ends[e].open = !(plan.ends[e].plane_angle_deg <= max_plane_angle_deg_);
-    if (plan.ends[e].open || !gluing.rejection_reason("").empty()) return;
+    if (plan.ends[e].open || !gluing.rejection_reason(plan.join_line, "").empty()) return;
     plan.end_conditions[e] = EndCondition::Point;
     (end ? plan.gamma.back() : plan.gamma.front()) = gluing.gamma;
     (end ? plan.delta.back() : plan.delta.front()) = gluing.delta;

@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "batten/core/eigen.h"
+
 using namespace batten_test;
+using batten::Vec3;
 
 namespace {
 
