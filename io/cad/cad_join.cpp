@@ -151,8 +151,15 @@ void add_pcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, const gp_Pnt2d
   ShapeFix_Edge().FixAddPCurve(edge, face, false);
 }
 
+bool has_seam(const TopoDS_Face& face) {
+  for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
+    if (is_seam(TopoDS::Edge(e.Current()), face)) return true;
+  return false;
+}
+
 /// Replaces free edges of `added` by the edges of `given` with which they coincide, so that the
-/// result has the curves and vertices of `given`. Other edges are left to sewing.
+/// result has the curves and vertices of `given`. Other edges, and all edges if a face would become
+/// invalid, are left to sewing.
 void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added, double tolerance) {
   BRep_Builder builder;
   const auto compound = [&](const std::vector<CadFace>& faces) {
@@ -174,6 +181,8 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
   };
   for (int e = 1; e <= free.Extent(); ++e) {
     const TopoDS_Edge edge = TopoDS::Edge(free(e).Oriented(TopAbs_FORWARD));
+    // The seam of a periodic face ends at vertices that have no counterpart.
+    if (has_seam(TopoDS::Face(faces_of.FindFromKey(edge).First()))) continue;
     for (int k = 1; k <= wanted.Extent(); ++k) {
       if (taken.Contains(wanted(k))) continue;
       const TopoDS_Edge other = TopoDS::Edge(wanted(k).Oriented(TopAbs_FORWARD));
@@ -192,9 +201,10 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
     }
   }
   if (taken.IsEmpty()) return;
-  for (CadFace& face : added) {
+  std::vector<CadFace> adopted = added;
+  for (CadFace& face : adopted) {
     const TopoDS_Shape changed = change.Apply(face.face);
-    if (changed.IsNull() || changed.ShapeType() != TopAbs_FACE) continue;
+    if (changed.IsNull() || changed.ShapeType() != TopAbs_FACE) return;
     face.face = TopoDS::Face(changed);
     for (TopExp_Explorer e(face.face, TopAbs_EDGE); e.More(); e.Next()) {
       const TopoDS_Edge edge = TopoDS::Edge(e.Current());
@@ -202,7 +212,9 @@ void adopt_edges(const std::vector<CadFace>& given, std::vector<CadFace>& added,
     }
     BRepLib::SameParameter(face.face, Precision::Confusion(), true);
     BRepLib::UpdateTolerances(face.face);
+    if (!BRepCheck_Analyzer(face.face).IsValid()) return;
   }
+  added = std::move(adopted);
 }
 
 std::string joined_text(const CadFile& part, const CadFile& added, const std::string& name,

@@ -58,8 +58,9 @@ Report run_fill(const std::filesystem::path& part, const FillTask& task,
                 const std::filesystem::path& folder, const Progress& progress) {
   const std::string name = part.stem().string() + "-filled";
   const std::string text = scene_text_of(part, task, name, folder);
-  Scene scene = parse_scene(text, folder / (name + ".toml"));
-  scene.file.clear();  // it is written only with the results
+  // Paths are relative to the folder; the file is written only with the results.
+  Scene scene = parse_scene(text, folder / name);
+  scene.file.clear();
   scene.neighbours.front().location = {};
   scene.neighbours.front().file = part;
   scene.text = text;

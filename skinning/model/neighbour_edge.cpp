@@ -88,16 +88,23 @@ Vec3 NeighbourEdge::into(double f, const Vec3& tangent) const {
   return (way - way.dot(t) * t).normalized();
 }
 
+// Derivative of the edge at a sample, by differences of second order.
+Vec3 NeighbourEdge::along(int i) const {
+  const int last = isize(points_) - 1;
+  if (i == 0) return -3 * points_[0] + 4 * points_[1] - points_[2];
+  if (i == last) return 3 * points_[last] - 4 * points_[last - 1] + points_[last - 2];
+  return points_[i + 1] - points_[i - 1];
+}
+
 void NeighbourEdge::sample(bool left, Points& positions, Points& normals) const {
   constexpr int kStep = 8;  // of the points of the edge
   const auto count = isize(points_);
   for (int i = 0; i < count; i += kStep) {
-    const Vec3 along = points_[std::min(i + 1, count - 1)] - points_[std::max(i - 1, 0)];
     const long row = positions.rows();
     positions.conservativeResize(row + 1, 3);
     normals.conservativeResize(row + 1, 3);
     positions.row(row) = given_[i];
-    normals.row(row) = (left ? 1 : -1) * into_[i].cross(along).normalized();
+    normals.row(row) = (left ? 1 : -1) * into_[i].cross(along(i)).normalized();
   }
 }
 
@@ -110,7 +117,10 @@ Vec3 NeighbourEdge::normal_near(const Vec3& x) const {
     const double distance2 = (a + s * d - x).squaredNorm();
     if (!(distance2 < least)) continue;
     least = distance2;
-    normal = ((1 - s) * into_[i] + s * into_[i + 1]).cross(d).normalized();
+    const auto k = static_cast<int>(i);
+    normal = ((1 - s) * into_[i] + s * into_[i + 1])
+                 .cross((1 - s) * along(k) + s * along(k + 1))
+                 .normalized();
   }
   return normal;
 }

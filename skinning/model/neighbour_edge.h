@@ -72,6 +72,7 @@ class NeighbourEdge {
 
  private:
   NeighbourEdge() = default;
+  Vec3 along(int i) const;
   Vec3 interpolated(const std::vector<Vec3>& values, double f) const;
 
   std::vector<std::string> names_;
