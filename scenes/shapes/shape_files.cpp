@@ -447,10 +447,15 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
     s.curvature = edges->count(Kind::Curvature);
     s.max_smooth_deg = edges->max_smooth_deg();
   }
+  const auto neighbours = tangent_neighbours(made.model);
   s.joins.clear();
   for (const StepJoin& join : step.joins) {
     const bool of_surfaces = join.reached && join.angle_deg > StepFaceOptions{}.join_deg;
-    s.joins.push_back({join.line, join.regions, join.angle_deg, join.surface_deg, !join.reached,
+    std::array<std::string, 2> faces = join.regions;
+    if (const auto given = neighbours.find(join.line);
+        given != neighbours.end() && faces[1].empty())
+      faces[1] = given->second->names().front();
+    s.joins.push_back({join.line, faces, join.angle_deg, join.surface_deg, !join.reached,
                        of_surfaces ? "the surfaces meet at up to " +
                                          format_number(join.surface_deg) + " degrees there"
                                    : ""});

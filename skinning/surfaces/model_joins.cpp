@@ -450,7 +450,7 @@ bool is_crease_at_neighbour(const CurveNetwork& network, const ModelOptions& opt
                             const std::vector<ModelRegion>& regions, const ModelJoin& join) {
   const std::vector<double> angles = corner_angles(network, regions[join.regions[0]].plan, join);
   if (angles.empty()) return !(join.initial_deg < options.neighbour_crease_angle_deg);
-  return !(*std::min_element(angles.begin(), angles.end()) < options.crease_angle_deg);
+  return !(*std::max_element(angles.begin(), angles.end()) < options.crease_angle_deg);
 }
 
 using SpecKind = JoinSpec::Kind;

@@ -52,7 +52,7 @@ struct ModelOptions {
   double join_tolerance_deg = 0.1;
   /// Edges of given surfaces. A free edge of the model that lies on one of them is joined to the
   /// given surface: as its JoinSpec or NeighbourCurve::continuity states, or else smoothly (G1). By
-  /// default, it is a crease if, at all of its ends that are corners, the plane of the two curves
+  /// default, it is a crease if, at one of its ends that are corners, the plane of the two curves
   /// differs from the given tangent plane by `crease_angle_deg` or more; an edge without corners, if
   /// the initial face meets the given surface at `neighbour_crease_angle_deg` or more.
   std::vector<NeighbourCurve> neighbours;
@@ -69,8 +69,8 @@ struct ModelOptions {
 /// An edge of the curve network, and the faces that meet at this edge.
 struct ModelJoin {
   enum class Kind {
-    FreeEdge,    ///< free (boundary) edge: one face
-    Crease,      ///< G0: two faces share the edge
+    FreeEdge,  ///< free (boundary) edge: one face
+    Crease,    ///< G0: two faces share the edge
     /// G1: two faces share the edge and have the same tangent planes there, or one face has those
     /// of a given surface.
     Smooth,
