@@ -181,11 +181,17 @@ std::string quality_summary(const Report::Surface& s, const std::string& unit) {
 }
 
 /// Summary of minimum-variation fairing or of a loft.
-std::string fairing_summary(const Report::Surface& s, const std::string& unit) {
+std::string fairing_summary(const Report& report, const std::string& unit) {
+  const Report::Surface& s = report.surface;
   if (s.fair == "loft") return summary_line("lofted", "along splines across the sections");
   if (!s.fairing) return "";
-  const std::string what =
-      s.fairing->requested ? "" : format_count(s.fairing->regions, "face") + ": ";
+  const bool continues =
+      report.network && std::any_of(report.network->joins.begin(), report.network->joins.end(),
+                                    [](const auto& join) { return !join.neighbours.empty(); });
+  const std::string what = s.fairing->requested ? ""
+                                                : format_count(s.fairing->regions, "face") +
+                                                      (continues ? " beside given faces: "
+                                                                 : " with five or more sides: ");
   return summary_line("faired", what + "curvature variation " +
                                     format_number(s.fairing->start_functional) + " -> " +
                                     format_number(s.fairing->functional) + ", displacement up to " +
@@ -311,7 +317,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
     text += summary_line("unused", format_count(n.unused_edges.size(), "edge") +
                                        " without a face: " + some(n.unused_edges));
   if (skinned)
-    text += fairing_summary(s, unit) + target_summary(report, unit) + quality_summary(s, unit);
+    text += fairing_summary(report, unit) + target_summary(report, unit) + quality_summary(s, unit);
   if (report.step) text += step_summary(*report.step, unit);
   if (report.stress) text += stress_summary(*report.stress, report.unit);
   if (report.comparison)
@@ -513,7 +519,7 @@ std::string summary(const Report& report, const std::filesystem::path& folder) {
   if (report.is_sculpted && s.moved > 0)
     text += summary_line("displaced", "by up to " + format_number(s.moved) + unit +
                                           " from the shape of the curves alone");
-  text += fairing_summary(s, unit) + target_summary(report, unit) + defect_summary(report);
+  text += fairing_summary(report, unit) + target_summary(report, unit) + defect_summary(report);
   text += summary_line("normals", "point " + s.normals);
   text += summary_line("quality", "Jacobian " + format_number(q.min_jacobian_ratio) +
                                       " of its median, normal jump " +

@@ -115,7 +115,8 @@ std::vector<char> automatically_faired_regions(const ModelLayout& layout) {
   const std::vector<char> continues = regions_with_neighbours(layout);
   parallel_for(layout.region_count(), [&](int r) {
     const RegionLayout& region = layout.region(r);
-    only[r] = has_outline_only(region) && (continues[r] || has_many_sides(region));
+    only[r] = has_outline_only(region) &&
+              (continues[r] || (region.embedded().empty() && has_many_sides(region)));
   });
   if (std::find(only.begin(), only.end(), 1) == only.end()) only.clear();
   return only;
