@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 
@@ -339,21 +340,28 @@ std::vector<RegionGroup> join_groups(
 
 namespace {
 
-// True if the lines of a region fix its tangent plane at an end of a network edge: the previous or
-// next edge of the loop forms a corner there.
-bool is_plane_fixed(const CurveNetwork& network, const NetworkRegion& plan, int edge, bool end) {
+// The direction, away from an end of a network edge, of the other edge that bounds a region there;
+// nullopt if the region is not bounded by the edge or if the two edges form no corner.
+std::optional<Vec3> direction_of_other_edge(const CurveNetwork& network, const NetworkRegion& plan,
+                                            int edge, bool end) {
   constexpr double kCorner = 15;  // degrees
   for (const EdgeLoop& loop : plan.loops)
     for (size_t i = 0; i < loop.size(); ++i) {
       if (loop[i].edge != edge) continue;
       const bool behind = loop[i].reversed != end;
       const OrientedEdge& other = loop[(i + (behind ? 1 : loop.size() - 1)) % loop.size()];
-      const double angle_deg =
-          degrees_between(network.direction({edge, end}),
-                          network.direction({other.edge, other.reversed != !behind}));
-      return angle_deg > kCorner && angle_deg < 180 - kCorner;
+      const Vec3 direction = network.direction({other.edge, other.reversed != !behind});
+      const double angle_deg = degrees_between(network.direction({edge, end}), direction);
+      if (angle_deg > kCorner && angle_deg < 180 - kCorner) return direction;
+      return std::nullopt;
     }
-  return false;
+  return std::nullopt;
+}
+
+// True if the lines of a region fix its tangent plane at an end of a network edge: the previous or
+// next edge of the loop forms a corner there.
+bool is_plane_fixed(const CurveNetwork& network, const NetworkRegion& plan, int edge, bool end) {
+  return direction_of_other_edge(network, plan, edge, end).has_value();
 }
 
 // Estimates the angle at a join. Surfaces without rest shape are flatter than those that continue
@@ -427,19 +435,12 @@ std::vector<double> corner_angles(const CurveNetwork& network, const NetworkRegi
                                   const ModelJoin& join) {
   std::vector<double> angles;
   for (const bool end : {false, true}) {
-    if (!is_plane_fixed(network, plan, join.edge, end)) continue;
-    for (const EdgeLoop& loop : plan.loops)
-      for (size_t i = 0; i < loop.size(); ++i) {
-        if (loop[i].edge != join.edge) continue;
-        const bool behind = loop[i].reversed != end;
-        const OrientedEdge& other = loop[(i + (behind ? 1 : loop.size() - 1)) % loop.size()];
-        const Vec3 along = network.direction({join.edge, end}),
-                   across = network.direction({other.edge, other.reversed != !behind});
-        const Vec3 given = join.neighbour->into(end ? 1 : 0, along).cross(along),
-                   own = along.cross(across);
-        const double deg = degrees_between(given, own);
-        angles.push_back(std::min(deg, 180 - deg));
-      }
+    const auto across = direction_of_other_edge(network, plan, join.edge, end);
+    if (!across) continue;
+    const Vec3 along = network.direction({join.edge, end});
+    const double deg = degrees_between(join.neighbour->into(end ? 1 : 0, along).cross(along),
+                                       along.cross(*across));
+    angles.push_back(std::min(deg, 180 - deg));
   }
   return angles;
 }
