@@ -35,8 +35,6 @@ namespace {
 
 using std::numbers::pi;
 
-Vec3 to_vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
-
 // A face beside an edge, with the curve of the edge in space and on the surface of the face.
 class FaceAlongEdge {
  public:
@@ -57,7 +55,7 @@ class FaceAlongEdge {
     gp_Pnt p;
     gp_Vec du, dv, duu, dvv, duv;
     surface_->D2(uv.X(), uv.Y(), p, du, dv, duu, dvv, duv);
-    const Vec3 xu = to_vec(du.XYZ()), xv = to_vec(dv.XYZ());
+    const Vec3 xu = from_occ(du.XYZ()), xv = from_occ(dv.XYZ());
     const Vec3 area = xu.cross(xv);
     const Vec3 along = tangent(fraction);
     if (!(area.norm() > 1e-9 * (xu.squaredNorm() + xv.squaredNorm())) || along.isZero())
@@ -68,16 +66,16 @@ class FaceAlongEdge {
     Eigen::Matrix<double, 3, 2> X;
     X << xu, xv;
     const Vec2 c = (X.transpose() * X).inverse() * (X.transpose() * into);
-    const Vec3 second = c[0] * c[0] * to_vec(duu.XYZ()) + 2 * c[0] * c[1] * to_vec(duv.XYZ()) +
-                        c[1] * c[1] * to_vec(dvv.XYZ());
-    return NeighbourSample{to_vec(curve_->Value(t).XYZ()), into, n.dot(second) * n};
+    const Vec3 second = c[0] * c[0] * from_occ(duu.XYZ()) + 2 * c[0] * c[1] * from_occ(duv.XYZ()) +
+                        c[1] * c[1] * from_occ(dvv.XYZ());
+    return NeighbourSample{from_occ(curve_->Value(t).XYZ()), into, n.dot(second) * n};
   }
   // Unit tangent in the direction of the curve; zero where the curve is singular.
   Vec3 tangent(double fraction) const {
     gp_Pnt p;
     gp_Vec d;
     curve_->D1(start_ + fraction * (end_ - start_), p, d);
-    return d.Magnitude() > 0 ? Vec3(to_vec(d.XYZ()) / d.Magnitude()) : Vec3(Vec3::Zero());
+    return d.Magnitude() > 0 ? Vec3(from_occ(d.XYZ()) / d.Magnitude()) : Vec3(Vec3::Zero());
   }
   Vec3 oriented_tangent(bool at_end) const {
     return tangent(at_end != reversed_ ? 1 : 0) * (reversed_ ? -1 : 1);
@@ -330,7 +328,7 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
       result.neighbours.push_back(std::move(edges[e].neighbour));
     }
     for (int v = 1; v <= vertices.Extent(); ++v)
-      box.extend(scale * to_vec(BRep_Tool::Pnt(TopoDS::Vertex(vertices(v))).XYZ()));
+      box.extend(scale * from_occ(BRep_Tool::Pnt(TopoDS::Vertex(vertices(v))).XYZ()));
     for (const NeighbourCurve& neighbour : result.neighbours)
       for (const NeighbourSample& sample : neighbour.samples) box.extend(sample.point);
     result.size = box.isEmpty() ? 0 : box.diagonal().norm();
