@@ -56,8 +56,8 @@ class NeighbourReader {
     }
     if (found_.neighbours.empty())
       fail(
-          "found no free edge, expected an opening between its faces; 'faces' selects the faces "
-          "beside one, 'without' leaves out those that are to be replaced");
+          "found no free edge, expected an opening between its faces; 'faces' (--face) selects the "
+          "faces beside one, 'without' (--replace) leaves out those that are to be replaced");
   }
 
   void read() {
