@@ -835,7 +835,10 @@ Command add_fill(CommandLine& program, CommonOptions& common) {
   FillArguments& a = *arguments;
   Subcommand subcommand = program.command(
       "fill", kSurfaces, "fill the openings of a CAD model, tangent to the faces beside them");
-  subcommand.option("PART", a.part, "CAD file with the faces: .step .iges .brep").required();
+  subcommand
+      .option("PART", a.part,
+              "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks …) with the faces")
+      .required();
   add_out(subcommand, a.out);
   add_unit(subcommand, a.task.unit, "length unit of the results");
   subcommand.group("Openings");

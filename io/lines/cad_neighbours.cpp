@@ -198,9 +198,9 @@ double turning_in_face(const FreeEdge& a, const FreeEdge& b, int vertex) {
   return std::atan2(in.oriented_normal(true).dot(before.cross(after)), before.dot(after));
 }
 
-CadOpening opening_of(const std::vector<FreeEdge>& edges, const std::vector<size_t>& loop,
-                      const std::vector<double>& corner_angles) {
-  CadOpening opening;
+NeighbourOpening opening_of(const std::vector<FreeEdge>& edges, const std::vector<size_t>& loop,
+                            const std::vector<double>& corner_angles) {
+  NeighbourOpening opening;
   opening.component = edges[loop.front()].component;
   double turning = 0, points = 0;
   for (const size_t e : loop) {
@@ -227,20 +227,6 @@ CadOpening opening_of(const std::vector<FreeEdge>& edges, const std::vector<size
 
 }  // namespace
 
-namespace {
-
-void find_outer_boundaries(std::vector<CadOpening>& openings) {
-  constexpr double sheet = 320, sheet_with_hole = 180;  // degrees
-  std::set<int> with_hole;
-  for (const CadOpening& opening : openings)
-    if (opening.turning_deg < -sheet_with_hole) with_hole.insert(opening.component);
-  for (CadOpening& opening : openings)
-    opening.outer_boundary =
-        opening.turning_deg > (with_hole.count(opening.component) ? sheet_with_hole : sheet);
-}
-
-}  // namespace
-
 bool CadFaceSelection::includes(const std::string& face) const {
   const auto has = [&](const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), face) != names.end();
@@ -248,8 +234,8 @@ bool CadFaceSelection::includes(const std::string& face) const {
   return (only.empty() || has(only)) && !has(without);
 }
 
-CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double model_unit_in_metres,
-                                  const CadFaceSelection& selection) {
+NeighbourFaces read_cad_neighbours(const std::filesystem::path& file, double model_unit_in_metres,
+                                   const CadFaceSelection& selection) {
   const double scale = millimetres_in(model_unit_in_metres);
   CadFile cad = read_cad(file);
   const OccSettings occ;  // only now: read_cad() may have forked a child process
@@ -269,7 +255,7 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
     cad.face_names.clear();
     for (int f = 1; f <= face_count; ++f) cad.face_names.push_back("face " + std::to_string(f));
     merge_coincident_edges(cad);
-    CadNeighbours result;
+    NeighbourFaces result;
     TopTools_IndexedMapOfShape vertices;
     TopExp::MapShapes(cad.shape, TopAbs_VERTEX, vertices);
     std::vector<double> corner_angles(static_cast<size_t>(vertices.Extent()), 0.0);
@@ -315,8 +301,9 @@ CadNeighbours read_cad_neighbours(const std::filesystem::path& file, double mode
     std::vector<char> used(edges.size(), 0);
     for (const std::vector<size_t>& loop : closed_loops(edges, used))
       result.openings.push_back(opening_of(edges, loop, corner_angles));
-    std::stable_sort(result.openings.begin(), result.openings.end(),
-                     [](const CadOpening& a, const CadOpening& b) { return a.length > b.length; });
+    std::stable_sort(
+        result.openings.begin(), result.openings.end(),
+        [](const NeighbourOpening& a, const NeighbourOpening& b) { return a.length > b.length; });
     find_outer_boundaries(result.openings);
     Box3 box;
     for (size_t e = 0; e < edges.size(); ++e) {

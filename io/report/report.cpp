@@ -474,6 +474,12 @@ Json contents(const Report& r) {
   json["surface"] = json_of(r.surface);
   json["defects"] = json_of(r.defects);
   if (r.network) add_network(json, *r.network);
+  if (r.mesh)
+    json["mesh"] = {{"file", r.mesh->file},
+                    {"faces", r.mesh->faces},
+                    {"given_faces", r.mesh->given_faces},
+                    {"joined_openings", r.mesh->joined_loops},
+                    {"free_edges", r.mesh->free_edges}};
   if (r.step) json["step"] = json_of(*r.step, r.network.has_value());
   if (r.comparison) json["comparison"] = json_of(*r.comparison);
   if (r.target) json["target"] = json_of(*r.target);

@@ -313,6 +313,15 @@ struct Report : RunReport {
     int shells = 0, solids = 0, free_edges = 0;
     double volume = 0;
   };
+  /// The mesh of the surface ([output] mesh), joined to given meshes ([[neighbour]]).
+  struct Mesh {
+    std::string file;
+    int faces = 0;         ///< number of faces of the file
+    int given_faces = 0;   ///< of them, those of given meshes
+    int joined_loops = 0;  ///< boundary loops of given meshes that share their nodes with new faces
+    int free_edges = 0;    ///< number of edges with one face
+  };
+  std::optional<Mesh> mesh;
   std::optional<Step> step;  ///< measured after reading the file back; empty: no STEP file
 
   /// Distances of uniformly distributed surface points from the faces of a CAD file.

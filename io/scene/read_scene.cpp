@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batten/io/files/input_file.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/scene/scene.h"
 #include "batten/io/scene/scene_parsing.h"
 
@@ -791,8 +792,8 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
        root.tables("target", {"file", "points", "faces", "unit", "cage", "fit_tolerance"}))
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
-  for (const TomlTable& t :
-       root.tables("neighbour", {"file", "faces", "without", "continuity", "fill", "openings", "bridge"}))
+  for (const TomlTable& t : root.tables(
+           "neighbour", {"file", "faces", "without", "continuity", "fill", "openings", "bridge"}))
     scene.neighbours.push_back(read_neighbour(t, folder));
 
   read_sculpting(root, folder, scene);
@@ -821,6 +822,7 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
         t.fail(key, "'" + std::string(key) + "' without 'step'", "both");
     if (t.has("vtu")) scene.vtu = output_file(t, "vtu", files, {".vtu"});
     if (t.has("vtp")) scene.vtp = output_file(t, "vtp", files, {".vtp"});
+    if (t.has("mesh")) scene.mesh = output_file(t, "mesh", files, mesh_file_endings());
     if (t.has("calculix")) scene.calculix = output_file(t, "calculix", files, {".inp"});
     if (t.has("calculix") && !scene.stress)
       t.fail("calculix", "a CalculiX deck", "a section [stress] with material and supports for it");

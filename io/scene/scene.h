@@ -125,9 +125,9 @@ struct SceneTarget {
 /// [[neighbour]]: given faces that the surface continues and that keep their shape.
 struct SceneNeighbour {
   SourceLocation location;
-  std::filesystem::path file;  ///< CAD file
-  /// Names of the faces that are used ("face 1" …), and of those that are left out; empty: all
-  /// faces, no face.
+  std::filesystem::path file;  ///< CAD file or mesh
+  /// Names of the faces that are used ("face 1" …; face sets of a mesh), and of those that are left
+  /// out; empty: all faces, no face.
   std::vector<std::string> faces, without;
   NeighbourContinuity continuity = NeighbourContinuity::Automatic;
   /// True: openings between the faces are filled. Empty: they are if the scene has no outline curves
@@ -286,7 +286,8 @@ struct Scene {
   std::vector<SceneRule> rules;          ///< rules by which parameters drive other parameters
   SceneMotion motion;
   std::optional<SceneStress> stress;
-  std::string step, vtu, vtp, calculix;  ///< [output]: names of output files; empty: not written
+  std::string step, vtu, vtp, mesh,
+      calculix;  ///< [output]: names of output files; empty: not written
   /// Text of a scene file that describes this scene, which was created in memory. It is written as
   /// NAME.toml, unless the output folder contains another file of this name. Empty: not written.
   std::string text;

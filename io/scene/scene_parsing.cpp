@@ -28,9 +28,9 @@ const std::vector<std::string>& mesh_keys() {
   return keys;
 }
 const std::vector<std::string>& output_keys() {
-  static const std::vector<std::string> keys = {"step",        "step_form",   "step_tolerance",
-                                                "step_curves", "step_schema", "step_neighbours",
-                                                "vtu",         "vtp",         "calculix"};
+  static const std::vector<std::string> keys = {
+      "step", "step_form", "step_tolerance", "step_curves", "step_schema", "step_neighbours",
+      "vtu",  "vtp",       "mesh",           "calculix"};
   return keys;
 }
 

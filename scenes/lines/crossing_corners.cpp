@@ -55,8 +55,7 @@ class CrossingCorners {
 
  private:
   static bool has_open_corners(const SourceLine& line) {
-    return line.points.size() > 2 && !line.corners &&
-           line.vertices == SourceLine::Vertices::Points;
+    return line.points.size() > 2 && !line.corners && line.vertices == SourceLine::Vertices::Points;
   }
 
   // False if a line is not usable, which is reported where it is used.

@@ -83,8 +83,8 @@ bool ends_where_it_starts(const InputCurve& curve) {
   const Vec3 start = curve.evaluate(curve.start()), end = curve.evaluate(curve.end());
   double size = 0;
   for (const double t : {0.25, 0.5, 0.75})
-    size = std::max(size,
-                    (curve.evaluate(std::lerp(curve.start(), curve.end(), t)) - start).norm());
+    size =
+        std::max(size, (curve.evaluate(std::lerp(curve.start(), curve.end(), t)) - start).norm());
   return (end - start).norm() <= 1e-9 * size;
 }
 

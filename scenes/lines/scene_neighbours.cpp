@@ -11,15 +11,10 @@
 #include "batten/io/files/command_files.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
+#include "batten/scenes/lines/mesh_neighbours.h"
 
 namespace batten {
 namespace {
-
-bool has_outlines(const Scene& scene) {
-  return std::any_of(scene.lines.begin(), scene.lines.end(), [](const SceneLine& line) {
-    return line.role == CharacterLine::Role::Outline;
-  });
-}
 
 NeighbourCurve mirrored(NeighbourCurve curve, int axis) {
   for (NeighbourSample& sample : curve.samples)
@@ -27,11 +22,11 @@ NeighbourCurve mirrored(NeighbourCurve curve, int axis) {
   return curve;
 }
 
-std::string describe(const std::vector<CadOpening>& openings, const std::string& unit) {
+std::string describe(const std::vector<NeighbourOpening>& openings, const std::string& unit) {
   std::string text;
   constexpr size_t most = 12;
   for (size_t k = 0; k < openings.size() && k < most; ++k) {
-    const CadOpening& opening = openings[k];
+    const NeighbourOpening& opening = openings[k];
     text += "\n  opening " + std::to_string(k + 1) + ": " +
             format_count(isize(opening.lines), "edge") + ", length " +
             format_number(opening.length) + " " + unit + ", around " +
@@ -49,8 +44,11 @@ class NeighbourReader {
       : scene_(scene), given_(given), result_(result) {
     record_input(given.file);
     try {
-      found_ = cad_plugin().read_cad_neighbours(given.file, unit_in_metres(scene.unit),
-                                                {given.faces, given.without});
+      if (MeshFile::can_read(given.file))
+        found_ = mesh_neighbour_faces(read_mesh_neighbour(given.file, given.faces, given.without));
+      else
+        found_ = cad_plugin().read_cad_neighbours(given.file, unit_in_metres(scene.unit),
+                                                  {given.faces, given.without});
     } catch (const InputError& e) {
       throw InputError(scene.at(given.location) + e.what());
     }
@@ -80,7 +78,7 @@ class NeighbourReader {
 
   // Indices of the openings to fill.
   std::vector<int> openings() const {
-    const std::vector<CadOpening>& all = found_.openings;
+    const std::vector<NeighbourOpening>& all = found_.openings;
     std::vector<int> which;
     for (const int number : given_.openings) {
       if (number > isize(all))
@@ -100,7 +98,7 @@ class NeighbourReader {
     return which;
   }
 
-  void fill(const CadOpening& opening, int count) {
+  void fill(const NeighbourOpening& opening, int count) {
     RegionSpec spec;
     spec.name = count > 1 || scene_.neighbours.size() > 1
                     ? "patch " + std::to_string(result_.regions.size() + 1)
@@ -124,7 +122,7 @@ class NeighbourReader {
   const Scene& scene_;
   const SceneNeighbour& given_;
   SceneNeighbours& result_;
-  CadNeighbours found_;
+  NeighbourFaces found_;
 };
 
 // Replaces the faces in two openings by one annular face between them.
@@ -141,6 +139,12 @@ void connect(const Scene& scene, const SceneNeighbour& bridge, SceneNeighbours& 
 }
 
 }  // namespace
+
+bool has_outlines(const Scene& scene) {
+  return std::any_of(scene.lines.begin(), scene.lines.end(), [](const SceneLine& line) {
+    return line.role == CharacterLine::Role::Outline;
+  });
+}
 
 SceneNeighbours read_neighbours(const Scene& scene) {
   SceneNeighbours result;

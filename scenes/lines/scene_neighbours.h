@@ -23,9 +23,12 @@ struct SceneNeighbours {
   std::vector<RegionSpec> regions;
 };
 
+/// True if the scene has outline curves of its own.
+bool has_outlines(const Scene& scene);
+
 /// Reads the given faces of a scene. The openings that are filled are those that the scene selects
 /// or, by default, all loops of free edges that are no outer boundary
-/// (CadOpening::outer_boundary). Without a statement in the scene, openings are filled only if
+/// (NeighbourOpening::outer_boundary). Without a statement in the scene, openings are filled only if
 /// the scene has no outline curves.
 ///
 /// Throws InputError, with the location in the scene, for a file that cannot be read, for faces

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MPL-2.0
-// `batten fill`: faces in the openings of a CAD file, tangent to the faces beside them.
+// `batten fill`: faces in the openings of a CAD file or a mesh, tangent to the faces beside them.
+#include <algorithm>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "batten/io/files/text.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/scene/scene_text.h"
 #include "batten/scenes/commands.h"
 
@@ -21,6 +25,14 @@ std::string path_from(const std::filesystem::path& folder, const std::filesystem
              to = std::filesystem::absolute(file).lexically_normal();
   const std::filesystem::path relative = to.lexically_relative(from);
   return SceneText::toml_value((relative.empty() ? to : relative).string());
+}
+
+// File extension of the joined mesh: that of the given mesh if it can be written.
+std::string mesh_ending(const std::filesystem::path& part) {
+  const std::string ending = lower_extension(part);
+  const std::vector<std::string>& written = mesh_file_endings();
+  const bool same = ending != ".vtp" && std::count(written.begin(), written.end(), ending);
+  return same ? ending : ".stl";
 }
 
 std::string scene_text_of(const std::filesystem::path& part, const FillTask& task,
@@ -46,6 +58,8 @@ std::string scene_text_of(const std::filesystem::path& part, const FillTask& tas
     text += "\n[mesh]\nedge_length = " + SceneText::toml_value(task.edge_length) + "\n";
   text += "\n[output]\nstep = " + SceneText::toml_value(name + ".step") +
           "\nvtp = " + SceneText::toml_value(name + ".vtp") + "\n";
+  if (MeshFile::can_read(part))
+    text += "mesh = " + SceneText::toml_value(name + mesh_ending(part)) + "\n";
   if (task.patches_only) text += "step_neighbours = false\n";
   if (task.step_curves) text += "step_curves = true\n";
   if (task.step_ap242) text += "step_schema = \"ap242\"\n";

@@ -246,6 +246,16 @@ std::string step_summary(const Report::Step& step, const std::string& unit) {
           format_number(step.max_gap) + unit + edges_of(step));
 }
 
+/// Summary of the mesh file.
+std::string mesh_summary(const Report::Mesh& mesh) {
+  return summary_line(
+      "mesh", format_count(mesh.faces, "face") +
+                  (mesh.given_faces ? ", " + std::to_string(mesh.given_faces) + " of them given, " +
+                                          format_count(mesh.joined_loops, "opening") + " joined"
+                                    : "") +
+                  ", " + format_count(mesh.free_edges, "free edge"));
+}
+
 /// Summary of alternatives, with the TOML that selects them.
 std::string alternative_summary(const NetworkReport& n) {
   std::vector<std::string> ambiguous_regions;
@@ -318,6 +328,7 @@ std::string network_summary(const Report& report, const std::filesystem::path& f
                                        " without a face: " + some(n.unused_edges));
   if (skinned)
     text += fairing_summary(report, unit) + target_summary(report, unit) + quality_summary(s, unit);
+  if (report.mesh) text += mesh_summary(*report.mesh);
   if (report.step) text += step_summary(*report.step, unit);
   if (report.stress) text += stress_summary(*report.stress, report.unit);
   if (report.comparison)

@@ -16,10 +16,14 @@
 #include "batten/io/files/input_file.h"
 #include "batten/io/files/text.h"
 #include "batten/io/lines/cad_plugin.h"
+#include "batten/io/meshes/mesh_file.h"
 #include "batten/io/vtk/vtk_files.h"
 #include "batten/scenes/commands.h"
+#include "batten/scenes/lines/mesh_neighbours.h"
 #include "batten/scenes/lines/scene_lines.h"
+#include "batten/scenes/lines/scene_neighbours.h"
 #include "batten/scenes/shapes/stress_setup.h"
+#include "batten/skinning/facets/welded_mesh.h"
 #include "batten/skinning/surfaces/surface_model.h"
 
 namespace batten {
@@ -35,7 +39,8 @@ RunContext::RunContext(const Scene& scene, const std::filesystem::path& folder)
 }
 
 void RunContext::require_replaceable(const Scene& scene) const {
-  std::vector<std::string> names{scene.step, scene.vtu, scene.vtp, scene.calculix, "report.json"};
+  std::vector<std::string> names{scene.step, scene.vtu,      scene.vtp,
+                                 scene.mesh, scene.calculix, "report.json"};
   for (const ScenePicture& picture : scene.pictures) names.push_back(picture.file);
   out.require_replaceable(names);
 }
@@ -361,6 +366,7 @@ void join_neighbours(Report& report, const Scene& scene, const BuiltModel& made,
   options.ap242 = scene.step_ap242;
   Report::Step::Neighbours& found = s.neighbours.emplace();
   for (const SceneNeighbour& given : scene.neighbours) {
+    if (MeshFile::can_read(given.file)) continue;
     options.only = given.faces;
     options.without = given.without;
     const CadJoinReport joined = cad_plugin().join_cad_files(given.file, file, file, options);
@@ -391,6 +397,11 @@ void join_neighbours(Report& report, const Scene& scene, const BuiltModel& made,
     const size_t count = std::min(smooth, angles.size());
     if (count > 0) found.max_smooth_deg = std::max(found.max_smooth_deg, angles[count - 1]);
   }
+}
+
+bool has_cad_neighbours(const Scene& scene) {
+  return std::any_of(scene.neighbours.begin(), scene.neighbours.end(),
+                     [](const SceneNeighbour& given) { return !MeshFile::can_read(given.file); });
 }
 
 void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
@@ -466,7 +477,7 @@ void write_step_into(Report& report, const Scene& scene, const BuiltModel& made,
   s.solids = step.solids;
   s.free_edges = step.free_edges;
   s.volume = step.volume;
-  if (!scene.neighbours.empty() && scene.step_neighbours)
+  if (has_cad_neighbours(scene) && scene.step_neighbours)
     join_neighbours(report, scene, made, out.file(scene.step));
   for (const auto& w : step.warnings) report.warnings.push_back(scene.step + ": " + w);
 }
@@ -496,17 +507,64 @@ void write_vtk_files(Report& report, const Scene& scene, const BuiltModel& made,
   write_vtk(scene.vtu, write_vtu);
 }
 
+/// Writes the triangles of all faces, joined to the given meshes.
+void write_mesh_file(Report& report, const Scene& scene, const BuiltModel& made,
+                     const Regions& regions, const OutputFolder& out) {
+  std::vector<MeshNeighbour> given;
+  double spacing = std::numeric_limits<double>::infinity();
+  Report::Mesh& mesh = report.mesh.emplace();
+  mesh.file = scene.mesh;
+  for (const SceneNeighbour& neighbour : scene.neighbours) {
+    if (!MeshFile::can_read(neighbour.file)) continue;
+    given.push_back(read_mesh_neighbour(neighbour.file, neighbour.faces, neighbour.without));
+    mesh.given_faces += given.back().shells.face_count();
+    for (const MeshBoundary& boundary : given.back().boundaries)
+      spacing = std::min(spacing, boundary.length / isize(boundary.vertices));
+  }
+  std::vector<std::string> names;
+  for (const SkinnedRegion* region : regions) names.push_back(region->name);
+  // Facets beside given meshes are about as large as those of the meshes.
+  int per_edge = 0;
+  if (!given.empty())
+    per_edge = std::clamp(static_cast<int>(std::lround(mean_facet_length(regions) / spacing)), 1,
+                          display_facets_per_edge(regions));
+  const JoinedMesh joined =
+      join_meshes(given, welded_mesh(regions, per_edge), names, made.fit_tolerance);
+  mesh.faces = joined.mesh.face_count();
+  mesh.joined_loops = joined.joined_loops;
+  mesh.free_edges = joined.free_edges;
+  if (joined.non_manifold_edges > 0)
+    report.failed_checks.push_back(
+        {"mesh.non_manifold_edges",
+         "is " + std::to_string(joined.non_manifold_edges) + ", expected 0"});
+  const bool only_openings = !given.empty() && !has_cad_neighbours(scene) && !has_outlines(scene);
+  if (only_openings && joined.joined_loops == joined.new_loops &&
+      joined.free_edges != joined.open_edges)
+    report.failed_checks.push_back({"mesh.free_edges", "is " + std::to_string(joined.free_edges) +
+                                                           ", expected " +
+                                                           std::to_string(joined.open_edges)});
+  if (only_openings && joined.joined_loops < joined.new_loops)
+    report.failed_checks.push_back(
+        {"mesh.joined_openings", "is " + std::to_string(joined.joined_loops) + ", expected " +
+                                     std::to_string(joined.new_loops)});
+  for (const auto& file :
+       write_mesh(out.file(scene.mesh), joined.mesh, joined.sets, unit_in_metres(scene.unit)))
+    if (file.filename() != scene.mesh) report.files.push_back(file.filename().string());
+}
+
 /// Writes the text of the scene. A file that the user may have changed is kept.
 void write_scene_text(Report& report, const Scene& scene, const OutputFolder& out) {
   if (scene.text.empty()) return;
   const std::string name = scene.name + ".toml";
   const std::filesystem::path existing = out.folder() / name;
   std::error_code none;
-  if (std::filesystem::exists(existing, none) &&
-      read_input_file(existing, "a scene") != scene.text) {
-    report.warnings.push_back(existing.string() +
-                              " is kept, although it differs from the scene of this run; remove or "
-                              "rename it to get the new one");
+  if (std::filesystem::exists(existing, none)) {
+    if (read_input_file(existing, "a scene") == scene.text)
+      report.files.push_back(name);
+    else
+      report.warnings.push_back(existing.string() +
+                                " is kept, although it differs from the scene of this run; remove "
+                                "or rename it to get the new one");
     return;
   }
   write_file_atomically(out.file(name), [&](std::ostream& file) { file << scene.text; });
@@ -529,6 +587,14 @@ void write_files(RunContext& run, const Scene& scene, const BuiltModel& made,
     progress.update("VTK", 0);
     write_vtk_files(report, scene, made, shape, run.out);
     run.watch.lap("vtk");
+  }
+  if (!scene.mesh.empty()) {
+    const Regions regions = shape.all();
+    write_valid_regions(report, run.out, scene.mesh, regions, made.network.has_value(),
+                        [&](const std::vector<int>& which, Report& into) {
+                          write_mesh_file(into, scene, made, picked(regions, which), run.out);
+                        });
+    run.watch.lap("mesh");
   }
   if (!scene.calculix.empty()) {
     // Supports or loads on missing entities are errors of the scene.
@@ -607,7 +673,7 @@ void copy_whole(const std::filesystem::path& from, const std::filesystem::path& 
 
 /// Reduces the scene to a single output; the result is its file name.
 std::string require_single_output(Scene& scene, const std::string& ending) {
-  scene.step = scene.vtp = scene.vtu = scene.calculix = "";
+  scene.step = scene.vtp = scene.vtu = scene.mesh = scene.calculix = "";
   scene.compare.clear();
   if (ending.empty()) return "";
   std::string& output = ending == ".vtp"   ? scene.vtp

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -445,12 +446,51 @@ std::vector<double> corner_angles(const CurveNetwork& network, const NetworkRegi
   return angles;
 }
 
+// Mean of points on the boundary of a face.
+Vec3 boundary_centre(const CurveNetwork& network, const NetworkRegion& plan) {
+  Vec3 sum = Vec3::Zero();
+  double length = 0;
+  constexpr int samples = 16;
+  for (const EdgeLoop& loop : plan.loops)
+    for (const OrientedEdge& use : loop) {
+      const NetworkEdge& edge = network.edges()[use.edge];
+      for (int i = 0; i < samples; ++i)
+        sum += edge.length / samples * edge.curve.evaluate(edge.curve.end() * i / samples);
+      length += edge.length;
+    }
+  return sum / length;
+}
+
+// True if the given surface beside an edge, continued with its curvature κ, would close the opening:
+// a sphere that meets the plane of the opening at the angle θ, in a circle of radius ρ, has
+// κ ρ = sin θ; a cylinder has κ = 0. θ must be below a right angle: bowls get a flat lid.
+bool closes_opening(const CurveNetwork& network, const RegionMaker& maker,
+                    const NetworkRegion& plan, const ModelJoin& join) {
+  constexpr double most_deg = 85, of_sphere = 0.5;
+  constexpr int samples = 16;
+  if (!(join.initial_deg < most_deg)) return false;
+  const Vec3 centre = boundary_centre(network, plan);
+  const HermiteCurve& curve = maker.prescribed(join.edge)->curve;
+  double sum = 0;
+  for (int i = 0; i < samples; ++i) {
+    const double f = (i + 0.5) / samples;
+    const Vec3 x = curve.evaluate(curve.start() + f * (curve.end() - curve.start()));
+    sum += join.neighbour->curvature(f).dot(centre - x) / samples;
+  }
+  return sum > of_sphere * std::pow(std::sin(join.initial_deg * std::numbers::pi / 180), 2);
+}
+
 // Whether an edge beside a given surface is a crease by default. At corners, the curves fix the
-// tangent plane; without corners, the initial shape is the only indication.
-bool is_crease_at_neighbour(const CurveNetwork& network, const ModelOptions& options,
-                            const std::vector<ModelRegion>& regions, const ModelJoin& join) {
-  const std::vector<double> angles = corner_angles(network, regions[join.regions[0]].plan, join);
-  if (angles.empty()) return !(join.initial_deg < options.neighbour_crease_angle_deg);
+// tangent plane; without corners, the initial shape and the curvature of the given surface are the
+// only indications.
+bool is_crease_at_neighbour(const CurveNetwork& network, const RegionMaker& maker,
+                            const ModelOptions& options, const std::vector<ModelRegion>& regions,
+                            const ModelJoin& join) {
+  const NetworkRegion& plan = regions[join.regions[0]].plan;
+  const std::vector<double> angles = corner_angles(network, plan, join);
+  if (angles.empty())
+    return !(join.initial_deg < options.neighbour_crease_angle_deg) &&
+           !closes_opening(network, maker, plan, join);
   return !(*std::max_element(angles.begin(), angles.end()) < options.crease_angle_deg);
 }
 
@@ -563,11 +603,11 @@ JoinClassification classify_joins(const CurveNetwork& network, const RegionMaker
     ModelJoin& join = classification.joins[classification.join_of[s]];
     join.initial_deg = estimates[s];
     const auto spec = specs.find(join.edge);
-    const bool crease = spec != specs.end() ? spec->second == SpecKind::Crease
-                        : join.requested
-                            ? join.neighbour->continuity() == NeighbourContinuity::Position
-                        : join.neighbour ? is_crease_at_neighbour(network, options, regions, join)
-                                         : !(join.initial_deg < options.crease_angle_deg);
+    const bool crease =
+        spec != specs.end() ? spec->second == SpecKind::Crease
+        : join.requested    ? join.neighbour->continuity() == NeighbourContinuity::Position
+        : join.neighbour    ? is_crease_at_neighbour(network, maker, options, regions, join)
+                            : !(join.initial_deg < options.crease_angle_deg);
     if (crease) continue;
     smooth.push_back(classification.join_lines[s]);
     join_of.push_back(classification.join_of[s]);

@@ -54,7 +54,10 @@ struct ModelOptions {
   /// given surface: as its JoinSpec or NeighbourCurve::continuity states, or else smoothly (G1). By
   /// default, it is a crease if, at one of its ends that are corners, the plane of the two curves
   /// differs from the given tangent plane by `crease_angle_deg` or more; an edge without corners, if
-  /// the initial face meets the given surface at `neighbour_crease_angle_deg` or more.
+  /// the initial face meets the given surface at the angle θ of `neighbour_crease_angle_deg` or more,
+  /// unless the curvature of the given surface closes the opening: θ < 85 degrees, and the mean of
+  /// κ · (c - x) exceeds ½ sin² θ, which is sin² θ for a sphere and 0 for a cylinder (x: the points
+  /// of the edge, c: the mean of the points of the opening, κ: NeighbourSample::curvature).
   std::vector<NeighbourCurve> neighbours;
   /// Crease angle, degrees, at edges of given surfaces without corners. It is larger than
   /// crease_angle_deg, because the initial face does not know the given surface.

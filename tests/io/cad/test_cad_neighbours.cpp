@@ -42,7 +42,7 @@ TopoDS_Shape shell_of(const TopoDS_Shape& shape, const std::function<bool(int nu
 // A unit-free description: the turning of each opening, degrees, and whether it is filled.
 std::vector<std::pair<double, bool>> openings_of(const fs::path& file) {
   std::vector<std::pair<double, bool>> found;
-  for (const CadOpening& opening : read_cad_neighbours(file, 1e-3).openings)
+  for (const NeighbourOpening& opening : read_cad_neighbours(file, 1e-3).openings)
     found.emplace_back(opening.turning_deg, !opening.outer_boundary);
   return found;
 }
@@ -95,7 +95,7 @@ TEST_CASE("tangent planes and curvatures beside an opening are those of the face
           "[io][cad][neighbours]") {
   const TopoDS_Shape tube = BRepPrimAPI_MakeCylinder(4, 25).Shape();
   const fs::path file = part_file("can", shell_of(tube, [](int k) { return k != 2; }));
-  const CadNeighbours found = read_cad_neighbours(file, 1e-2);  // in centimetres
+  const NeighbourFaces found = read_cad_neighbours(file, 1e-2);  // in centimetres
   REQUIRE(found.openings.size() == 1);
   REQUIRE(found.neighbours.size() == 1);
   const double up = found.openings[0].centre.z() > 1 ? -1 : 1;  // into the wall
@@ -105,7 +105,7 @@ TEST_CASE("tangent planes and curvatures beside an opening are those of the face
     CHECK(std::hypot(sample.point.x(), sample.point.y()) == Approx(0.4));
   }
   const TopoDS_Shape torus = BRepPrimAPI_MakeTorus(20, 5, 0, std::numbers::pi / 2).Shape();
-  const CadNeighbours ring =
+  const NeighbourFaces ring =
       read_cad_neighbours(part_file("ring", shell_of(torus, [](int k) { return k == 1; })), 1e-3);
   for (const NeighbourCurve& curve : ring.neighbours)
     for (const NeighbourSample& sample : curve.samples) {
@@ -153,7 +153,7 @@ TEST_CASE("bad requests for given faces are errors with the place", "[io][cad][n
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(10, 20, 30).Shape();
   const fs::path closed = part_file("closed_box", box);
   CHECK(read_cad_neighbours(closed, 1e-3).neighbours.empty());
-  const CadNeighbours without = read_cad_neighbours(closed, 1e-3, {{}, {"face 2"}});
+  const NeighbourFaces without = read_cad_neighbours(closed, 1e-3, {{}, {"face 2"}});
   REQUIRE(without.openings.size() == 1);
   CHECK(without.openings[0].lines.size() == 4);
   CHECK(without.faces == 5);
