@@ -546,7 +546,9 @@ class AcceptanceChecks {
       if (j.kind == "smooth")
         require_at_most(at + ".max_inside_deg", j.max_inside_deg,
                         n.join_tolerance_deg + (sculpted ? kSculptedJoinDeg : 0));
-      if (j.kind != "smooth" && j.requested && !j.why.empty())
+      // Beside given faces, edges are smooth unless they meet at a large angle.
+      const bool expected_smooth = j.requested || !j.neighbours.empty();
+      if (j.kind != "smooth" && expected_smooth && !j.why.empty())
         failed_checks.push_back(
             {at, "is " + std::string(j.kind == "free edge" ? "a free edge" : j.kind) +
                      ", expected a smooth edge: " + j.why});

@@ -22,9 +22,11 @@ class QuadraticFit {
   QuadraticFit(const TriangleMesh& mesh, double crease_deg)
       : mesh_(mesh), crease_cos_(std::cos(crease_deg * pi / 180)) {}
 
+  // The fitted surface at a vertex.
   struct Jet {
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
     Mat3 curvature = Mat3::Zero();
+    double residual = 0;  // weighted root mean square
   };
 
   Jet at(int vertex) const {
@@ -32,9 +34,10 @@ class QuadraticFit {
     Fit best = fit(vertex, rings);
     // More vertices, if they fit as well: the residual is noise, not the shape of the surface.
     constexpr double as_well = 1.3, exact = 1e-6;
-    for (int more = 2 * rings; more <= most_rings && best.residual > exact * best.size; more *= 2) {
+    for (int more = 2 * rings; more <= most_rings && best.jet.residual > exact * best.size;
+         more *= 2) {
       Fit next = fit(vertex, more);
-      if (!(next.residual < as_well * best.residual)) break;
+      if (!(next.jet.residual < as_well * best.jet.residual)) break;
       best = std::move(next);
     }
     return best.jet;
@@ -78,8 +81,7 @@ class QuadraticFit {
 
   struct Fit {
     Jet jet;
-    double residual = 0;  // weighted root mean square
-    double size = 0;      // radius of the vertices
+    double size = 0;  // radius of the vertices
   };
 
   Fit fit(int vertex, int rings) const {
@@ -114,7 +116,7 @@ class QuadraticFit {
         well_posed * std::abs(qr.matrixR()(0, 0)))
       return found;
     const VecX c = qr.solve(z);
-    found.residual = size * (A * c - z).norm() / A.col(0).norm();
+    const double residual = size * (A * c - z).norm() / A.col(0).norm();
     const Vec3 xu = e1 + c[1] * jet.normal, xv = e2 + c[2] * jet.normal;
     const Vec3 n = xu.cross(xv).normalized();
     Eigen::Matrix<double, 3, 2> X;
@@ -123,7 +125,8 @@ class QuadraticFit {
     second << c[3], c[4], c[4], c[5];
     second *= jet.normal.dot(n) / size;
     const Eigen::Matrix<double, 3, 2> dual = X * (X.transpose() * X).inverse();
-    jet = {origin + size * c[0] * jet.normal.dot(n) * n, n, dual * second * dual.transpose()};
+    jet = {origin + size * c[0] * jet.normal.dot(n) * n, n, dual * second * dual.transpose(),
+           residual};
     return found;
   }
 
@@ -155,6 +158,11 @@ std::vector<MeshBoundary> mesh_boundaries(const TriangleMesh& mesh, double creas
     boundary.length = mesh.length(loop);
     std::vector<QuadraticFit::Jet> jets(loop.size());
     parallel_for(isize(loop), [&](int i) { jets[i] = surface.at(loop[i]); });
+    std::vector<double> residuals;
+    for (const auto& jet : jets) residuals.push_back(jet.residual);
+    const auto middle = residuals.begin() + isize(residuals) / 2;
+    std::nth_element(residuals.begin(), middle, residuals.end());
+    boundary.noise = *middle;
     for (size_t i = 0; i < loop.size(); ++i) {
       boundary.points.push_back(jets[i].point);
       boundary.normals.push_back(jets[i].normal);

@@ -19,6 +19,9 @@ struct MeshBoundary {
   /// surface bends towards its normal: the normal curvature in a unit tangent direction d is dᵀ II d,
   /// 1/length.
   std::vector<Mat3> curvatures;
+  /// Median over the vertices of the weighted root mean square distance of the mesh's vertices from
+  /// the fitted surface.
+  double noise = 0;
   double length = 0;           ///< length of the polygon
   Vec3 centre = Vec3::Zero();  ///< mean of the vertices
   /// Total geodesic curvature of the polygon on the mesh, Σ (π - sum of the angles of the triangles

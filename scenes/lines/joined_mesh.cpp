@@ -121,6 +121,13 @@ class GivenLoop {
     cut_ears(-least_turn, edges, cut);
     return cut;
   }
+  // Triangles that fill the whole loop.
+  std::vector<Triangle> all_ears() {
+    std::vector<Triangle> cut;
+    std::set<DirectedEdge> none;
+    cut_ears(0, none, cut);
+    return cut;
+  }
   // Closest point: its position in vertices along the loop, and its distance.
   std::pair<double, double> closest(const Vec3& x) const {
     double best = std::numeric_limits<double>::infinity(), at = 0;
@@ -393,6 +400,10 @@ class MeshJoiner {
           if (!found->reversed) reversed[component_[side]] = 1;
           ++joined_loops_;
           open_edges_ -= isize(boundary.vertices);
+          if (loops_of(component_[side], loops) == 1 && polygon.count() <= few_) {
+            fill_polygon(polygon, component_[side], region_[side]);
+            break;
+          }
           const bool rough = zigzags(polygon, points);
           if (rough) {
             fill_notches(polygon, given_[g], first_node_[g], side);
@@ -405,6 +416,20 @@ class MeshJoiner {
       }
     for (size_t t = 0; t < triangles_.size(); ++t)
       if (reversed[component_[t]]) std::swap(triangles_[t][0], triangles_[t][1]);
+  }
+
+  int loops_of(int component, const std::vector<std::vector<int>>& loops) const {
+    return static_cast<int>(
+        std::count_if(loops.begin(), loops.end(), [&](const std::vector<int>& loop) {
+          return component_[edges_.at({loop[0], loop[1]})] == component;
+        }));
+  }
+
+  // Replaces a component of the new triangles by triangles of given vertices.
+  void fill_polygon(GivenLoop& polygon, int component, int region) {
+    for (size_t t = 0; t < triangles_.size(); ++t)
+      if (component_[t] == component) removed_[t] = 1;
+    for (const Triangle& triangle : polygon.all_ears()) notches_.emplace_back(triangle, region);
   }
 
   // True if vertices of a given loop are far from the loop of new triangles.
@@ -678,6 +703,7 @@ class MeshJoiner {
   const WeldedMesh& added_;
   std::vector<Triangle> triangles_;
   std::vector<int> region_, component_;
+  static constexpr int few_ = 4;  // vertices of loops that need no new ones
   std::vector<char> removed_;
   std::vector<std::pair<Triangle, int>> notches_;  // triangles of given nodes, and their faces
   std::vector<int> node_, first_node_;             // given node of each new vertex, or -1

@@ -101,9 +101,9 @@ class Loop {
 };
 
 // Number of rounds of Loop::smoothed() that remove the zigzag of a loop, such as the rim of a hole in
-// a scan; 0: it has none. The sum of the turning angles tells: filtering reduces that of a zigzag by
+// a scan; 0: it has none. `noisy`: as many as hardly change the loop. The sum of the turning angles tells: filtering reduces that of a zigzag by
 // many turns, and hardly that of a curve with corners.
-int rounds_against_zigzag(const Loop& loop) {
+int rounds_against_zigzag(const Loop& loop, bool noisy) {
   constexpr int fewest = 12, first = 4;
   constexpr double most_turning = 720, same_turning = 60;  // degrees
   // The filter shrinks a circle of n vertices by less than 1 %.
@@ -119,7 +119,7 @@ int rounds_against_zigzag(const Loop& loop) {
     if (before - turning < same_turning) break;
   }
   constexpr int smoother = 4;
-  return std::min(smoother * rounds, most);
+  return noisy ? most : std::min(smoother * rounds, most);
 }
 
 // Fits curves to one boundary loop.
@@ -130,10 +130,13 @@ class BoundaryCurves {
     for (const int v : boundary.vertices) points_.push_back(mesh.point(v));
     const double h = boundary.length / count_;
     const Loop loop(points_);
-    if (const int rounds = rounds_against_zigzag(loop)) {
+    constexpr double least_noise = 0.005;
+    const bool noisy = boundary.noise > least_noise * h;
+    if (const int rounds = rounds_against_zigzag(loop, noisy)) {
       constexpr double of_edge = 0.02;
       tolerance_ = of_edge * h;
-      place_on_surface(loop.smoothed(rounds));
+      accuracy_ = std::max(tolerance_, boundary.noise);
+      place_on_surface(loop.smoothed(rounds), noisy ? rounds : 0);
       return;
     }
     constexpr double exact = 0.01, rough = 0.1, of_noise = 1.5, corner_angle = 50;
@@ -143,6 +146,7 @@ class BoundaryCurves {
 
   // Appends the curves to `faces`, and their names to `opening`.
   void add_to(NeighbourFaces& faces, NeighbourOpening& opening) const {
+    faces.accuracy = std::max(faces.accuracy, accuracy_);
     if (corners_.empty()) return add(0, count_, faces, opening);
     for (size_t k = 0; k < corners_.size(); ++k)
       add(corners_[k], k + 1 < corners_.size() ? corners_[k + 1] : corners_.front() + count_, faces,
@@ -151,11 +155,13 @@ class BoundaryCurves {
 
  private:
   // Moves the loop to `smooth`, projected onto the weighted means of the quadratics fitted at nearby
-  // vertices, which vary as slowly.
-  void place_on_surface(const Loop& smooth) {
+  // vertices. `noise_rounds`: rounds of the filter for the distances of this projection and the angles
+  // of the normals around the loop.
+  void place_on_surface(const Loop& smooth, int noise_rounds) {
     constexpr std::array<double, 9> weights{1, 8, 28, 56, 70, 56, 28, 8, 1};  // binomial
     constexpr int half = isize(weights) / 2;
     MeshBoundary placed = surface_;
+    std::vector<double> heights;
     for (int i = 0; i < count_; ++i) {
       const auto mean = [&](const auto& of) {
         auto sum = (0 * of(i)).eval();
@@ -163,13 +169,35 @@ class BoundaryCurves {
           sum += weights[k + half] / 256 * of((i + k + half * count_) % count_);
         return sum;
       };
-      points_[i] = mean([&](int k) -> Vec3 { return on_surface(k, smooth.point(i)); });
-      placed.normals[i] =
-          mean([&](int k) -> Vec3 { return normal_at(k, points_[i]); }).normalized();
+      const Vec3 x = mean([&](int k) -> Vec3 { return on_surface(k, smooth.point(i)); });
+      placed.normals[i] = mean([&](int k) -> Vec3 { return normal_at(k, x); }).normalized();
       placed.curvatures[i] = mean([&](int k) -> Mat3 { return surface_.curvatures[k]; });
+      heights.push_back((x - smooth.point(i)).dot(placed.normals[i]));
     }
+    heights = filtered(heights, noise_rounds);
+    for (int i = 0; i < count_; ++i) points_[i] = smooth.point(i) + heights[i] * placed.normals[i];
     placed.points = points_;
+    placed.normals = filtered_normals(placed.normals, noise_rounds);
     surface_ = std::move(placed);
+  }
+
+  // Filters the angles around the loop between normals and slowly varying normals.
+  std::vector<Vec3> filtered_normals(std::vector<Vec3> normals, int rounds) const {
+    const std::vector<Vec3> slow = filtered(normals, rounds);
+    const auto tangent = [&](int i) {
+      return (points_[(i + 1) % count_] - points_[(i + count_ - 1) % count_]).normalized();
+    };
+    const auto slow_normal = [&](int i) {
+      return (slow[i] - slow[i].dot(tangent(i)) * tangent(i)).normalized();
+    };
+    std::vector<double> angles;
+    for (int i = 0; i < count_; ++i)
+      angles.push_back(std::atan2(tangent(i).dot(slow_normal(i).cross(normals[i])),
+                                  slow_normal(i).dot(normals[i])));
+    angles = filtered(angles, rounds);
+    for (int i = 0; i < count_; ++i)
+      normals[i] = Eigen::AngleAxisd(angles[i], tangent(i)) * slow_normal(i);
+    return normals;
   }
 
   // Offset of x from the fitted surface's point i, along the tangent plane there.
@@ -232,7 +260,7 @@ class BoundaryCurves {
   int count_;
   std::vector<Vec3> points_;
   std::vector<int> corners_;
-  double tolerance_ = 0;
+  double tolerance_ = 0, accuracy_ = 0;
 };
 
 }  // namespace

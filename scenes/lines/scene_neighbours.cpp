@@ -67,6 +67,7 @@ class NeighbourReader {
       result_.neighbours.push_back(std::move(curve));
     }
     if (!given_.fill.value_or(!given_.openings.empty() || !has_outlines(scene_))) return;
+    result_.accuracy = std::max(result_.accuracy, found_.accuracy);
     const std::vector<int> which = openings();
     for (const int k : which) fill(found_.openings[static_cast<size_t>(k)], isize(which));
   }

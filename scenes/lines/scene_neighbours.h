@@ -21,6 +21,7 @@ struct SceneNeighbours {
   /// One face for each of these openings; none if the scene has outline curves of its own, which
   /// may divide the openings.
   std::vector<RegionSpec> regions;
+  double accuracy = 0;  ///< the largest NeighbourFaces::accuracy of these lines
 };
 
 /// True if the scene has outline curves of its own.

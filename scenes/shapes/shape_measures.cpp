@@ -15,6 +15,7 @@
 #include "batten/io/cad/cad_format.h"
 #include "batten/io/files/text.h"
 #include "batten/io/report/report.h"
+#include "batten/scenes/lines/scene_neighbours.h"
 #include "batten/scenes/shapes/shape_files.h"
 #include "batten/skinning/lines/character_line.h"
 #include "batten/skinning/model/model_shapes.h"
@@ -141,6 +142,11 @@ void measure_network(Report& report, const BuiltModel& made, const Scene& scene)
   report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene.network.join_tolerance);
   report.network->added_curves = made.added_curves;
+  if (!scene.neighbours.empty() && !has_outlines(scene))
+    for (const auto& join : report.network->joins)
+      if (join.kind == "free edge")
+        report.failed_checks.push_back(
+            {"joins." + join.line, "is a free edge, expected a given face beside it"});
   report.surface.max_smooth_join_deg = made.model.max_join_deg;
   report.warnings.insert(report.warnings.end(), made.model.warnings.begin(),
                          made.model.warnings.end());

@@ -31,6 +31,8 @@ ModelBuildOptions model_build_options(const Scene& scene, const std::vector<Char
   options.model.rest = scene.skin.has_rest();
   SceneNeighbours given = read_neighbours(scene);
   options.model.neighbours = std::move(given.neighbours);
+  constexpr double of_accuracy = 4;
+  options.model.neighbour_tolerance = of_accuracy * given.accuracy;
   options.model.crease_angle_deg = scene.network.crease_angle;
   options.model.join_tolerance_deg = scene.network.join_tolerance;
   options.network.tolerance = scene.network.tolerance;
@@ -49,6 +51,11 @@ ModelBuildOptions model_build_options(const Scene& scene, const std::vector<Char
       constexpr double of_target = 0.1;
       return scene.skin.options.tolerance > 0 ? scene.skin.options.tolerance
                                               : of_target * target_tolerance(scene, size);
+    };
+  else if (given.accuracy > 0 && !(scene.skin.options.tolerance > 0))
+    options.tolerance = [accuracy = given.accuracy](double size) {
+      constexpr double usual = 1e-4;
+      return std::max(usual * size, accuracy);
     };
   options.unit = scene.unit;
   options.where = scene.at({});

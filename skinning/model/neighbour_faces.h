@@ -34,7 +34,10 @@ struct NeighbourFaces {
   std::vector<NeighbourOpening> openings;  ///< closed loops of `lines`, longest first
   /// Names of free edges that belong to no closed loop.
   std::vector<std::string> open_lines;
-  int faces = 0;    ///< number of faces
+  int faces = 0;  ///< number of faces
+  /// Largest distance of `lines` from the faces that is their accuracy, as of noisy meshes, model
+  /// units; 0: the lines are exact.
+  double accuracy = 0;
   double size = 0;  ///< diagonal of the bounding box, model units
 };
 
