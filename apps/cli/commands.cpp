@@ -834,7 +834,8 @@ Command add_fill(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FillArguments>();
   FillArguments& a = *arguments;
   Subcommand subcommand = program.command(
-      "fill", kSurfaces, "fill the openings of a CAD model, tangent to the faces beside them");
+      "fill", kSurfaces,
+      "fill the openings of a CAD model or a mesh, tangent to the faces beside them");
   subcommand
       .option("PART", a.part,
               "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks …) with the faces")

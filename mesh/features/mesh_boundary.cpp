@@ -33,7 +33,7 @@ class QuadraticFit {
     constexpr int rings = 3, most_rings = 12;
     Fit best = fit(vertex, rings);
     // More vertices, if they fit as well: the residual is noise, not the shape of the surface.
-    constexpr double as_well = 1.3, exact = 1e-6;
+    constexpr double as_well = 2, exact = 1e-6;
     for (int more = 2 * rings; more <= most_rings && best.jet.residual > exact * best.size;
          more *= 2) {
       Fit next = fit(vertex, more);
@@ -116,7 +116,9 @@ class QuadraticFit {
         well_posed * std::abs(qr.matrixR()(0, 0)))
       return found;
     const VecX c = qr.solve(z);
-    const double residual = size * (A * c - z).norm() / A.col(0).norm();
+    const double freedom = std::max(1.0, static_cast<double>(isize(points) - unknowns));
+    const double residual = size * (A * c - z).norm() / A.col(0).norm() *
+                            std::sqrt(static_cast<double>(isize(points)) / freedom);
     const Vec3 xu = e1 + c[1] * jet.normal, xv = e2 + c[2] * jet.normal;
     const Vec3 n = xu.cross(xv).normalized();
     Eigen::Matrix<double, 3, 2> X;

@@ -38,7 +38,7 @@ struct MeshBoundary {
 ///
 /// fitted by weighted least squares to the vertices of its manifold patch that are connected to it by
 /// at most three edges (more, if these are fewer than twelve; six or twelve edges, if the root mean
-/// square residual is not more than 1.3 times as large then, as in noise), over the plane of the mean of the
+/// square residual is not more than twice as large then, as in noise), over the plane of the mean of the
 /// triangles' normals there. Edges at which the triangles' normals differ by more than `crease_deg`
 /// separate the vertices. On a smooth surface and with edge length h, the error of the normal is
 /// O(h²). If there are fewer than six vertices, the surface is taken as flat. Source: Cazals, Pouget

@@ -366,16 +366,32 @@ class MeshJoiner {
     for (size_t g = 0; g < given_.size(); ++g) {
       mesh.points.middleRows(first_node_[g], given_[g].shells.points.rows()) =
           given_[g].shells.points;
+      for (MeshSet set : given_[g].sets) {
+        for (int& node : set.nodes) node += first_node_[g];
+        for (int& face : set.faces) face += mesh.face_count();
+        result.sets.push_back(std::move(set));
+      }
       add_given(given_[g], first_node_[g], mesh);
     }
     for (int i = 0; i < isize(more); ++i) mesh.points.row(given_nodes_ + i) = more[i].transpose();
-    for (const std::string& name : names) result.sets.push_back({name, "", {}, {}});
-    add_new(number, result);
+    const size_t first_new = result.sets.size();
+    for (const std::string& name : names)
+      result.sets.push_back({unused(name, result.sets), "", {}, {}});
+    add_new(number, first_new, result);
     count_edges(result);
     return result;
   }
 
  private:
+  // A name that no set has: `name`, or "name 2", "name 3" …
+  static std::string unused(const std::string& name, const std::vector<MeshSet>& sets) {
+    std::string free = name;
+    const auto is_used = [&](const MeshSet& set) { return set.name == free; };
+    for (int k = 2; std::any_of(sets.begin(), sets.end(), is_used); ++k)
+      free = name + " " + std::to_string(k);
+    return free;
+  }
+
   static Eigen::Index isize_of(size_t v) { return static_cast<Eigen::Index>(v); }
 
   void join_loops(double tolerance) {
@@ -665,17 +681,19 @@ class MeshJoiner {
     return flipped;
   }
 
-  void add_new(const std::vector<int>& number, JoinedMesh& result) const {
+  void add_new(const std::vector<int>& number, size_t first_new, JoinedMesh& result) const {
     for (size_t t = 0; t < triangles_.size(); ++t) {
       if (removed_[t]) continue;
       const Triangle nodes{number[triangles_[t][0]], number[triangles_[t][1]],
                            number[triangles_[t][2]]};
       if (nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[2] == nodes[0]) continue;
-      result.sets[region_[t]].faces.push_back(result.mesh.face_count());
+      result.sets[first_new + static_cast<size_t>(region_[t])].faces.push_back(
+          result.mesh.face_count());
       result.mesh.add_face(nodes);
     }
     for (const auto& [nodes, region] : notches_) {
-      result.sets[region].faces.push_back(result.mesh.face_count());
+      result.sets[first_new + static_cast<size_t>(region)].faces.push_back(
+          result.mesh.face_count());
       result.mesh.add_face(nodes);
     }
   }

@@ -275,13 +275,26 @@ MeshNeighbour read_mesh_neighbour(const std::filesystem::path& path,
   const std::vector<char> removed = faces_of(file, without);
   ShellMesh shells;
   shells.points = all.points;
+  std::vector<int> number(keep.size(), -1);
   for (int f = 0; f < all.face_count(); ++f)
-    if (keep[f] && !removed[f]) shells.add_face(all.face(f), all.second_order(f));
+    if (keep[f] && !removed[f]) {
+      number[f] = shells.face_count();
+      shells.add_face(all.face(f), all.second_order(f));
+    }
   if (shells.face_count() == 0)
     throw InputError("found no face that is not left out, expected the faces beside an opening");
+  std::vector<MeshSet> sets;
+  for (const auto* list : {&file.sets(), &file.properties()})
+    for (const MeshSet& set : *list) {
+      MeshSet rest = set;
+      rest.faces.clear();
+      for (const int f : set.faces)
+        if (number[f] >= 0) rest.faces.push_back(number[f]);
+      if (!rest.faces.empty() || !rest.nodes.empty()) sets.push_back(std::move(rest));
+    }
   PreparedMesh prepared = prepare(shells);
   std::vector<MeshBoundary> boundaries = mesh_boundaries(prepared.mesh);
-  return {std::move(shells), std::move(prepared), std::move(boundaries)};
+  return {std::move(shells), std::move(sets), std::move(prepared), std::move(boundaries)};
 }
 
 NeighbourFaces mesh_neighbour_faces(const MeshNeighbour& mesh) {

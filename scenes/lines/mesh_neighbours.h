@@ -18,6 +18,7 @@ namespace batten {
 /// The faces of a mesh file that are given, and their boundary loops.
 struct MeshNeighbour {
   ShellMesh shells;
+  std::vector<MeshSet> sets;  ///< sets and properties of the file
   PreparedMesh prepared;
   std::vector<MeshBoundary> boundaries;  ///< in the order of NeighbourFaces::openings
 };
@@ -40,12 +41,12 @@ NeighbourFaces mesh_neighbour_faces(const MeshNeighbour& mesh);
 
 /// A mesh of given faces and new faces.
 struct JoinedMesh {
-  ShellMesh mesh;             ///< the given faces, unchanged and first, then the new triangles
-  std::vector<MeshSet> sets;  ///< the triangles of each new face
-  int new_loops = 0;          ///< number of boundary loops of the new faces
-  int joined_loops = 0;       ///< of them, those that were joined to a given mesh
-  int open_edges = 0;         ///< edges on boundary loops of the given faces that were not joined
-  int free_edges = 0;         ///< edges of one face in the result
+  ShellMesh mesh;              ///< the given faces, unchanged and first, then the new triangles
+  std::vector<MeshSet> sets;   ///< those of the given meshes, and the triangles of each new face
+  int new_loops = 0;           ///< number of boundary loops of the new faces
+  int joined_loops = 0;        ///< of them, those that were joined to a given mesh
+  int open_edges = 0;          ///< edges on boundary loops of the given faces that were not joined
+  int free_edges = 0;          ///< edges of one face in the result
   int non_manifold_edges = 0;  ///< edges of more than two faces, at least one of which is new
 };
 

@@ -2,10 +2,17 @@
 // batten fill and [[neighbour]]: faces that continue those of a CAD file.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "batten/io/meshes/mesh_file.h"
+#include "batten/mesh/prepared_mesh.h"
 #include "batten/tests/apps/cli_case.h"
 #include "batten/tests/support/catch.h"
+#include "batten/tests/support/sample_meshes.h"
 
 using namespace batten_test;
 using Catch::Matchers::Contains;
@@ -112,4 +119,99 @@ TEST_CASE("requests that cannot be filled name the openings", "[apps][fill]") {
   r = c.run({"fill", "missing.step", "--out", "out"});
   CHECK(r.code == 1);
   CHECK_THAT(r.err, Contains("missing.step"));
+}
+
+namespace fill_tests {
+
+// A sphere of radius 50 as OBJ text, with a group "cap" of the triangles around the north pole, whose
+// boundary zigzags; without this group on request.
+std::string sphere_obj(double cap_height, bool with_cap) {
+  const TriangleMesh mesh = sphere(4);
+  std::string rest = "g rest\n", cap = "g cap\n", text;
+  for (int v = 0; v < mesh.points().rows(); ++v) {
+    text += "v";
+    for (int c = 0; c < 3; ++c) text += " " + std::to_string(50 * mesh.points()(v, c));
+    text += "\n";
+  }
+  for (const auto& t : mesh.triangles()) {
+    const double z = (mesh.point(t[0]) + mesh.point(t[1]) + mesh.point(t[2])).z() / 3;
+    std::string face = "f";
+    for (const int v : t) face += " " + std::to_string(v + 1);
+    (50 * z < cap_height ? rest : cap) += face + "\n";
+  }
+  return text + rest + (with_cap ? cap : "");
+}
+
+// The triangles of a written mesh and their largest distance from the sphere.
+struct FilledSphere {
+  int free_edges = 0, folds = 0;
+  double volume = 0, distance = 0;
+};
+
+FilledSphere filled_sphere(const std::filesystem::path& file) {
+  const ShellMesh mesh = MeshFile::read(file).shells();
+  const TriangleMesh triangles = prepare(mesh).mesh;
+  FilledSphere found;
+  for (const auto& loop : triangles.topology().boundary_loops())
+    found.free_edges += static_cast<int>(loop.size());
+  std::map<std::pair<int, int>, Vec3> normals;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const auto c = mesh.corners(f);
+    const auto at = [&](size_t k) -> Vec3 { return mesh.points.row(c[k % 3]).transpose(); };
+    found.volume += at(0).dot(at(1).cross(at(2))) / 6;
+    const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+    for (size_t k = 0; k < 3; ++k) {
+      found.distance = std::max(found.distance, std::abs(at(k).norm() - 50));
+      const auto [other, is_first] = normals.emplace(std::minmax(c[k], c[(k + 1) % 3]), normal);
+      found.folds += !is_first && other->second.dot(normal) < 0.9;
+    }
+  }
+  return found;
+}
+
+}  // namespace fill_tests
+
+TEST_CASE("a hole in a scan is filled tangentially, and the mesh is joined", "[apps][fill][mesh]") {
+  const CliCase c("fill_scan");
+  for (const double height : {46.0, 35.0, 12.0}) {
+    c.file("scan.obj", sphere_obj(height, false));
+    const std::string out = "out" + std::to_string(static_cast<int>(height));
+    const CliResult r = c.run({"fill", "scan.obj", "--out", out});
+    INFO(height << r.out << r.err);
+    REQUIRE(r.code == 0);
+    const auto j = report(c, out);
+    REQUIRE(j["joins"].size() == 1);
+    CHECK(j["joins"][0]["continuity"] == "smooth");
+    CHECK(j["joins"][0]["neighbours"][0] == "mesh of scan.obj");
+    CHECK(j["mesh"]["joined_openings"] == 1);
+    CHECK(j["mesh"]["free_edges"] == 0);
+    const FilledSphere found = filled_sphere(c / (out + "/scan-filled.obj"));
+    CHECK(found.free_edges == 0);
+    CHECK(found.folds == 0);
+    CHECK(found.volume == Approx(4 / 3.0 * std::numbers::pi * 125'000).epsilon(5e-3));
+    CHECK(found.distance < 2e-3 * 2 * std::sqrt(2500 - height * height));
+  }
+}
+
+TEST_CASE("a face set of a mesh is replaced", "[apps][fill][mesh]") {
+  const CliCase c("fill_set");
+  c.file("scan.obj", sphere_obj(35, true));
+  CliResult r = c.run({"fill", "scan.obj", "--out", "closed"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("no free edge"));
+  r = c.run({"fill", "scan.obj", "--replace", "cup", "--out", "wrong"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("no face set 'cup', expected one of: rest, cap"));
+  for (int twice = 0; twice < 2; ++twice) {
+    r = c.run({"fill", "scan.obj", "--replace", "cap", "--out", "out"});
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 0);
+  }
+  const MeshFile written = MeshFile::read(c / "out/scan-filled.obj");
+  std::vector<std::string> names;
+  for (const MeshSet& set : written.sets()) names.push_back(set.name);
+  for (const MeshSet& set : written.properties()) names.push_back(set.name);
+  std::sort(names.begin(), names.end());
+  CHECK(names == std::vector<std::string>{"patch", "rest"});
+  CHECK(filled_sphere(c / "out/scan-filled.obj").free_edges == 0);
 }
