@@ -95,7 +95,10 @@ struct FillTask {
   std::vector<std::string> faces, replaced;
   /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
   std::vector<int> openings;
-  bool bridge = false;     ///< true: one annular face connects two openings
+  std::vector<std::string>
+      edges;               ///< names of free edges that select openings, or that are connected
+  bool bridge = false;     ///< true: one face connects two openings, or the edges
+  double tension = 0;      ///< of a face between open edges; 0: 1
   std::string continuity;  ///< "G0", "G1" or "G2"; empty: automatic
   /// Files of curves inside the openings, through which the new faces pass.
   std::vector<std::filesystem::path> inner;
@@ -104,7 +107,8 @@ struct FillTask {
   bool step_curves = false, step_ap242 = false;  ///< as Scene::step_lines and Scene::step_ap242
 };
 /// Fills the openings between the faces of a CAD file with faces that continue these faces:
-/// run_scene() with a scene of one [[neighbour]], which is also written, as NAME-filled.toml. Throws
+/// run_scene() with a scene of one [[neighbour]], which is also written, as NAME-filled.toml (with a
+/// bridge: NAME-blended.toml). Throws
 /// as run_scene() does.
 Report run_fill(const std::filesystem::path& part, const FillTask& task,
                 const std::filesystem::path& folder, const Progress& progress = {});

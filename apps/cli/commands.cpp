@@ -828,6 +828,55 @@ struct FillArguments {
   StepFileArguments step;
 };
 
+// Options of `batten fill` and `batten blend`.
+void add_given_faces(Subcommand& subcommand, FillArguments& a) {
+  subcommand
+      .option("PART", a.part,
+              "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks …) with the faces")
+      .required();
+  add_out(subcommand, a.out);
+  add_unit(subcommand, a.task.unit, "length unit of the results");
+}
+
+void add_face_selection(Subcommand& subcommand, FillArguments& a) {
+  subcommand
+      .option("--replace FACE", a.task.replaced,
+              "face to leave out, such as \"face 3\" in file order; its boundary is an opening")
+      .allow_repeated();
+  subcommand
+      .option("--face FACE", a.task.faces, "use only this face and others named so, not all faces")
+      .allow_repeated();
+}
+
+void add_new_faces(Subcommand& subcommand, FillArguments& a) {
+  subcommand.group("Surface");
+  subcommand
+      .option("--continuity WHICH", a.task.continuity,
+              "continuity with the given faces: common edges, tangent planes, or curvature")
+      .one_of({"G0", "G1", "G2"})
+      .default_text("G1, and G0 at sharp angles");
+  add_edge_length(subcommand, a.task.edge_length, "1/20 of the size of a single face");
+  subcommand.group("Output");
+  subcommand.flag("--new-faces-only", a.task.patches_only,
+                  "write only the new faces to STEP, not those of the part");
+  add_step_options(subcommand, a.step);
+}
+
+int run_fill_command(FillArguments& a, const CommonOptions& common) {
+  FillTask& task = a.task;
+  task.inner.assign(a.inner.begin(), a.inner.end());
+  for (const double number : a.openings) {
+    if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
+      throw InputError("--opening: found " + format_number(number) +
+                       ", expected the number of an opening, from 1");
+    task.openings.push_back(static_cast<int>(number));
+  }
+  task.step_curves = a.step.lines;
+  task.step_ap242 = a.step.ap242;
+  const auto report = run_fill(a.part, task, a.out, terminal_progress(common.quiet));
+  return print_result(report, summary(report, a.out), common);
+}
+
 }  // namespace
 
 Command add_fill(CommandLine& program, CommonOptions& common) {
@@ -836,60 +885,61 @@ Command add_fill(CommandLine& program, CommonOptions& common) {
   Subcommand subcommand = program.command(
       "fill", kSurfaces,
       "fill the openings of a CAD model or a mesh, tangent to the faces beside them");
-  subcommand
-      .option("PART", a.part,
-              "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks …) with the faces")
-      .required();
-  add_out(subcommand, a.out);
-  add_unit(subcommand, a.task.unit, "length unit of the results");
+  add_given_faces(subcommand, a);
   subcommand.group("Openings");
   subcommand
       .option("--opening NUMBER", a.openings,
               "opening to fill, 1 is the longest; without this option, all but outer boundaries")
       .allow_repeated();
   subcommand
-      .option("--replace FACE", a.task.replaced,
-              "face to replace, such as \"face 3\" in file order; its boundary is an opening")
+      .option("--edge NAME", a.task.edges,
+              "fill the opening with this free edge, such as edge5 in file order")
       .allow_repeated();
-  subcommand
-      .option("--face FACE", a.task.faces, "use only this face and others named so, not all faces")
-      .allow_repeated();
+  add_face_selection(subcommand, a);
   subcommand.option("--inner FILE", a.inner, "file of curves through which the new faces pass")
       .allow_repeated();
-  subcommand.flag("--bridge", a.task.bridge,
-                  "connect two openings by one face, instead of filling each of them");
-  subcommand.group("Surface");
-  subcommand
-      .option("--continuity WHICH", a.task.continuity,
-              "continuity with the faces beside an opening: common edges, tangent planes, or "
-              "curvature")
-      .one_of({"G0", "G1", "G2"})
-      .default_text("G1, and G0 at sharp angles");
-  add_edge_length(subcommand, a.task.edge_length, "1/20 of the size of a single face");
-  subcommand.group("Output");
-  subcommand.flag("--new-faces-only", a.task.patches_only,
-                  "write only the new faces to STEP, not those of the part");
-  add_step_options(subcommand, a.step);
+  add_new_faces(subcommand, a);
   add_common(subcommand, common);
   subcommand.example("batten fill part.step --out out/part",
                      "a CAD model of yours becomes a closed solid");
   subcommand.example("batten fill part.step --replace \"face 3\" --continuity G2 --out out/part",
                      "one face is replaced by a face with continuous curvature");
-  return {subcommand, [arguments, &common] {
-            FillTask& task = arguments->task;
-            task.inner.assign(arguments->inner.begin(), arguments->inner.end());
-            for (const double number : arguments->openings) {
-              if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
-                throw InputError("--opening: found " + format_number(number) +
-                                 ", expected the number of an opening, from 1");
-              task.openings.push_back(static_cast<int>(number));
-            }
-            task.step_curves = arguments->step.lines;
-            task.step_ap242 = arguments->step.ap242;
-            const auto report =
-                run_fill(arguments->part, task, arguments->out, terminal_progress(common.quiet));
-            return print_result(report, summary(report, arguments->out), common);
-          }};
+  subcommand.example("batten fill scan.stl --out out/scan",
+                     "the holes of a scan are closed, and its triangles joined to the mesh");
+  return {subcommand, [arguments, &common] { return run_fill_command(*arguments, common); }};
+}
+
+// `batten blend`.
+Command add_blend(CommandLine& program, CommonOptions& common) {
+  const auto arguments = std::make_shared<FillArguments>();
+  FillArguments& a = *arguments;
+  a.task.bridge = true;
+  Subcommand subcommand =
+      program.command("blend", kSurfaces,
+                      "connect two edges or openings of a CAD model or a mesh by a tangent face");
+  add_given_faces(subcommand, a);
+  subcommand.group("Edges");
+  subcommand
+      .option("--edge NAME", a.task.edges,
+              "free edge to connect, such as edge5 in file order; name the edges of both ends")
+      .allow_repeated();
+  subcommand
+      .option("--opening NUMBER", a.openings,
+              "whole openings to connect, instead of edges: two of them, 1 is the longest")
+      .allow_repeated();
+  add_face_selection(subcommand, a);
+  subcommand
+      .option("--tension VALUE", a.task.tension,
+              "pull at the sides of a face between open edges: 0.5 is flat, 2 bulges")
+      .positive()
+      .default_text("1");
+  add_new_faces(subcommand, a);
+  add_common(subcommand, common);
+  subcommand.example("batten blend two-sheets.step --edge edge3 --edge edge5 --out out/blend",
+                     "a face connects edges of two sheets");
+  subcommand.example("batten blend two-tubes.step --opening 1 --opening 4 --out out/blend",
+                     "a face connects the ends of two tubes");
+  return {subcommand, [arguments, &common] { return run_fill_command(*arguments, common); }};
 }
 
 }  // namespace batten

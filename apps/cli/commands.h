@@ -37,6 +37,7 @@ Command add_skin(CommandLine& program, CommonOptions& common);
 Command add_convert(CommandLine& program, CommonOptions& common);
 Command add_fit(CommandLine& program, CommonOptions& common);
 Command add_fill(CommandLine& program, CommonOptions& common);
+Command add_blend(CommandLine& program, CommonOptions& common);
 Command add_info(CommandLine& program);
 Command add_view(CommandLine& program, CommonOptions& common);
 

@@ -40,6 +40,7 @@ Program::Program(CommonOptions& common)
                add_skin(line, common),
                add_fit(line, common),
                add_fill(line, common),
+               add_blend(line, common),
                add_sculpt(line, common),
                add_stress(line, common),
                add_deform(line, common),

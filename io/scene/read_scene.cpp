@@ -651,8 +651,9 @@ SceneNeighbour read_neighbour(const TomlTable& table, const std::filesystem::pat
   SceneNeighbour neighbour;
   neighbour.location = table.location("file");
   neighbour.file = (folder / table.text("file")).lexically_normal();
-  for (const auto& [key, names] :
-       {std::pair{"faces", &neighbour.faces}, {"without", &neighbour.without}})
+  for (const auto& [key, names] : {std::pair{"faces", &neighbour.faces},
+                                   {"without", &neighbour.without},
+                                   {"edges", &neighbour.edges}})
     if (table.has(key))
       for (const LocatedString& name : table.strings(key)) names->push_back(name.text);
   neighbour.continuity = table.choice("continuity", NeighbourContinuity::Automatic,
@@ -662,6 +663,9 @@ SceneNeighbour read_neighbour(const TomlTable& table, const std::filesystem::pat
                                        {"G2", NeighbourContinuity::Curvature}});
   if (table.has("fill")) neighbour.fill = table.boolean("fill", true);
   neighbour.bridge = table.boolean("bridge", false);
+  neighbour.tension = table.positive("tension", 0);
+  if (neighbour.tension > 0 && !neighbour.bridge)
+    table.fail("tension", "a tension without 'bridge'", "bridge = true");
   if (table.has("openings"))
     for (const double number : table.list("openings")) {
       if (!(number >= 1 && number <= 1e6 && number == std::floor(number)))
@@ -792,8 +796,9 @@ Scene scene_of(const toml::table& root_table, const std::filesystem::path& file,
        root.tables("target", {"file", "points", "faces", "unit", "cage", "fit_tolerance"}))
     scene.targets.push_back(read_target(t, folder, scene.skin));
 
-  for (const TomlTable& t : root.tables(
-           "neighbour", {"file", "faces", "without", "continuity", "fill", "openings", "bridge"}))
+  for (const TomlTable& t :
+       root.tables("neighbour", {"file", "faces", "without", "continuity", "fill", "openings",
+                                 "edges", "bridge", "tension"}))
     scene.neighbours.push_back(read_neighbour(t, folder));
 
   read_sculpting(root, folder, scene);

@@ -135,8 +135,12 @@ struct SceneNeighbour {
   std::optional<bool> fill;
   /// Numbers of the openings to fill, from 1, the longest first; empty: all but outer boundaries.
   std::vector<int> openings;
-  /// True: one annular face connects two openings, instead of a face in each opening.
+  /// Names of free edges: the openings that contain them are filled, or `bridge` connects them.
+  std::vector<std::string> edges;
+  /// True: one face connects two openings or the `edges` of all neighbours, instead of a face in each
+  /// opening.
   bool bridge = false;
+  double tension = 0;  ///< of a bridge between open edges; 0: 1
 };
 
 /// [[constraint]]: a constraint at the point of the unloaded surface nearest to `at` (Point,

@@ -16,10 +16,22 @@
 namespace batten {
 namespace {
 
+bool has_bridge(const Scene& scene) {
+  return std::any_of(scene.neighbours.begin(), scene.neighbours.end(),
+                     [](const SceneNeighbour& given) { return given.bridge; });
+}
+
 NeighbourCurve mirrored(NeighbourCurve curve, int axis) {
   for (NeighbourSample& sample : curve.samples)
     for (Vec3* v : {&sample.point, &sample.into, &sample.curvature}) (*v)[axis] *= -1;
   return curve;
+}
+
+std::string some(std::vector<std::string> names) {
+  constexpr size_t most = 8;
+  const bool more = names.size() > most;
+  if (more) names.resize(most);
+  return comma_separated(names) + (more ? ", …" : "");
 }
 
 std::string describe(const std::vector<NeighbourOpening>& openings, const std::string& unit) {
@@ -28,7 +40,7 @@ std::string describe(const std::vector<NeighbourOpening>& openings, const std::s
   for (size_t k = 0; k < openings.size() && k < most; ++k) {
     const NeighbourOpening& opening = openings[k];
     text += "\n  opening " + std::to_string(k + 1) + ": " +
-            format_count(isize(opening.lines), "edge") + ", length " +
+            format_count(isize(opening.lines), "edge") + " (" + some(opening.lines) + "), length " +
             format_number(opening.length) + " " + unit + ", around " +
             format_point(opening.centre) + ", beside " + comma_separated(opening.faces) +
             (opening.outer_boundary ? ", an outer boundary" : "");
@@ -41,7 +53,7 @@ std::string describe(const std::vector<NeighbourOpening>& openings, const std::s
 class NeighbourReader {
  public:
   NeighbourReader(const Scene& scene, const SceneNeighbour& given, SceneNeighbours& result)
-      : scene_(scene), given_(given), result_(result) {
+      : scene_(scene), given_(given), result_(result), connects_(has_bridge(scene)) {
     record_input(given.file);
     try {
       if (MeshFile::can_read(given.file))
@@ -61,14 +73,27 @@ class NeighbourReader {
   void read() {
     for (NeighbourCurve curve : found_.neighbours) {
       curve.name += " of " + given_.file.filename().string();
-      curve.continuity = given_.continuity;
+      // Those who connect faces want a face that continues them.
+      curve.continuity = given_.continuity == NeighbourContinuity::Automatic && connects_
+                             ? NeighbourContinuity::Tangent
+                             : given_.continuity;
       if (scene_.network.symmetry)
         result_.neighbours.push_back(mirrored(curve, *scene_.network.symmetry));
       result_.neighbours.push_back(std::move(curve));
     }
-    if (!given_.fill.value_or(!given_.openings.empty() || !has_outlines(scene_))) return;
+    const bool selected = !given_.openings.empty() || !given_.edges.empty();
+    if (!given_.fill.value_or(selected || !has_outlines(scene_))) return;
     result_.accuracy = std::max(result_.accuracy, found_.accuracy);
+    if (!given_.edges.empty() && has_blend(scene_)) {
+      for (const std::string& name : given_.edges) {
+        BlendEdge edge = blend_edge(found_, index_of(name));
+        edge.name = add_line(name);
+        result_.blend.push_back(std::move(edge));
+      }
+      return;
+    }
     const std::vector<int> which = openings();
+    result_.openings += describe(found_.openings, scene_.unit);
     for (const int k : which) fill(found_.openings[static_cast<size_t>(k)], isize(which));
   }
 
@@ -87,16 +112,49 @@ class NeighbourReader {
              std::to_string(all.size()) + ":" + describe(all, scene_.unit));
       which.push_back(number - 1);
     }
-    if (!which.empty()) return which;
+    for (const std::string& name : given_.edges) which.push_back(opening_with(name));
+    if (!which.empty()) return sorted_unique(std::move(which));
     for (int k = 0; k < isize(all); ++k)
       if (!all[k].outer_boundary) which.push_back(k);
     if (which.empty())
       fail(all.empty() ? "found " + format_count(isize(found_.open_lines), "free edge") +
                              " that form no closed loop, expected an opening"
                        : "found no opening but the outer boundary of its faces; 'openings' "
-                         "(--opening) selects what is filled:" +
+                         "(--opening) or 'edges' (--edge) selects others:" +
                              describe(all, scene_.unit));
     return which;
+  }
+
+  // Index of a free edge.
+  int index_of(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const CharacterLine& line : found_.lines) {
+      if (line.name == name) return isize(known);
+      known.push_back(line.name);
+    }
+    fail("found no free edge '" + name + "', expected one of: " + some(known));
+  }
+
+  // Index of the opening that contains a free edge.
+  int opening_with(const std::string& name) const {
+    index_of(name);
+    for (int k = 0; k < isize(found_.openings); ++k) {
+      const auto& lines = found_.openings[static_cast<size_t>(k)].lines;
+      if (std::find(lines.begin(), lines.end(), name) != lines.end()) return k;
+    }
+    fail("found no closed loop of free edges with '" + name + "', expected an opening");
+  }
+
+  // Adds a free edge to the curves of the scene; the result is its name there.
+  std::string add_line(const std::string& name) {
+    CharacterLine& added =
+        result_.lines.emplace_back(found_.lines[static_cast<size_t>(index_of(name))]);
+    const auto taken = [&](const std::string& wanted) {
+      return std::any_of(result_.lines.begin(), result_.lines.end() - 1,
+                         [&](const CharacterLine& one) { return one.name == wanted; });
+    };
+    for (int n = 2; taken(added.name); ++n) added.name = name + "_" + std::to_string(n);
+    return added.name;
   }
 
   void fill(const NeighbourOpening& opening, int count) {
@@ -106,32 +164,34 @@ class NeighbourReader {
                     : "patch";
     spec.where = scene_.at(given_.location);
     spec.loops.emplace_back();
-    for (const std::string& name : opening.lines) {
-      const auto line = std::find_if(found_.lines.begin(), found_.lines.end(),
-                                     [&](const CharacterLine& one) { return one.name == name; });
-      CharacterLine& added = result_.lines.emplace_back(*line);
-      const auto taken = [&](const std::string& wanted) {
-        return std::any_of(result_.lines.begin(), result_.lines.end() - 1,
-                           [&](const CharacterLine& one) { return one.name == wanted; });
-      };
-      for (int n = 2; taken(added.name); ++n) added.name = name + "_" + std::to_string(n);
-      spec.loops.front().push_back(added.name);
-    }
+    for (const std::string& name : opening.lines) spec.loops.front().push_back(add_line(name));
     if (!has_outlines(scene_)) result_.regions.push_back(std::move(spec));
   }
 
   const Scene& scene_;
   const SceneNeighbour& given_;
   SceneNeighbours& result_;
+  bool connects_;
   NeighbourFaces found_;
 };
 
-// Replaces the faces in two openings by one annular face between them.
+// Replaces the faces in two openings by one annular face between them, or connects the edges of a blend.
 void connect(const Scene& scene, const SceneNeighbour& bridge, SceneNeighbours& result) {
+  if (!result.blend.empty()) {
+    try {
+      Blend blend = blend_between(result.blend, bridge.tension);
+      result.lines.insert(result.lines.end(), blend.sides.begin(), blend.sides.end());
+      result.regions = {std::move(blend.region)};
+    } catch (const InputError& e) {
+      throw InputError(scene.at(bridge.location) + e.what());
+    }
+    return;
+  }
   if (result.regions.size() != 2)
-    throw InputError(scene.at(bridge.location) + "found 'bridge' with " +
+    throw InputError(scene.at(bridge.location) + "found a blend of " +
                      format_count(isize(result.regions), "opening") +
-                     ", expected two; 'openings' (--opening) selects them");
+                     ", expected two; 'openings' (--opening) or 'edges' (--edge) selects them:" +
+                     result.openings);
   RegionSpec one = std::move(result.regions[0]);
   one.name = "bridge";
   one.loops.push_back(std::move(result.regions[1].loops.front()));
@@ -145,6 +205,12 @@ bool has_outlines(const Scene& scene) {
   return std::any_of(scene.lines.begin(), scene.lines.end(), [](const SceneLine& line) {
     return line.role == CharacterLine::Role::Outline;
   });
+}
+
+bool has_blend(const Scene& scene) {
+  return has_bridge(scene) &&
+         std::any_of(scene.neighbours.begin(), scene.neighbours.end(),
+                     [](const SceneNeighbour& given) { return !given.edges.empty(); });
 }
 
 SceneNeighbours read_neighbours(const Scene& scene) {

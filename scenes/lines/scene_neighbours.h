@@ -3,9 +3,11 @@
 // scene fills.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "batten/io/scene/scene.h"
+#include "batten/scenes/lines/blend.h"
 #include "batten/skinning/lines/character_line.h"
 #include "batten/skinning/model/neighbour_edge.h"
 #include "batten/skinning/search/regions.h"
@@ -21,11 +23,16 @@ struct SceneNeighbours {
   /// One face for each of these openings; none if the scene has outline curves of its own, which
   /// may divide the openings.
   std::vector<RegionSpec> regions;
-  double accuracy = 0;  ///< the largest NeighbourFaces::accuracy of these lines
+  std::vector<BlendEdge> blend;  ///< the edges that a bridge connects
+  std::string openings;          ///< description of the openings for messages
+  double accuracy = 0;           ///< the largest NeighbourFaces::accuracy of these lines
 };
 
 /// True if the scene has outline curves of its own.
 bool has_outlines(const Scene& scene);
+
+/// True if a face connects edges of given faces, rather than whole openings.
+bool has_blend(const Scene& scene);
 
 /// Reads the given faces of a scene. The openings that are filled are those that the scene selects
 /// or, by default, all loops of free edges that are no outer boundary

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MPL-2.0
-// `batten fill`: faces in the openings of a CAD file or a mesh, tangent to the faces beside them.
+// `batten fill`, `batten blend`: faces in the openings of a CAD file or a mesh, tangent to the faces beside them.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -37,7 +37,8 @@ std::string mesh_ending(const std::filesystem::path& part) {
 
 std::string scene_text_of(const std::filesystem::path& part, const FillTask& task,
                           const std::string& name, const std::filesystem::path& folder) {
-  std::string text = "# The faces that batten fill made in " + part.filename().string() +
+  std::string text = "# The faces that batten " + std::string(task.bridge ? "blend" : "fill") +
+                     " made in " + part.filename().string() +
                      ". Add loads, inner curves or [[join]], and run it with batten run.\n" +
                      "name = " + SceneText::toml_value(name) +
                      "\nunit = " + SceneText::toml_value(task.unit) + "\n";
@@ -52,7 +53,9 @@ std::string scene_text_of(const std::filesystem::path& part, const FillTask& tas
       text += (k ? ", " : "") + std::to_string(task.openings[k]);
     text += "]\n";
   }
+  if (!task.edges.empty()) text += "edges = " + list_of(task.edges) + "\n";
   if (task.bridge) text += "bridge = true\n";
+  if (task.tension > 0) text += "tension = " + SceneText::toml_value(task.tension) + "\n";
   if (!task.continuity.empty()) text += "continuity = \"" + task.continuity + "\"\n";
   if (task.edge_length > 0)
     text += "\n[mesh]\nedge_length = " + SceneText::toml_value(task.edge_length) + "\n";
@@ -70,7 +73,7 @@ std::string scene_text_of(const std::filesystem::path& part, const FillTask& tas
 
 Report run_fill(const std::filesystem::path& part, const FillTask& task,
                 const std::filesystem::path& folder, const Progress& progress) {
-  const std::string name = part.stem().string() + "-filled";
+  const std::string name = part.stem().string() + (task.bridge ? "-blended" : "-filled");
   const std::string text = scene_text_of(part, task, name, folder);
   // Paths are relative to the folder; the file is written only with the results.
   Scene scene = parse_scene(text, folder / name);

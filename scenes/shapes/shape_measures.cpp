@@ -142,7 +142,7 @@ void measure_network(Report& report, const BuiltModel& made, const Scene& scene)
   report.network = network_report(*made.network, *made.found, made.model, made.fit_tolerance,
                                   scene.network.join_tolerance);
   report.network->added_curves = made.added_curves;
-  if (!scene.neighbours.empty() && !has_outlines(scene))
+  if (!scene.neighbours.empty() && !has_outlines(scene) && !has_blend(scene))
     for (const auto& join : report.network->joins)
       if (join.kind == "free edge")
         report.failed_checks.push_back(

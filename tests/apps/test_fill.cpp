@@ -215,3 +215,79 @@ TEST_CASE("a face set of a mesh is replaced", "[apps][fill][mesh]") {
   CHECK(names == std::vector<std::string>{"patch", "rest"});
   CHECK(filled_sphere(c / "out/scan-filled.obj").free_edges == 0);
 }
+
+namespace fill_tests {
+
+// A flat sheet with edges named "1" to "4", as NAME/NAME.step.
+void make_sheet(const CliCase& c, const std::string& name,
+                const std::vector<std::string>& corners) {
+  std::string text = "unit = \"mm\"\n";
+  for (size_t i = 0; i < corners.size(); ++i)
+    text += "[[curve]]\nname = \"" + std::to_string(i + 1) + "\"\npoints = [" + corners[i] + ", " +
+            corners[(i + 1) % corners.size()] + "]\n";
+  c.file(name + ".toml", text + "[output]\nstep = \"" + name + ".step\"\n");
+  const CliResult r = c.run({"run", name + ".toml", "--out", name});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+}
+
+}  // namespace fill_tests
+
+TEST_CASE("a blend connects edges of two sheets, with tension at its sides", "[apps][fill]") {
+  const CliCase c("blend_sheets");
+  make_sheet(c, "a", {"[0, 0, 0]", "[40, 0, 0]", "[40, 30, 0]", "[0, 30, 0]"});
+  make_sheet(c, "b", {"[70, 0, 30]", "[70, 30, 30]", "[70, 30, 60]", "[70, 0, 60]"});
+  const auto scene = [](const std::string& more) {
+    return "unit = \"mm\"\n[[neighbour]]\nfile = \"a/a.step\"\nbridge = true\nedges = [\"2\"]\n" +
+           more +
+           "[[neighbour]]\nfile = \"b/b.step\"\nedges = [\"1\"]\n[output]\nstep = \"s.step\"\n";
+  };
+  double area = 0;
+  for (const std::string tension : {"", "tension = 2\n"}) {
+    c.file("both.toml", scene(tension));
+    const CliResult r = c.run({"run", "both.toml", "--out", "out" + tension.substr(0, 1)});
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 0);
+    const auto j = report(c, "out" + tension.substr(0, 1));
+    REQUIRE(j["joins"].size() == 4);
+    for (const auto& join : j["joins"]) {
+      const bool is_side = join["edge"].get<std::string>().starts_with("side");
+      CHECK(join["continuity"] == (is_side ? "free edge" : "smooth"));
+      if (!is_side) CHECK(join["max_inside_deg"].get<double>() < 0.1);
+    }
+    CHECK(j["step"]["faces"] == 3);
+    CHECK(j["step"]["shells"] == 1);
+    // The sheets are cylinders' generators: the blend is one, of the sides' arc length times 30.
+    const double here = j["surface"]["area"];
+    if (tension.empty())
+      area = here;
+    else
+      CHECK(here > 1.05 * area);
+  }
+  // A Hermite cubic with |X'| of the distance 42.4 at both ends: arc length 46.8.
+  CHECK(area == Approx(30 * 46.84).epsilon(2e-3));
+
+  CliResult r = c.run({"blend", "a/a.step", "--edge", "1", "--edge", "2", "--out", "touch"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("2 edges in 1 chain") && Contains("two chains"));
+  r = c.run({"blend", "a/a.step", "--out", "none"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("opening 1: 4 edges (1, 2, 3, 4)"));
+  r = c.run({"fill", "a/a.step", "--edge", "5", "--out", "none"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("no free edge '5', expected one of: 1, 2, 3, 4"));
+}
+
+TEST_CASE("the openings of a tube are selected by their edges, and blended", "[apps][fill]") {
+  const CliCase c("blend_tubes");
+  make_ring(c, 30, 25, 40);
+  CliResult r = c.run({"fill", "part/ring.step", "--edge", "high", "--out", "out"});
+  INFO(r.out << r.err);
+  REQUIRE(r.code == 0);
+  CHECK(report(c, "out")["joins"][0]["edge"] == "high");
+  // Both ends of one tube: a ring around it, tangent at both.
+  r = c.run({"blend", "part/ring.step", "--edge", "high", "--edge", "low", "--tension", "2",
+             "--out", "no"});
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("tension") && Contains("closed edges"));
+}

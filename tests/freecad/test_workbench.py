@@ -11,7 +11,7 @@ import FreeCAD
 import Part
 
 sys.path.insert(0, os.environ["BATTEN_WORKBENCH"])  # the folder of InitGui.py
-from batten_freecad import continuity, fair, scene, skin  # noqa: E402
+from batten_freecad import continuity, fair, given, scene, skin  # noqa: E402
 
 V = FreeCAD.Vector
 SKETCHES = Path(os.environ.get("BATTEN_SKETCH_FOLDER", ""))
@@ -136,6 +136,80 @@ class Workbench(unittest.TestCase):
                 scene.program()
         finally:
             os.environ["BATTEN_PROGRAM"] = before
+
+    def part(self, shape, name="Part"):
+        obj = self.document.addObject("Part::Feature", name)
+        obj.Shape = shape
+        return obj
+
+    def test_openings_are_filled_to_a_solid(self):
+        # A cylinder with a hemisphere's zone on top, without the cap: an edge number after the degenerate one of a pole.
+        sphere = Part.makeSphere(20, V(0, 0, 0), V(0, 0, 1), -90, 50, 360)
+        cap = next(f"Face{i + 1}" for i, face in enumerate(sphere.Faces) if isinstance(face.Surface, Part.Plane))
+        obj = given.fill(self.document, [(self.part(sphere), (cap,))])
+        self.assertEqual(list(obj.Messages), [])
+        self.assertTrue(obj.Shape.isValid())
+        self.assertEqual(len(obj.Shape.Solids), 1)
+        self.assertAlmostEqual(obj.Shape.Volume, 4 / 3 * 3.14159265 * 8000, delta=0.002 * 33510)
+        # The same opening, of the shell without the cap, by its edge; the other is closed, too, if nothing is selected.
+        tube = self.part(Part.makeCylinder(10, 30).Faces[0], "Tube")
+        ring = next(f"Edge{i + 1}" for i, edge in enumerate(tube.Shape.Edges) if edge.Length > 40 and edge.CenterOfMass.z > 1)
+        one = given.fill(self.document, [(tube, (ring,))])
+        self.assertEqual(len(one.Shape.Faces), 2)
+        self.assertGreater(one.Shape.Faces[1].CenterOfMass.z, 15)
+        both = given.fill(self.document, [(tube, ("",))])
+        self.assertAlmostEqual(both.Shape.Volume, 3.14159265 * 100 * 30, delta=10)
+        # It follows the part.
+        tube.Shape = Part.makeCylinder(12, 30).Faces[0]
+        self.document.recompute()
+        self.assertAlmostEqual(both.Shape.Volume, 3.14159265 * 144 * 30, delta=15)
+        both.NewFacesOnly = True
+        self.document.recompute()
+        self.assertEqual(len(both.Shape.Faces), 2)
+
+    def test_edges_of_two_parts_are_blended(self):
+        def sheet(*corners):
+            return Part.Face(Part.makePolygon([*corners, corners[0]]))
+
+        def edge_at(obj, middle):
+            return next(f"Edge{i + 1}" for i, e in enumerate(obj.Shape.Edges) if (e.CenterOfMass - middle).Length < 1e-6)
+
+        flat = self.part(sheet(V(0, 0, 0), V(40, 0, 0), V(40, 30, 0), V(0, 30, 0)), "Flat")
+        wall = self.part(sheet(V(70, 0, 30), V(70, 30, 30), V(70, 30, 60), V(70, 0, 60)), "Wall")
+        source = [(flat, (edge_at(flat, V(40, 15, 0)),)), (wall, (edge_at(wall, V(70, 15, 30)),))]
+        obj = given.blend(self.document, source)
+        self.assertEqual(len(obj.Shape.Faces), 1)
+        area = obj.Shape.Area
+        obj.NewFacesOnly = False
+        self.document.recompute()
+        rows = continuity.rows_of(obj.Shape)
+        self.assertEqual(len(rows), 2)
+        self.assertLess(max(angle for _, _, angle in rows), 0.1)
+        obj.NewFacesOnly = True
+        obj.Tension = 2
+        self.document.recompute()
+        self.assertGreater(obj.Shape.Area, 1.05 * area)
+        with self.assertRaises(scene.BattenError):
+            obj.Source = source[:1]
+            obj.Proxy.execute(obj)
+
+    def test_a_skin_continues_the_faces_beside_its_edges(self):
+        tube = self.part(Part.makeCylinder(10, 30).Faces[0], "Tube")
+        ring = next(f"Edge{i + 1}" for i, edge in enumerate(tube.Shape.Edges) if edge.Length > 40 and edge.CenterOfMass.z > 1)
+        obj = skin.make(self.document, [(tube, (ring,))])
+        self.assertEqual([(o.Name, tuple(s)) for o, s in obj.Neighbours], [("Tube", ("Face1",))])
+        self.assertLess(obj.Shape.BoundBox.ZMax, 30.01)  # a flat lid: G0 at a right angle
+        obj.Continuity = "G1"
+        self.document.recompute()
+        self.assertGreater(obj.Shape.BoundBox.ZMax, 34)
+        obj.Neighbours = []
+        self.document.recompute()
+        self.assertLess(obj.Shape.BoundBox.ZMax, 30.01)
+        # The edges of one face of a solid: the faces around it.
+        box = self.part(Part.makeBox(10, 20, 30), "Box")
+        edges = tuple(f"Edge{i + 1}" for i, edge in enumerate(box.Shape.Edges) if edge.CenterOfMass.z > 29.9)
+        (_, names), = given.faces_beside([(box, edges)])
+        self.assertEqual(len(names), 4)
 
     def test_a_document_is_saved_and_opened(self):
         obj = skin.make(self.document, four_arches(self.document))

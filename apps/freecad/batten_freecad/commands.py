@@ -3,7 +3,7 @@
 import FreeCAD
 import FreeCADGui
 
-from batten_freecad import continuity, fair, icons, scene, skin
+from batten_freecad import continuity, fair, given, icons, scene, skin
 
 
 def selected_curves():
@@ -54,6 +54,25 @@ def make_skin():
         FreeCADGui.ActiveDocument.setEdit(obj.Name)
 
 
+def selected(kinds):
+    """The selection as links to sub-elements whose names start with one of `kinds`; ("",) for objects without such ones."""
+    links = []
+    for one in FreeCADGui.Selection.getSelectionEx():
+        if hasattr(one.Object, "Shape") and one.Object.Shape.Faces:
+            links.append((one.Object, tuple(s for s in one.SubElementNames if s.startswith(kinds)) or ("",)))
+    return links
+
+
+def make_fill():
+    links = selected(("Edge", "Face"))
+    as_transaction("Fill", lambda document: given.fill(document, links))
+
+
+def make_blend():
+    links = selected(("Edge", "Face"))
+    as_transaction("Blend", lambda document: given.blend(document, links))
+
+
 def make_fair():
     for obj, edges in selected_curves():
         as_transaction("Fair curve", lambda document, o=obj, e=edges: fair.make(document, (o, (e[0],))))
@@ -71,6 +90,11 @@ def has_faces():
 COMMANDS = {
     "Batten_Skin": Command("skin", "Skin", "Fit smooth surfaces between the selected edges or sketches", make_skin,
                            lambda: bool(selected_curves())),
+    "Batten_Fill": Command("fill", "Fill", "Fill the openings at the selected edges, replace the selected faces, or close the "
+                           "selected object, tangent to the faces beside them", make_fill,
+                           lambda: bool(selected(("Edge", "Face")))),
+    "Batten_Blend": Command("blend", "Blend", "Connect the selected edges of faces by a face that continues both", make_blend,
+                            lambda: sum(s != "" for _, subs in selected(("Edge",)) for s in subs) > 1),
     "Batten_Fair": Command("fair", "Fair curve", "Create a fair (smooth) curve from the selected edge", make_fair,
                            lambda: bool(selected_curves())),
     "Batten_Check": Command("check", "Check continuity", "Print the gap and the angle between the faces at each shared edge",

@@ -65,7 +65,8 @@ def table(heading, **keys):
     return "\n".join(lines) + "\n"
 
 
-def scene_of(edges, creases=(), smooth=(), pressure=0.0, loads=(), edge_length=0.0, gap_tolerance=0.0, angle_tolerance=0.0):
+def scene_of(edges, creases=(), smooth=(), pressure=0.0, loads=(), edge_length=0.0, gap_tolerance=0.0, angle_tolerance=0.0,
+             neighbours="", continuity="Automatic"):
     """The text of a scene with the faces that the curves bound.
 
     edges            {name: Part.Edge}; names without dots
@@ -75,12 +76,17 @@ def scene_of(edges, creases=(), smooth=(), pressure=0.0, loads=(), edge_length=0
     edge_length      target edge length of the elements, mm; 0: 1/20 of the size
     gap_tolerance    largest gap between curves that is closed, mm; 0: determined from the gaps
     angle_tolerance  angle between the faces at smooth edges, degrees; 0: default
+    neighbours       file of faces that the surfaces continue at common edges; "": none
+    continuity       with these faces: "Automatic", "G0", "G1" or "G2"
     """
     parts = ['unit = "mm"\n']
     parts += [table("curve", name=text(name), spline=spline(edge)) for name, edge in edges.items()]
-    for continuity, names in (("G0", creases), ("smooth", smooth)):
+    for kind, names in (("G0", creases), ("smooth", smooth)):
         if names:
-            parts.append(table("join", curves=json.dumps(list(names)), continuity=text(continuity)))
+            parts.append(table("join", curves=json.dumps(list(names)), continuity=text(kind)))
+    if neighbours:
+        stated = {} if continuity == "Automatic" else {"continuity": text(continuity)}
+        parts.append(table("neighbour", file=text(neighbours), fill="false", **stated))
     keys = (("gap_tolerance", gap_tolerance), ("angle_tolerance", angle_tolerance))
     parts.append("[skin]\n" + "".join(f"{key} = {float(value)!r}\n" for key, value in keys if value > 0))
     if edge_length > 0:
@@ -91,7 +97,7 @@ def scene_of(edges, creases=(), smooth=(), pressure=0.0, loads=(), edge_length=0
         if force.Length > 0:
             parts.append(table("load", name=text(f"point load {i}"), type=text("point"), at=numbers(point),
                                direction=numbers(force), value=repr(force.Length)))
-    parts.append('[output]\nstep = "model.step"\n')
+    parts.append('[output]\nstep = "model.step"\n' + ("step_neighbours = false\n" if neighbours else ""))
     return "\n".join(parts)
 
 
@@ -104,11 +110,14 @@ def call(arguments, folder):
     return done.stdout
 
 
-def run(scene):
-    """Computes a scene: (shape, report). The shape has one face per face of the scene; the report is report.json as a dict."""
+def run(scene, files=()):
+    """Computes a scene: (shape, report). The shape has one face per face of the scene; the report is report.json as a dict.
+    `files`: shapes that the scene reads, [(name of a BREP file, shape)]."""
     with tempfile.TemporaryDirectory(prefix="batten-freecad-") as name:
         folder = Path(name)
         (folder / "scene.toml").write_text(scene, encoding="utf-8")
+        for file, shape in files:
+            shape.exportBrep(str(folder / file))
         call(["run", "scene.toml", "--out", "out", "--quiet"], folder)
         report = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
         step = folder / "out" / "model.step"

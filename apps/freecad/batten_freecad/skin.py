@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MPL-2.0
 """The feature Skin: surfaces between edges of other objects, updated when one of them changes."""
 import FreeCAD
+import Part
 
-from batten_freecad import scene
+from batten_freecad import given, scene
 from batten_freecad.stateless import Stateless
 
 
@@ -23,6 +24,8 @@ class Skin(Stateless):
 
     Curves           edges, in any order and direction; closed loops of them bound faces
     Creases, Smooth  edges of Curves whose faces meet with a crease (G0) or smoothly (G1), instead of automatically
+    Neighbours       faces that the surfaces continue at common edges, which keep their shape
+    Continuity       with these faces
     Pressure         along the normals; dimensionless, for surfaces scaled to size 1
     LoadPoints, LoadForces  points, and the force at each, with dimensionless length
     EdgeLength       target edge length of the elements; 0: 1/20 of the size
@@ -36,6 +39,8 @@ class Skin(Stateless):
         add("App::PropertyLinkSubList", "Curves", "Batten", "Edges that bound the surfaces")
         add("App::PropertyLinkSubList", "Creases", "Batten", "Edges with a crease (G0)")
         add("App::PropertyLinkSubList", "Smooth", "Batten", "Edges with tangent continuity (G1)")
+        add("App::PropertyLinkSubList", "Neighbours", "Batten", "Faces that the surfaces continue")
+        given.add_continuity(obj)
         add("App::PropertyFloat", "Pressure", "Batten", "Pressure along the normals (dimensionless)")
         add("App::PropertyVectorList", "LoadPoints", "Batten", "Points of the point loads")
         add("App::PropertyVectorList", "LoadForces", "Batten", "Forces of the point loads (dimensionless)")
@@ -51,10 +56,14 @@ class Skin(Stateless):
         if len(obj.LoadPoints) != len(obj.LoadForces):
             raise scene.BattenError(f"found {len(obj.LoadPoints)} load points and {len(obj.LoadForces)} forces, "
                                     "expected one force for each point")
+        # Documents of earlier releases have no such property.
+        faces = [o.Shape.getElement(s) for o, s in given.sub_elements(getattr(obj, "Neighbours", [])) if s]
+        files = [("neighbours.brep", Part.Compound(faces))] if faces else []
         toml = scene.scene_of(edges, [n for n in edges_of(obj.Creases) if n in edges],
                               [n for n in edges_of(obj.Smooth) if n in edges], obj.Pressure,
-                              list(zip(obj.LoadPoints, obj.LoadForces)), obj.EdgeLength.Value, obj.GapTolerance.Value)
-        shape, report = scene.run(toml)
+                              list(zip(obj.LoadPoints, obj.LoadForces)), obj.EdgeLength.Value, obj.GapTolerance.Value,
+                              neighbours=files[0][0] if files else "", continuity=getattr(obj, "Continuity", "Automatic"))
+        shape, report = scene.run(toml, files)
         obj.Shape = shape
         obj.Messages = scene.messages_of(report)
         for message in obj.Messages:
@@ -62,10 +71,11 @@ class Skin(Stateless):
 
 
 def make(document, curves, name="Skin"):
-    """Adds a Skin between edges, [(object, (sub-element, …)), …], and computes it."""
+    """Adds a Skin between edges, [(object, (sub-element, …)), …], and computes it. It continues the faces beside them."""
     obj = document.addObject("Part::FeaturePython", name)
     Skin(obj)
     obj.Curves = curves
+    obj.Neighbours = given.faces_beside(curves)
     if FreeCAD.GuiUp:
         from batten_freecad import view
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MPL-2.0
-"""View provider of a Skin: its icon, and the panel that a double click opens."""
+"""View providers: the icons of the features, and the panel that a double click on a Skin opens."""
 import FreeCADGui
 
 from batten_freecad import icons
@@ -28,3 +28,16 @@ class SkinView(Stateless):
 
     def doubleClicked(self, view):
         return self.setEdit(view)
+
+
+class GivenView(Stateless):
+    """Of a Fill or a Blend."""
+
+    def __init__(self, view):
+        view.Proxy = self
+
+    def attach(self, view):
+        self.icon = type(view.Object.Proxy).__name__.lower()
+
+    def getIcon(self):
+        return icons.path(self.icon)
