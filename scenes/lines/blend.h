@@ -21,6 +21,7 @@ struct BlendEdge {
   /// blend leave it: the direction of the face's own side edge that ends there, if it is within 60
   /// degrees of the perpendicular to the edge, or else this perpendicular.
   std::array<Vec3, 2> across;
+  std::vector<NeighbourSample> samples;  ///< the given face along the edge
 };
 
 /// The edge number `index` of given faces.
@@ -28,16 +29,19 @@ BlendEdge blend_edge(const NeighbourFaces& faces, int index);
 
 /// A face between two chains of edges.
 struct Blend {
-  std::vector<CharacterLine>
-      sides;  ///< the curves between the ends of the chains; none if they are closed
+  /// Curves between the chains: two sides and curves inside the face; none if the
+  /// chains are closed.
+  std::vector<CharacterLine> curves;
   RegionSpec region;
 };
 
-/// Connects two chains of edges. Open chains get two sides, which connect the closest ends: cubic
-/// curves that start in the directions BlendEdge::across, with derivatives of `tension` times the
-/// distance of the ends, so that larger values bulge more. `tension` > 0; 0: 1. Throws InputError if the
-/// edges do not form two chains that are both open or both closed, and if there is a tension for
-/// closed chains.
+/// Connects two chains of edges. Open chains are connected by cubic curves: two sides between the ends
+/// that are closest to each other, and curves inside the face, between points at equal fractions of the
+/// lengths of the chains, not farther apart than half of the distance between the chains. They leave the
+/// given faces in the directions BlendEdge::across and directions interpolated between these, with
+/// derivatives of `tension` times the distance of their ends, so that larger values bulge more; 0: 1.
+/// Throws InputError if the edges do not form two chains that are both open or both closed, and if there
+/// is a tension for closed chains.
 Blend blend_between(const std::vector<BlendEdge>& edges, double tension);
 
 }  // namespace batten

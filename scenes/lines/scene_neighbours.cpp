@@ -180,7 +180,7 @@ void connect(const Scene& scene, const SceneNeighbour& bridge, SceneNeighbours& 
   if (!result.blend.empty()) {
     try {
       Blend blend = blend_between(result.blend, bridge.tension);
-      result.lines.insert(result.lines.end(), blend.sides.begin(), blend.sides.end());
+      result.lines.insert(result.lines.end(), blend.curves.begin(), blend.curves.end());
       result.regions = {std::move(blend.region)};
     } catch (const InputError& e) {
       throw InputError(scene.at(bridge.location) + e.what());

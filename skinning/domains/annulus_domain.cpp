@@ -121,6 +121,10 @@ class AnnulusBuilder {
     } else if (circles_[0].is_single_line() && !circles_[0].prescribed()) {
       circles_[0] = circles_[0].with_seam_at(-phase);
     } else {
+      // The seam of a B-spline face starts at phase 0: it meets a node or keeps away from it.
+      constexpr double close = 2e-3;
+      for (const auto& span : circles_[1].spans)
+        if (std::abs(std::remainder(span.from - phase, 1.0)) < close) phase = span.from;
       for (auto& span : circles_[1].spans) span.from = fractional_part(span.from - phase);
     }
   }
