@@ -305,6 +305,7 @@ NeighbourFaces mesh_neighbour_faces(const MeshNeighbour& mesh) {
     NeighbourOpening& opening = faces.openings.emplace_back();
     opening.faces = {"mesh"};
     opening.length = boundary.length;
+    opening.edge_length = boundary.length / isize(boundary.vertices);
     opening.centre = boundary.centre;
     opening.turning_deg = boundary.turning_deg;
     opening.component = boundary.component;

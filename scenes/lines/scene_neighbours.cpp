@@ -2,6 +2,7 @@
 #include "batten/scenes/lines/scene_neighbours.h"
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -165,6 +166,12 @@ class NeighbourReader {
     spec.where = scene_.at(given_.location);
     spec.loops.emplace_back();
     for (const std::string& name : opening.lines) spec.loops.front().push_back(add_line(name));
+    // Elements smaller than the triangles of the mesh would only make small triangles beside large
+    // ones. The usual length is 1/20 of the size.
+    constexpr double usual = 1.0 / 20;
+    if (!(scene_.skin.options.edge_length > 0) &&
+        opening.edge_length > usual * opening.length / std::numbers::pi)
+      spec.skin.edge_length = opening.edge_length;
     if (!has_outlines(scene_)) result_.regions.push_back(std::move(spec));
   }
 

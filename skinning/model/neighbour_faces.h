@@ -21,6 +21,8 @@ struct NeighbourOpening {
   /// tube. By the theorem of Gauss and Bonnet, it is 360 degrees times the Euler characteristic
   /// minus the integral of the Gaussian curvature, if the faces have no other boundary.
   double turning_deg = 0;
+  /// Mean length of the edges of a mesh on the loop, model units; 0: the faces are no mesh.
+  double edge_length = 0;
   int component = 0;  ///< number of the connected set of faces that has this loop, from 0
   /// True if the connected faces lie inside the loop rather than around it, as in a sheet
   /// (find_outer_boundaries()).
