@@ -832,7 +832,7 @@ struct FillArguments {
 void add_given_faces(Subcommand& subcommand, FillArguments& a) {
   subcommand
       .option("PART", a.part,
-              "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks …) with the faces")
+              "CAD file (.step .iges .brep) or mesh (.stl .obj .ply, decks) with the faces")
       .required();
   add_out(subcommand, a.out);
   add_unit(subcommand, a.task.unit, "length unit of the results");
@@ -883,8 +883,7 @@ Command add_fill(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FillArguments>();
   FillArguments& a = *arguments;
   Subcommand subcommand = program.command(
-      "fill", kSurfaces,
-      "fill the openings of a CAD model or a mesh, tangent to the faces beside them");
+      "fill", kSurfaces, "fill the openings of CAD models or meshes, tangent to their faces");
   add_given_faces(subcommand, a);
   subcommand.group("Openings");
   subcommand
@@ -914,9 +913,8 @@ Command add_blend(CommandLine& program, CommonOptions& common) {
   const auto arguments = std::make_shared<FillArguments>();
   FillArguments& a = *arguments;
   a.task.bridge = true;
-  Subcommand subcommand =
-      program.command("blend", kSurfaces,
-                      "connect two edges or openings of a CAD model or a mesh by a tangent face");
+  Subcommand subcommand = program.command(
+      "blend", kSurfaces, "connect edges or openings of CAD models or meshes, tangentially");
   add_given_faces(subcommand, a);
   subcommand.group("Edges");
   subcommand

@@ -540,9 +540,9 @@ void add_join(int edge, const CurveNetwork& network, const RegionMaker& maker,
               : uses.size() == 2 ? ModelJoin::Kind::Crease
                                  : ModelJoin::Kind::NonManifold;
   if (uses.size() == 1 && !options.neighbours.empty() && maker.prescribed(edge))
-    join.neighbour =
-        NeighbourEdge::along(maker.prescribed(edge)->curve, options.neighbours,
-                             std::max(options.neighbour_tolerance, network.tolerance()));
+    join.neighbour = NeighbourEdge::along(
+        maker.prescribed(edge)->curve, options.neighbours,
+        options.neighbour_tolerance > 0 ? options.neighbour_tolerance : network.tolerance());
   if (join.neighbour && !spec && join.neighbour->continuity() != NeighbourContinuity::Automatic) {
     stated = kind_of(join.neighbour->continuity());
     spec = &stated;

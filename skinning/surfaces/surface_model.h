@@ -62,8 +62,8 @@ struct ModelOptions {
   /// Crease angle, degrees, at edges of given surfaces without corners. It is larger than
   /// crease_angle_deg, because the initial face does not know the given surface.
   double neighbour_crease_angle_deg = 60;
-  /// Largest distance between an edge and the edge of its given surface, model units, if it exceeds
-  /// the tolerance of gaps in the network.
+  /// Largest distance between an edge and the edge of its given surface, model units; 0: the
+  /// tolerance of gaps in the network.
   double neighbour_tolerance = 0;
   int max_join_rounds = 3;  ///< largest number of refinement rounds along smooth joins
   bool rest = true;         ///< true: rest shapes; false: flat rest state
