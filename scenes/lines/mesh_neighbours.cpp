@@ -141,6 +141,7 @@ class BoundaryCurves {
     }
     constexpr double exact = 0.01, rough = 0.1, of_noise = 1.5, corner_angle = 50;
     tolerance_ = std::clamp(of_noise * loop.fourth_difference(), exact * h, rough * h);
+    accuracy_ = tolerance_;
     corners_ = find_corners(points_, true, corner_angle);
   }
 
