@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "batten/core/containers.h"
@@ -101,8 +98,9 @@ class Loop {
 };
 
 // Number of rounds of Loop::smoothed() that remove the zigzag of a loop, such as the rim of a hole in
-// a scan; 0: it has none. `noisy`: as many as hardly change the loop. The sum of the turning angles tells: filtering reduces that of a zigzag by
-// many turns, and hardly that of a curve with corners.
+// a scan; 0: it has none. Filtering reduces the sum of the turning angles of a zigzag by many turns,
+// and hardly that of a curve with corners. `noisy`: takes the largest number of rounds that hardly
+// changes the size of the loop.
 int rounds_against_zigzag(const Loop& loop, bool noisy) {
   constexpr int fewest = 12, first = 4;
   constexpr double most_turning = 720, same_turning = 60;  // degrees
