@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MPL-2.0
-// `batten fill`, `batten blend`: faces in the openings of a CAD file or a mesh, tangent to the faces beside them.
+// `batten fill`, `batten blend`: faces in the openings of a CAD file or a mesh, or between two of its
+// edges, tangent to the faces beside them.
 #include <algorithm>
 #include <filesystem>
 #include <string>
